@@ -129,13 +129,15 @@ fn bushing_radius(row: &mut Section, journal_radius: Option<f64>) -> Option<f64>
     None
 }
 
-fn material(row: &mut Section, key: &'static str, materials: &[MaterialRow]) -> Option<Material> {
+/// Reads the name of a material under `key`.
+pub(super) fn material(row: &mut Section, key: &'static str, materials: &[MaterialRow]) -> Option<Material> {
     let name = row.text(key, "the name of a material")?;
     let i = row.reference(key, "material", name, materials.iter().map(|(name, _)| name.as_str()))?;
     materials[i].1
 }
 
-fn contact_damping(row: &mut Section) -> Option<ContactDamping> {
+/// Reads the dissipation of a contact.
+pub(super) fn contact_damping(row: &mut Section) -> Option<ContactDamping> {
     const EXPECTED: &str = "\"none\", { hunt_crossley = \"7.5 s/m\" } or { law, restitution, least_speed }";
     match row.get("contact_damping") {
         None => Some(ContactDamping::None),

@@ -49,6 +49,44 @@ pub enum JointKind {
     },
     /// A journal in a larger bushing.
     Clearance(Clearance),
+    /// A slider in a wider guide.
+    Guide(GuideClearance),
+}
+
+impl JointKind {
+    /// True for a joint with clearance, a journal in its bushing or a slider in its guide; false for an ideal one.
+    pub fn has_clearance(&self) -> bool {
+        matches!(self, JointKind::Clearance(_) | JointKind::Guide(_))
+    }
+}
+
+/// A translational joint with clearance: a rectangular slider between the two parallel faces of a straight guide.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GuideClearance {
+    /// Direction of the guide in the frame of its body [rad].
+    pub axis: f64,
+    /// Angle of the slider's body minus that of the guide's where the slider lies along the guide [rad].
+    pub angle: f64,
+    /// Length of the slider along the guide [m].
+    pub length: f64,
+    /// Height of the slider [m].
+    pub height: f64,
+    /// Width of the contact, normal to the plane [m].
+    pub width: f64,
+    /// Clearance c between slider and guide on each side [m].
+    pub clearance: f64,
+    /// Ends of the guide along its direction, from its point, the first one below the second `(2,)` [m].
+    pub reach: [f64; 2],
+    /// Material of the slider.
+    pub slider_material: Material,
+    /// Material of the guide.
+    pub guide_material: Material,
+    /// Dissipation of the contact.
+    pub contact_damping: ContactDamping,
+    /// Coulomb friction coefficient, mu [1].
+    pub friction: f64,
+    /// Speed at which tanh regularises the friction, v_0 [m/s].
+    pub friction_speed: f64,
 }
 
 /// A revolute joint with clearance.

@@ -3,6 +3,7 @@
 use super::body_row::{BodyRow, place};
 use super::clearance::{MaterialRow, clearance};
 use super::context::Range;
+use super::guide::guide;
 use super::joint::{IdealFriction, Joint, JointKind};
 use super::quantity::{ANGLE, LENGTH, NUMBER, SPEED};
 use super::section::Section;
@@ -42,15 +43,21 @@ fn joint(
         Prismatic,
         Fixed,
         Clearance,
+        Guide,
     }
     let words = [
         ("revolute", JointWord::Revolute),
         ("prismatic", JointWord::Prismatic),
         ("fixed", JointWord::Fixed),
         ("clearance", JointWord::Clearance),
+        ("guide", JointWord::Guide),
     ];
     let Some(word) = row.word("type", &words) else { return (None, None) };
-    let [first, second] = if word == JointWord::Clearance { ["journal", "bushing"] } else { ["a", "b"] };
+    let [first, second] = match word {
+        JointWord::Clearance => ["journal", "bushing"],
+        JointWord::Guide => ["slider", "guide"],
+        JointWord::Revolute | JointWord::Prismatic | JointWord::Fixed => ["a", "b"],
+    };
     let mut unworn = Some("is ideal");
     let mut angle = |key| row.quantity_or(key, ANGLE, Range::Any, 0.0);
     let kind = match word {
@@ -65,12 +72,16 @@ fn joint(
             unworn = (wears == Some(false)).then_some("has wear = false");
             clearance(row, materials, wears == Some(true)).map(JointKind::Clearance)
         }
+        JointWord::Guide => {
+            unworn = Some("is a guide, the wear of which is not modelled,");
+            guide(row, materials).map(JointKind::Guide)
+        }
     };
     let (journal, bushing) = (place(row, first, bodies), place(row, second, bodies));
     let friction = match word {
         JointWord::Revolute => friction(row, "pin_radius"),
         JointWord::Prismatic => friction(row, "guide_length"),
-        JointWord::Fixed | JointWord::Clearance => Some(None),
+        JointWord::Fixed | JointWord::Clearance | JointWord::Guide => Some(None),
     };
     if let (Some(journal), Some(bushing)) = (journal, bushing)
         && journal.body == bushing.body

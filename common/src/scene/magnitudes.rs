@@ -90,7 +90,7 @@ fn of_body(scene: &Scene, k: usize, body: &Body) -> Vec<(&'static str, String)> 
 /// points do not show how large they are.
 fn size(scene: &Scene, k: usize, body: &Body, [a, b]: [f64; 2]) -> Option<f64> {
     let of_body = |joint: &&Joint| [joint.journal.body, joint.bushing.body].contains(&k);
-    let slides = |joint: &Joint| matches!(joint.kind, JointKind::Prismatic { .. });
+    let slides = |joint: &Joint| matches!(joint.kind, JointKind::Prismatic { .. } | JointKind::Guide(_));
     if scene.joints.iter().filter(of_body).count() < 2 || scene.joints.iter().filter(of_body).any(slides) {
         return None;
     }

@@ -32,6 +32,7 @@ mod expression_error;
 mod extends;
 pub mod faults;
 mod fits;
+mod guide;
 mod joint;
 mod joints;
 mod layers;
@@ -73,7 +74,7 @@ pub use attachment::Attachment;
 pub use drive::{Curve, Drive, Over, Table};
 pub use faults::{Fault, FaultKind, Faults};
 pub use joint::{
-    Clearance, ContactDamping, ContactLaw, IdealFriction, Joint, JointKind, Material, RestitutionLaw,
+    Clearance, ContactDamping, ContactLaw, GuideClearance, IdealFriction, Joint, JointKind, Material, RestitutionLaw,
     WearingSurfaces,
 };
 pub use limits::VALUE_LIMIT;

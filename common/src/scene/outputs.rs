@@ -3,7 +3,7 @@
 use super::attachment::Attachment;
 use super::body_row::{BodyRow, MotionWord, body, place};
 use super::drive::Curve;
-use super::joint::JointKind;
+use super::joint::{Joint, JointKind};
 use super::joints::{JointRow, chosen_joints, listed};
 use super::output::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
 use super::quantity::*;
@@ -183,7 +183,12 @@ fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
     }
     if let Some(ideal) = chosen.iter().map(|&k| &joints[k]).find(|joint| !has_clearance(joint)) {
         let there_are = listed(with_clearance());
-        row.inconsistent("joints", format!("joint \"{}\" has no clearance{there_are}", ideal.name));
+        let guides = |joint: &Joint| matches!(joint.kind, JointKind::Guide(_));
+        let reason = match ideal.joint.as_ref().is_some_and(guides) {
+            true => "is a guide, the impacts of which are not counted",
+            false => "has no clearance",
+        };
+        row.inconsistent("joints", format!("joint \"{}\" {reason}{there_are}", ideal.name));
         return None;
     }
     Some(chosen)

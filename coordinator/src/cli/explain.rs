@@ -163,6 +163,20 @@ fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
                 )?;
                 writeln!(out, "     {}", contact(clearance))?;
             }
+            JointKind::Guide(guide) => {
+                writeln!(
+                    out,
+                    "  {}: {journal} slides in a guide of {bushing}, {:.2} um of clearance on each side, does not wear",
+                    joint.name,
+                    guide.clearance * 1e6
+                )?;
+                writeln!(
+                    out,
+                    "     corners and faces on an elastic foundation, {}, friction {}",
+                    damping(&guide.contact_damping),
+                    guide.friction
+                )?;
+            }
         }
     }
     writeln!(out)
@@ -192,8 +206,8 @@ fn wear(clearance: &Clearance) -> String {
     }
 }
 
-fn contact(clearance: &Clearance) -> String {
-    let damping = match clearance.contact_damping {
+fn damping(damping: &ContactDamping) -> String {
+    match *damping {
         ContactDamping::None => "no contact damping".to_owned(),
         ContactDamping::HuntCrossley { factor } => format!("Hunt-Crossley damping {factor} s/m"),
         ContactDamping::Restitution { law, coefficient, .. } => {
@@ -204,7 +218,11 @@ fn contact(clearance: &Clearance) -> String {
             };
             format!("damping for a restitution of {coefficient} ({law})")
         }
-    };
+    }
+}
+
+fn contact(clearance: &Clearance) -> String {
+    let damping = damping(&clearance.contact_damping);
     let Clearance { contact_law: law, film_damping, friction, .. } = clearance;
     format!(
         "{}: {}; {damping}; film {film_damping} N s/m; friction {friction}",

@@ -243,8 +243,14 @@ impl<R: Real> LaneStepper<R> {
         if self.force.lane(lane) != 0.0 {
             return Err(IntegrationError::NotFinite { time });
         }
-        for (joint, (force, deepest)) in self.at.joints.iter().zip(deepest).enumerate() {
-            let penetration = force.penetration.lane(lane);
+        for (guide, now) in self.at.guides.iter().enumerate() {
+            let distance = now.beyond.lane(lane);
+            if distance > 0.0 {
+                return Err(IntegrationError::LeftGuide { time, guide, distance });
+            }
+        }
+        for (joint, (penetration, deepest)) in self.at.penetrations().zip(deepest).enumerate() {
+            let penetration = penetration.lane(lane);
             if penetration > deepest {
                 return Err(IntegrationError::OutOfRange { time, joint, penetration });
             }
@@ -283,6 +289,7 @@ impl<R: Real> LaneStepper<R> {
         for (to, from) in to.friction.iter_mut().zip(&self.at.friction) {
             *to = from.map(|x| x.lane(lane));
         }
+        to.guides.iter_mut().zip(&self.at.guides).for_each(|(to, from)| *to = from.lane(lane));
         to.lambda.iter_mut().zip(&self.at.lambda).for_each(|(to, from)| *to = from.lane(lane));
         to.e.iter_mut().zip(&self.at.e).for_each(|(to, from)| *to = from.map(|x| x.lane(lane)));
         to.turns.iter_mut().zip(&self.at.turns).for_each(|(to, from)| *to = from.lane(lane));

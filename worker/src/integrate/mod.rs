@@ -34,7 +34,7 @@ pub(crate) use progress::{SpanProgress, StepDecision, StepDecisions, nan_as_infi
 pub(crate) use rosenbrock::Rosenbrock;
 pub use stepper::{StateObserver, Stepper};
 
-use crate::contact::JointForce;
+use crate::contact::{GuideReaction, JointForce};
 use crate::lanes::Real;
 
 /// Systems M qdd = f(q, qd, t) with a constant diagonal mass matrix, one per lane.
@@ -109,6 +109,8 @@ pub struct Linearised<R = f64> {
     pub ft: Vec<R>,
     /// Force of each joint with clearance `(joints,)`.
     pub joints: Vec<JointForce<R>>,
+    /// What each guide with clearance does `(guides,)`.
+    pub guides: Vec<GuideReaction<R>>,
     /// Eccentricity of each joint in its bushing's frame `(joints, 2)` [m].
     pub e: Vec<[R; 2]>,
     /// Angle of each journal's body minus that of its bushing's `(joints,)` [rad].
@@ -125,6 +127,17 @@ pub struct Linearised<R = f64> {
     /// One where the reactions of the ideal joints balance their friction, zero where f does not exist because they do not; `None`
     /// without ideal joints.
     pub balanced: Option<R>,
+}
+
+impl Linearised {
+    /// Checks that every slider is within its guide.
+    ///
+    /// # Errors
+    /// The guide that a slider has left, and how far it stands out [m].
+    pub(crate) fn in_guides(&self) -> Result<(), (usize, f64)> {
+        let left = self.guides.iter().position(|guide| guide.beyond > 0.0);
+        left.map_or(Ok(()), |guide| Err((guide, self.guides[guide].beyond)))
+    }
 }
 
 impl<R: Real> Linearised<R> {
@@ -144,6 +157,12 @@ impl<R: Real> Linearised<R> {
         }
     }
 
+    /// Penetration of the joints with clearance, then of the guides [m].
+    pub(crate) fn penetrations(&self) -> impl Iterator<Item = R> + '_ {
+        let joints = self.joints.iter().map(|joint| joint.penetration);
+        joints.chain(self.guides.iter().map(GuideReaction::deepest))
+    }
+
     /// Without degrees of freedom or joints.
     pub(crate) fn empty() -> Self {
         Linearised {
@@ -153,6 +172,7 @@ impl<R: Real> Linearised<R> {
             d: vec![],
             ft: vec![],
             joints: vec![],
+            guides: vec![],
             e: vec![],
             turns: vec![],
             lambda: vec![],

@@ -62,6 +62,15 @@ pub enum IntegrationError {
         /// Penetration there [m].
         penetration: f64,
     },
+    /// A slider stands out of its guide.
+    LeftGuide {
+        /// Time of the state [s].
+        time: f64,
+        /// Index into the island's guides.
+        guide: usize,
+        /// Length by which it stands out [m].
+        distance: f64,
+    },
     /// The constraints of the ideal joints became linearly dependent.
     Singular {
         /// Time of the state [s].

@@ -13,7 +13,7 @@ use super::constraint::{Constraint, first_rows};
 use super::frame::{End, Frame};
 use super::prescribed::Prescribed;
 use crate::extremum::largest;
-use common::scene::{Attachment, JointKind, Motion, Scene};
+use common::scene::{Attachment, Motion, Scene};
 use nalgebra::{DMatrix, DVector};
 
 /// Gap below which a joint counts as closed, relative to the mechanism's size.
@@ -267,7 +267,7 @@ impl<'a> Closure<'a> {
     /// The first ideal joint whose rows depend linearly on those of the ideal joints before it.
     pub(crate) fn first_dependent_joint(&self, q: &DVector<f64>) -> Option<usize> {
         let jacobian = self.gaps(0.0, q).jacobian;
-        let ideal = |joint: usize| !matches!(self.scene.joints[joint].kind, JointKind::Clearance(_));
+        let ideal = |joint: usize| !self.scene.joints[joint].kind.has_clearance();
         self.first_dependent_row(&jacobian, ideal)
     }
 

@@ -23,7 +23,7 @@ use super::frame::{End, Frame};
 use super::sliding::{FrictionConstants, NormalForce, Sliding};
 use crate::lanes::{Lanewise, Real, lanewise};
 use crate::plane::{dot, left};
-use common::scene::{IdealFriction, JointKind};
+use common::scene::{GuideClearance, IdealFriction, JointKind};
 use std::f64::consts::TAU;
 
 /// Most scalar constraints of one joint.
@@ -107,11 +107,12 @@ impl<R: Real> Geometry<R> {
 }
 
 impl Constraint {
-    /// The constraint that closes a joint of this kind; a joint with clearance closes as a revolute one.
+    /// The constraint that closes a joint of this kind; a joint with clearance closes as a revolute one, a guide with
+    /// clearance as a prismatic one.
     pub(crate) fn new(scene_joint: usize, ends: [End; 2], kind: &JointKind) -> Self {
         let (kind, normal, angle) = match kind {
             JointKind::Revolute | JointKind::Clearance(_) => (Kind::Revolute, [0.0; 2], 0.0),
-            JointKind::Prismatic { axis, angle } => {
+            JointKind::Prismatic { axis, angle } | JointKind::Guide(GuideClearance { axis, angle, .. }) => {
                 let (sin, cos) = libm::sincos(*axis);
                 (Kind::Prismatic, [-sin, cos], *angle)
             }

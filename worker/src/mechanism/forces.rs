@@ -5,6 +5,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::frame::Frame;
+use super::guide::Guide;
 use super::joint::{Blocks, PairMotion, Touching, pair_force};
 use super::load::{IslandLoad, NO_FRAME};
 use super::piecewise_cubic::Jet;
@@ -14,6 +15,7 @@ use crate::lanes::Real;
 /// Joints and loads that act on an island, and the frames of its bodies.
 pub(super) struct Acting<'a, R, J> {
     pub joints: &'a [J],
+    pub guides: &'a [Guide<R>],
     pub loads: &'a [IslandLoad<R>],
     /// Weight of the free bodies `(n,)`.
     pub weight: &'a [R],
@@ -92,6 +94,13 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
                 at.joints[index] = pair.joint;
                 at.e[index] = pair.e;
                 at.turns[index] = pair.turn;
+            }
+        }
+        for (index, guide) in self.guides.iter().enumerate() {
+            let (force, done) = guide.force::<JACOBIAN>(self.frames);
+            self.add::<JACOBIAN>(force.frames, &force.f, &force, f, at);
+            if JACOBIAN {
+                at.guides[index] = done;
             }
         }
         for load in self.loads {

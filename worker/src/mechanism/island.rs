@@ -6,13 +6,14 @@ use super::constraint::Constraint;
 use super::elimination::{Elimination, Existence};
 use super::forces::{Acting, JointSpace};
 use super::frame::{End, Frame};
+use super::guide::Guide;
 use super::joint::joint_motion;
 use super::load::{IslandLoad, NO_FRAME};
 use super::piecewise_cubic::Jet;
 use super::placed::Placed;
 use super::prescribed::Prescribed;
 use super::wearing_joint::WearingJoint;
-use crate::contact::JointMotion;
+use crate::contact::{GuideReaction, JointMotion};
 use crate::extremum::{largest, smallest};
 use crate::integrate::{Band, Closed, Dynamics, Linearised, Stepped};
 use crate::plane::length;
@@ -38,6 +39,8 @@ pub struct Island {
     pub touched: Vec<usize>,
     /// The island's joints with clearance.
     pub joints: Vec<WearingJoint>,
+    /// The island's guides with clearance.
+    pub guides: Vec<Guide>,
     /// The island's ideal joints, eliminated.
     pub(super) ideal: Elimination,
     pub(super) prescribed: Vec<Prescribed>,
@@ -60,6 +63,7 @@ pub(super) struct Parts {
     pub(super) bodies: Vec<usize>,
     pub(super) touched: Vec<usize>,
     pub(super) joints: Vec<WearingJoint>,
+    pub(super) guides: Vec<Guide>,
     pub(super) ideal: Elimination,
     pub(super) prescribed: Vec<Prescribed>,
     pub(super) loads: Vec<IslandLoad>,
@@ -70,7 +74,7 @@ pub(super) struct Parts {
 impl Island {
     /// The island of these parts, its scales not set yet.
     pub(super) fn new(parts: Parts) -> Self {
-        let Parts { bodies, touched, joints, ideal, prescribed, loads, mass, weight } = parts;
+        let Parts { bodies, touched, joints, guides, ideal, prescribed, loads, mass, weight } = parts;
         Island {
             frames: vec![Frame::default(); bodies.len() + touched.len()],
             jets: vec![Jet::default(); touched.len()],
@@ -81,6 +85,7 @@ impl Island {
             bodies,
             touched,
             joints,
+            guides,
             ideal,
             prescribed,
             loads,
@@ -117,7 +122,8 @@ impl Island {
             return Band::new(n, n);
         }
         let contacts = self.joints.iter().map(|j| j.ends.map(|end| end.frame).to_vec());
-        let frames = contacts.chain(self.loads.iter().map(IslandLoad::frames));
+        let guides = self.guides.iter().map(|g| g.ends.map(|end| end.frame).to_vec());
+        let frames = contacts.chain(guides).chain(self.loads.iter().map(IslandLoad::frames));
         let reach = |frames: Vec<usize>| {
             let free = frames.into_iter().filter(|&frame| frame < self.bodies.len());
             let (first, last) = free.fold((usize::MAX, 0), |(a, b), k| (a.min(k), b.max(k)));
@@ -148,6 +154,7 @@ impl Island {
             lambda: vec![0.0; self.ideal.rows()],
             friction: vec![[0.0; 2]; self.ideal.friction_joints()],
             prescribed: vec![[0.0; 3]; self.prescribed.len()],
+            guides: vec![GuideReaction::default(); self.guides.len()],
             ..Linearised::new(0.0, self.band(), self.joints.len())
         }
     }
@@ -159,7 +166,8 @@ impl Island {
     pub(super) fn scaled(mut self, scene: &Scene) -> Self {
         const SHARE_OF_CLEARANCE: f64 = 0.01;
         const SHARE_OF_SIZE: f64 = 1e-4;
-        let ends = self.joints.iter().map(|j| j.ends).chain(self.ideal.constraints.iter().map(|c| c.ends));
+        let contacts = self.joints.iter().map(|j| j.ends).chain(self.guides.iter().map(|g| g.ends));
+        let ends = contacts.chain(self.ideal.constraints.iter().map(|c| c.ends));
         let mut arm = vec![1e-6_f64; self.bodies.len()];
         for end in ends.flatten().filter(|e| e.frame < self.bodies.len()) {
             arm[end.frame] = arm[end.frame].max(length(end.arm));
@@ -173,6 +181,13 @@ impl Island {
             let lightest = smallest(self.mass.iter().step_by(3).copied());
             let stiffest = largest(self.joints.iter().map(|j| j.contact.surface().stiffness));
             frequency = (1.5 * stiffest * position.sqrt() / lightest).sqrt();
+        }
+        if let Some(least) = self.guides.iter().map(Guide::clearance).min_by(f64::total_cmp) {
+            let hinged = !self.joints.is_empty();
+            position = if hinged { position.min(SHARE_OF_CLEARANCE * least) } else { SHARE_OF_CLEARANCE * least };
+            let lightest = smallest(self.mass.iter().step_by(3).copied());
+            let stiffest = largest(self.guides.iter().map(Guide::stiffness));
+            frequency = frequency.max((stiffest / lightest).sqrt());
         }
         for (slot, arm) in arm.iter().enumerate() {
             for (k, divisor) in [1.0, 1.0, *arm].into_iter().enumerate() {
@@ -188,6 +203,7 @@ impl Island {
     fn acting(&self) -> Acting<'_, f64, WearingJoint> {
         Acting {
             joints: &self.joints,
+            guides: &self.guides,
             loads: &self.loads,
             weight: &self.weight,
             frames: &self.frames,
@@ -239,6 +255,23 @@ impl Island {
     pub(crate) fn joint_motion(&self, joint: usize) -> JointMotion {
         let [i, j] = self.joints[joint].ends;
         joint_motion(&self.frames[i.frame], i.arm, &self.frames[j.frame], j.arm)
+    }
+
+    /// Largest penetration in the range of the contact laws, of the joints with clearance and then of the guides [m].
+    pub(crate) fn deepest(&self) -> impl Iterator<Item = f64> + '_ {
+        let joints = self.joints.iter().map(|joint| joint.contact.surface().deepest());
+        joints.chain(self.guides.iter().map(Guide::deepest))
+    }
+
+    /// Index into the scene's joints of those with clearance, then of the guides, in the order of their forces.
+    pub(crate) fn contacts(&self) -> impl Iterator<Item = usize> + '_ {
+        let joints = self.joints.iter().map(|joint| joint.scene_joint);
+        joints.chain(self.guides.iter().map(|guide| guide.scene_joint))
+    }
+
+    /// Index into the scene's joints of all of them: the contacts, then the ideal ones.
+    pub(crate) fn all_joints(&self) -> impl Iterator<Item = usize> + '_ {
+        self.contacts().chain(self.constraints().iter().map(|c| c.scene_joint))
     }
 
     /// Angular velocities of the prescribed bodies, at the state last set [rad/s].
@@ -318,6 +351,7 @@ impl Stepped for Island {
                 self.joints[index].accepted(&motion, &at.joints[index]);
             }
         }
+        self.guides.iter_mut().zip(&at.guides).for_each(|(guide, now)| guide.follow_approach(now));
     }
 
     fn locked_joint(&self) -> Option<usize> {
@@ -326,15 +360,21 @@ impl Stepped for Island {
 
     fn responsible_joint(&self, coordinate: usize, at: &Linearised) -> Option<usize> {
         let on = |end: End| end.frame == coordinate / 3;
-        (0..self.joints.len())
-            .filter(|&k| self.joints[k].ends.into_iter().any(on))
-            .max_by(|&a, &b| at.joints[a].normal.total_cmp(&at.joints[b].normal))
+        let normal = |k: usize| match k.checked_sub(self.joints.len()) {
+            None => at.joints[k].normal,
+            Some(guide) => at.guides[guide].normal[0] + at.guides[guide].normal[1],
+        };
+        let ends = self.joints.iter().map(|j| j.ends).chain(self.guides.iter().map(|g| g.ends));
+        ends.enumerate()
+            .filter(|(_, ends)| ends.iter().any(|end| on(*end)))
+            .map(|(k, _)| k)
+            .max_by(|&a, &b| normal(a).total_cmp(&normal(b)))
     }
 
     fn in_range(&self, at: &Linearised) -> Result<(), (usize, f64)> {
-        for (k, (joint, force)) in self.joints.iter().zip(&at.joints).enumerate() {
-            if force.penetration > joint.contact.surface().deepest() {
-                return Err((k, force.penetration));
+        for (k, (penetration, deepest)) in at.penetrations().zip(self.deepest()).enumerate() {
+            if penetration > deepest {
+                return Err((k, penetration));
             }
         }
         Ok(())

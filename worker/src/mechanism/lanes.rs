@@ -5,6 +5,7 @@ use super::closing::{IdealJoints, close};
 use super::elimination::{Elimination, Existence};
 use super::forces::{Acting, JointSpace};
 use super::frame::{End, Frame};
+use super::guide::Guide;
 use super::island::Island;
 use super::joint::Touching;
 use super::load::IslandLoad;
@@ -12,7 +13,7 @@ use super::piecewise_cubic::Jet;
 use super::placed::Placed;
 use super::prescribed::Prescribed;
 use super::wearing_joint::WearingJoint;
-use crate::contact::{ForceSlopes, JointForce, JointMotion, LawLanes, PolarEccentricity, Walls};
+use crate::contact::{ForceSlopes, GuideReaction, JointForce, JointMotion, LawLanes, PolarEccentricity, Walls};
 use crate::integrate::{Band, Closed, Dynamics, Linearised, SteppedLanes};
 use crate::lanes::{Lanewise, Real};
 
@@ -41,6 +42,7 @@ pub struct IslandLanes<R: Real> {
     /// Number of free bodies.
     bodies: usize,
     joints: Vec<JointLanes<R>>,
+    guides: Vec<Guide<R>>,
     loads: Vec<IslandLoad<R>>,
     prescribed: Vec<PrescribedLanes<R>>,
     /// The islands' ideal joints, eliminated.
@@ -71,8 +73,10 @@ pub(crate) fn same_topology(a: &Island, b: &Island) -> bool {
     a.bodies.len() == b.bodies.len()
         && a.prescribed.len() == b.prescribed.len()
         && a.joints.len() == b.joints.len()
+        && a.guides.len() == b.guides.len()
         && a.loads.len() == b.loads.len()
         && a.joints.iter().zip(&b.joints).all(|(a, b)| joint(a, b))
+        && a.guides.iter().zip(&b.guides).all(|(a, b)| a.has_same_topology(b))
         && a.loads.iter().zip(&b.loads).all(|(a, b)| a.has_same_topology(b))
         && a.ideal.has_same_topology(&b.ideal)
 }
@@ -96,6 +100,7 @@ impl<R: Real> IslandLanes<R> {
         let mut lanes = IslandLanes {
             bodies: island.bodies.len(),
             joints: island.joints.iter().map(joint).collect(),
+            guides: island.guides.iter().map(|guide| guide.in_lanes(like)).collect(),
             loads: island.loads.iter().map(|load| load.in_lanes(like)).collect(),
             prescribed: island.prescribed.iter().map(motion).collect(),
             ideal: island.ideal.in_lanes(like),
@@ -124,6 +129,9 @@ impl<R: Real> IslandLanes<R> {
         for (to, from) in self.joints.iter_mut().zip(&island.joints) {
             from.ends.write_lane::<R>(lane, &mut to.ends);
             to.law.set(lane, &from.contact, from.surfaces());
+        }
+        for (to, from) in self.guides.iter_mut().zip(&island.guides) {
+            from.write_lane::<R>(lane, to);
         }
         for (to, from) in self.loads.iter_mut().zip(&island.loads) {
             from.write_lane::<R>(lane, to);
@@ -156,6 +164,11 @@ impl<R: Real> IslandLanes<R> {
             let deepest = self.joints[index].law.surface().deepest();
             outside = R::select(deepest.below(at.joints[index].penetration), zero.like(1.0), outside);
         }
+        for index in 0..self.guides.len() {
+            let (deepest, now) = (self.guides[index].deepest(), &at.guides[index]);
+            outside = R::select(deepest.below(now.deepest()), zero.like(1.0), outside);
+            outside = R::select(zero.below(now.beyond), zero.like(1.0), outside);
+        }
         outside
     }
 
@@ -163,6 +176,9 @@ impl<R: Real> IslandLanes<R> {
     pub(crate) fn read_memory(&self, lane: usize, island: &mut Island) {
         for (from, to) in self.joints.iter().zip(&mut island.joints) {
             to.contact.restore_damping(from.law.surface().damping.lane(lane));
+        }
+        for (from, to) in self.guides.iter().zip(&mut island.guides) {
+            to.damping = from.damping.map(|damping| damping.lane(lane));
         }
     }
 
@@ -173,6 +189,7 @@ impl<R: Real> IslandLanes<R> {
             lambda: vec![zero; self.ideal.rows()],
             friction: vec![[zero; 2]; self.ideal.friction_joints()],
             prescribed: vec![[zero; 3]; self.prescribed.len()],
+            guides: vec![GuideReaction::none(zero); self.guides.len()],
             ..Linearised::new(zero, self.band, self.joints.len())
         }
     }
@@ -212,6 +229,7 @@ impl<R: Real> IslandLanes<R> {
     fn acting(&self) -> Acting<'_, R, JointLanes<R>> {
         Acting {
             joints: &self.joints,
+            guides: &self.guides,
             loads: &self.loads,
             weight: &self.weight,
             frames: &self.frames,
@@ -317,6 +335,9 @@ impl<R: Real> SteppedLanes<R> for IslandLanes<R> {
             let (pair, wall) = (&self.space.pairs[index], &self.space.walls[index]);
             let penetration = at.joints[index].penetration;
             self.joints[index].law.follow_approach((&pair.place, wall), &pair.motion, penetration);
+        }
+        for index in 0..self.guides.len() {
+            self.guides[index].follow_approach(&at.guides[index]);
         }
     }
 

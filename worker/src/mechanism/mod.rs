@@ -19,6 +19,9 @@ mod frame;
 mod friction_balance;
 #[cfg(test)]
 mod friction_tests;
+mod guide;
+#[cfg(test)]
+mod guide_tests;
 mod island;
 mod island_frames;
 mod joint;
@@ -41,6 +44,7 @@ pub use assembly::{Pose, ideal_cycle};
 pub use constraint::Constraint;
 pub(crate) use external_loads::ExternalLoads;
 pub use frame::{End, Frame};
+pub use guide::Guide;
 pub use island::Island;
 pub(crate) use lanes::{IslandLanes, same_topology};
 pub(crate) use piecewise_cubic::PiecewiseCubic;

@@ -3,6 +3,7 @@
 use super::constraint::Constraint;
 use super::elimination::Elimination;
 use super::frame::FrameIndices;
+use super::guide::Guide;
 use super::island::{Island, Parts};
 use super::island_frames::IslandFrames;
 use super::load::IslandLoad;
@@ -60,6 +61,7 @@ pub fn islands(scene: &Scene) -> Result<Vec<Island>, SimulationFailure> {
 fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
     let mut frames = IslandFrames::new(scene, bodies.clone());
     let mut joints = Vec::new();
+    let mut guides = Vec::new();
     let mut constraints = Vec::new();
     for (index, joint) in scene.joints.iter().enumerate() {
         if !bodies.contains(&joint.journal.body) && !bodies.contains(&joint.bushing.body) {
@@ -69,6 +71,9 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
         match &joint.kind {
             JointKind::Clearance(clearance) => {
                 joints.push(WearingJoint::new(index, &joint.name, clearance, ends));
+            }
+            JointKind::Guide(guide) => {
+                guides.push(Guide::new(index, guide, ends));
             }
             ideal => {
                 constraints.push(Constraint::new(index, ends, ideal).with_friction(joint.friction));
@@ -87,6 +92,6 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
     }
     let (touched, prescribed) = (frames.touched().to_vec(), frames.prescribed());
     let ideal = Elimination::new(constraints, &mass);
-    let island = Island::new(Parts { bodies, touched, joints, ideal, prescribed, loads, mass, weight });
+    let island = Island::new(Parts { bodies, touched, joints, guides, ideal, prescribed, loads, mass, weight });
     island.scaled(scene)
 }

@@ -12,7 +12,7 @@ use common::scene::Scene;
 /// Recording of all joints of one island over a cycle.
 #[derive(Debug, Clone, Default)]
 pub struct FullRecording {
-    /// One track per joint: those with clearance, then the ideal ones.
+    /// One track per joint: those with clearance, the guides, then the ideal ones.
     pub forces: Vec<ForceTrack>,
     /// Time of the last state [s].
     last: Option<f64>,
@@ -33,7 +33,7 @@ struct DisplayedMotion {
 impl FullRecording {
     /// An empty recording for the joints of an island, of a cycle that is `displayed` or not.
     pub(crate) fn new(island: &Island, displayed: bool) -> Self {
-        let joints = island.joints.len() + island.constraints().len();
+        let joints = island.all_joints().count();
         FullRecording {
             forces: vec![ForceTrack::default(); joints],
             last: None,
@@ -50,6 +50,7 @@ impl FullRecording {
     pub(crate) fn push(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
         let half = self.last.replace(t).map_or(0.0, |last| 0.5 * (t - last));
         let contacts = at.joints.iter().map(|j| (libm::hypot(j.force[0], j.force[1]), j.normal > 0.0));
+        let contacts = contacts.chain(at.guides.iter().map(|guide| (guide.force(), guide.deepest() > 0.0)));
         let ideal = island.ideal_forces(at).map(|force| (force, true));
         for (track, (force, touches)) in self.forces.iter_mut().zip(contacts.chain(ideal)) {
             track.push(force, touches, half);
@@ -132,6 +133,10 @@ fn power_state(island: &Island, t: f64, v: &[f64], at: &Linearised) -> PowerStat
         now.stored += energy.stored;
         now.lost += energy.friction + energy.damping + energy.film;
         now.unphysical += energy.unphysical;
+    }
+    for guide in &at.guides {
+        now.stored += guide.stored;
+        now.lost += guide.lost;
     }
     now
 }

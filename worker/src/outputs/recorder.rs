@@ -5,6 +5,7 @@ use super::impact_count::ImpactCount;
 use super::moment_track::MomentTrack;
 use super::peaks::Peaks;
 use super::{BodyTrack, FullRecording, LaneRows, PointTrack, RecordingRequest};
+use crate::contact::GuideReaction;
 use crate::integrate::{Dynamics, Linearised, StateObserver};
 use crate::lanes::Real;
 use crate::mechanism::{End, Frame, Island};
@@ -54,7 +55,7 @@ impl Recorder {
             Some((*place, End { frame, arm: scene.arm(place) }, PointTrack::default()))
         };
         let touched = (0..island.touched.len()).filter(|&k| requested.driven.contains(&island.touched[k]));
-        let joints = island.joints.len() + island.constraints().len();
+        let joints = island.all_joints().count();
         Recorder {
             histories: island
                 .joints
@@ -91,8 +92,7 @@ impl Recorder {
 
     /// Largest force of a joint of the scene over the cycle, if it is in this island and requested [N].
     pub(crate) fn peak_force(&self, island: &Island, joint: usize) -> Option<f64> {
-        let contacts = island.joints.iter().map(|j| j.scene_joint);
-        let all = contacts.chain(island.constraints().iter().map(|c| c.scene_joint));
+        let all = island.all_joints();
         let peaks = self.peak_forces.as_ref()?;
         all.zip(peaks).find(|(scene_joint, _)| *scene_joint == joint).map(|(_, peak)| *peak)
     }
@@ -169,6 +169,7 @@ impl Recorder {
         }
         if let Some(peaks) = &mut self.peak_forces {
             let contacts = at.joints.iter().map(|j| libm::hypot(j.force[0], j.force[1]));
+            let contacts = contacts.chain(at.guides.iter().map(GuideReaction::force));
             for (peak, force) in peaks.iter_mut().zip(contacts.chain(island.ideal_forces(at))) {
                 *peak = peak.max(force);
             }

@@ -69,8 +69,8 @@ impl Run<'_> {
     pub(crate) fn first_cycle(&self) -> FirstCycle {
         let period = self.scene.life.period;
         let has_clearance = |name: &str| {
-            let mut joints = self.islands.iter().flat_map(|state| &state.island.joints);
-            joints.any(|joint| joint.name == name)
+            let mut joints = self.islands.iter().flat_map(|state| state.island.contacts());
+            joints.any(|joint| self.scene.joints[joint].name == name)
         };
         let mut free_flight = self.joint_values(|force| force.free / period);
         free_flight.retain(|(name, _)| has_clearance(name));
@@ -129,8 +129,7 @@ impl Run<'_> {
     fn joint_values<T>(&self, value: impl Fn(&ForceTrack) -> T) -> Vec<(String, T)> {
         let mut all: Vec<(usize, T)> = Vec::new();
         for state in &self.islands {
-            let contacts = state.island.joints.iter().map(|j| j.scene_joint);
-            let joints = contacts.chain(state.island.constraints().iter().map(|c| c.scene_joint));
+            let joints = state.island.all_joints();
             let tracks = state.recorder.full.iter().flat_map(|full| &full.forces);
             all.extend(joints.zip(tracks).map(|(joint, track)| (joint, value(track))));
         }

@@ -35,7 +35,7 @@ impl IslandModel {
         let ideal_joints = island.constraints().iter().map(|c| scene.joints[c.scene_joint].name.clone());
         IslandModel {
             bodies: island.bodies.iter().map(|&b| scene.bodies[b].name.clone()).collect(),
-            contacts: island.joints.iter().map(|j| j.name.clone()).collect(),
+            contacts: island.contacts().map(|joint| scene.joints[joint].name.clone()).collect(),
             ideal_joints: ideal_joints.collect(),
             unknowns: island.coordinates(),
             constraints: island.constraint_rows(),

@@ -73,13 +73,16 @@ pub struct StateSnapshot {
     v: Vec<f64>,
     /// Damping of the joints `(joints,)` [s/m].
     damping: Vec<f64>,
+    /// Damping of the guides with clearance `(guides, 4)` [s/m].
+    pad_damping: Vec<[f64; 4]>,
 }
 
 impl StateSnapshot {
     /// A snapshot of the state `q`, `v` `(n,)` at `time` [s] and of the island's joints.
     pub(crate) fn new(island: &Island, time: f64, q: &[f64], v: &[f64]) -> Self {
         let damping = vec![0.0; island.joints.len()];
-        let mut snapshot = StateSnapshot { time, q: q.to_vec(), v: v.to_vec(), damping };
+        let pad_damping = vec![[0.0; 4]; island.guides.len()];
+        let mut snapshot = StateSnapshot { time, q: q.to_vec(), v: v.to_vec(), damping, pad_damping };
         snapshot.update(island, time, q, v);
         snapshot
     }
@@ -91,6 +94,9 @@ impl StateSnapshot {
         self.v.copy_from_slice(v);
         for (damping, joint) in self.damping.iter_mut().zip(&island.joints) {
             *damping = joint.contact.surface().damping;
+        }
+        for (damping, guide) in self.pad_damping.iter_mut().zip(&island.guides) {
+            *damping = guide.damping;
         }
     }
 }
@@ -153,9 +159,12 @@ impl IslandState {
 
     /// Returns to the state of `snapshot`, which is one of this island.
     pub(crate) fn restore(&mut self, snapshot: StateSnapshot) {
-        let StateSnapshot { time, q, v, damping } = snapshot;
+        let StateSnapshot { time, q, v, damping, pad_damping } = snapshot;
         for (damping, joint) in damping.iter().zip(&mut self.island.joints) {
             joint.contact.restore_damping(*damping);
+        }
+        for (damping, guide) in pad_damping.iter().zip(&mut self.island.guides) {
+            guide.damping = *damping;
         }
         (self.time, self.q, self.v) = (time, q, v);
     }
@@ -220,7 +229,9 @@ pub(crate) fn failure(
     island: &Island,
     scene: &Scene,
 ) -> SimulationFailure {
-    let name = |joint: usize| island.joints[joint].name.clone();
+    let name = |joint: usize| {
+        island.contacts().nth(joint).map_or_else(String::new, |joint| scene.joints[joint].name.clone())
+    };
     match error {
         IntegrationError::StepTooSmall { time, step, error, joint } => {
             SimulationFailure::StepTooSmall { cycle, time, joint: joint.map(name), step, error }
@@ -230,6 +241,11 @@ pub(crate) fn failure(
         }
         IntegrationError::OutOfRange { time, joint, penetration } => {
             SimulationFailure::OutOfRange { cycle, time, joint: name(joint), penetration }
+        }
+        IntegrationError::LeftGuide { time, guide, distance } => {
+            let joint = &scene.joints[island.guides[guide].scene_joint].name;
+            let what = format!("joint {joint}: its slider stands out of its guide by {distance} m at t = {time} s");
+            SimulationFailure::NotModelled { what }
         }
         IntegrationError::Singular { time } => SimulationFailure::Singular { cycle, time },
         IntegrationError::SelfLocking { time, joint } => {

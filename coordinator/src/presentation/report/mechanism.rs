@@ -103,18 +103,23 @@ impl Mechanism {
             Motion::Free { .. } => vec![],
             Motion::Driven { .. } => vec![[0.0; 2]],
             Motion::Fixed => {
-                let held =
-                    self.joints.iter().filter(|joint| !matches!(joint.kind, JointKind::Prismatic { .. }));
+                let slides =
+                    |kind: &JointKind| matches!(kind, JointKind::Prismatic { .. } | JointKind::Guide(_));
+                let held = self.joints.iter().filter(|joint| !slides(&joint.kind));
                 let ends = held.flat_map(|joint| [joint.journal, joint.bushing]);
                 ends.filter(|end| end.body == body).map(|end| end.position).collect()
             }
         }
     }
 
-    /// Ends of the rail of a prismatic joint in the frame of its second body `(2, 2)` [m]: the way of the first body's point
+    /// Ends of the rail of a prismatic joint or a guide in the frame of its second body `(2, 2)` [m]: the way of the first body's point
     /// over the poses of a cycle `(n, bodies)`; `None` for another joint.
     pub fn rail(&self, joint: &Joint, cycle: &[Vec<Pose>]) -> Option<[[f64; 2]; 2]> {
-        let JointKind::Prismatic { axis, .. } = joint.kind else { return None };
+        let axis = match &joint.kind {
+            JointKind::Prismatic { axis, .. } => *axis,
+            JointKind::Guide(guide) => guide.axis,
+            _ => return None,
+        };
         let (sin, cos) = axis.sin_cos();
         let [a, b] = joint.bushing.position;
         let along = cycle.iter().map(|poses| {

@@ -242,8 +242,7 @@ impl<S: Simd> LaneGroup<S> {
 
     /// Largest penetration of every joint of a lane in the range of its contact law `(joints,)` [m].
     fn deepest(&self, lane: usize) -> impl Iterator<Item = f64> + '_ {
-        let joints = self.occupants[lane].iter().flat_map(|pending| &pending.span.state.island.joints);
-        joints.map(|joint| joint.contact.surface().deepest())
+        self.occupants[lane].iter().flat_map(|pending| pending.span.state.island.deepest())
     }
 
     /// Records the motion of the lanes whose recorders need the forces of the joints, where their states are new and sound.

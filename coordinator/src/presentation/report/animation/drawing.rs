@@ -5,7 +5,7 @@ use crate::presentation::report::drawing::labels::LabelArea;
 use crate::presentation::report::drawing::symbols::{block, coordinate, ground, link, rail, rail_ends};
 use crate::presentation::report::mechanism::{Mechanism, Pose};
 use crate::presentation::report::palette::Ink;
-use common::scene::{Joint, JointKind, Motion};
+use common::scene::{GuideClearance, Joint, JointKind, Motion};
 use maud::{Markup, html};
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -156,7 +156,7 @@ fn bodies(mechanism: &Mechanism, layout: &Layout, shown: &AnimatedCycle<'_>) -> 
                             (rail(rail_ends(ends.map(local)), false, Ink::Series(index)))
                         }
                         @for joint in &mechanism.joints {
-                            @if let (JointKind::Prismatic { axis, angle }, true) = (&joint.kind, joint.journal.body == index) {
+                            @if let (JointKind::Prismatic { axis, angle } | JointKind::Guide(GuideClearance { axis, angle, .. }), true) = (&joint.kind, joint.journal.body == index) {
                                 (block(local(joint.journal.position), -(axis - angle).to_degrees(), Ink::Series(index)))
                             }
                         }

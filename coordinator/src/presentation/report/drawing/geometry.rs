@@ -54,11 +54,11 @@ pub struct DrawnBody {
 pub struct DrawnJoint {
     /// Name in the scene.
     pub name: String,
-    /// `revolute`, `prismatic`, `fixed` or `clearance`, as in scenes.
+    /// `revolute`, `prismatic`, `fixed`, `clearance` or `guide`, as in scenes.
     pub kind: &'static str,
     /// Position of the first body's point, the journal `(2,)` [m].
     pub at_m: [f64; 2],
-    /// Ends of the rail of a prismatic joint `(2, 2)` [m]: where the first body's point goes through the cycle.
+    /// Ends of the rail of a prismatic joint or a guide `(2, 2)` [m]: where the first body's point goes through the cycle.
     pub rail_m: Option<[[f64; 2]; 2]>,
     /// True if the rail belongs to a fixed body.
     pub on_ground: bool,
@@ -188,6 +188,7 @@ fn joint(mechanism: &Mechanism, cycle: &[Vec<Pose>], poses: &[Pose], index: usiz
             JointKind::Prismatic { .. } => "prismatic",
             JointKind::Fixed { .. } => "fixed",
             JointKind::Clearance(_) => "clearance",
+            JointKind::Guide(_) => "guide",
         },
         at_m: place(poses, &joint.journal),
         on_ground: fixed && rail_m.is_some(),

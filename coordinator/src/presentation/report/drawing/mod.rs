@@ -27,7 +27,6 @@ pub use sketch::sketch;
 use super::figure::{Figure, csv};
 use super::page::standalone;
 use crate::results::csv_table::number;
-use common::scene::JointKind;
 
 use super::mechanism::Mechanism;
 
@@ -79,6 +78,9 @@ fn caption(drawn: &DrawnMechanism, mechanism: &Mechanism) -> String {
     if has("prismatic") {
         parts.push("block on a rail: slider");
     }
+    if has("guide") {
+        parts.push("block on a rail: slider in a guide with clearance");
+    }
     if has("fixed") {
         parts.push("square: rigid connection");
     }
@@ -92,7 +94,7 @@ fn caption(drawn: &DrawnMechanism, mechanism: &Mechanism) -> String {
     if !drawn.drives.is_empty() {
         parts.push("curved arrow at a pivot: drive, with its angle in this position");
     }
-    let clearances = mechanism.joints.iter().any(|joint| matches!(joint.kind, JointKind::Clearance(_)));
+    let clearances = mechanism.joints.iter().any(|joint| joint.kind.has_clearance());
     let proportions =
         if clearances { "True proportions, clearances too small to be seen" } else { "True proportions" };
     format!("{proportions}. In italics: bodies; {}.", parts.join("; "))

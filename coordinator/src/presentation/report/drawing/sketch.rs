@@ -167,7 +167,7 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
 fn sign_of(kind: &str) -> char {
     match kind {
         "clearance" => '●',
-        "prismatic" => '■',
+        "prismatic" | "guide" => '■',
         "fixed" => '+',
         _ => 'o',
     }
@@ -179,6 +179,7 @@ fn legend(drawn: &DrawnMechanism) -> String {
         ("clearance", "hinge with clearance"),
         ("revolute", "ideal hinge"),
         ("prismatic", "slider"),
+        ("guide", "slider in a guide with clearance"),
         ("fixed", "rigid connection"),
     ];
     let mut parts: Vec<String> = kinds

@@ -140,6 +140,7 @@ fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
                 (format!("rigid, turned by {}", angle("angle", *turned)), ["a", "b"])
             }
             JointKind::Clearance(_) => ("hinge with clearance".to_owned(), ["journal", "bushing"]),
+            JointKind::Guide(_) => ("slider in a guide with clearance".to_owned(), ["slider", "guide"]),
         };
         let size = if matches!(joint.kind, JointKind::Revolute) { "pin_radius" } else { "guide_length" };
         let friction = joint.friction.map_or(String::new(), |friction| {
@@ -259,7 +260,7 @@ fn rounded(value: f64, factor: f64, unit: &str) -> String {
     format!("{}\u{a0}{unit}", crate::presentation::report::format::seven_digits(factor * value))
 }
 
-fn damping(damping: &ContactDamping, texts: &ExactTexts<'_>, key: &str) -> String {
+pub(super) fn damping(damping: &ContactDamping, texts: &ExactTexts<'_>, key: &str) -> String {
     match damping {
         ContactDamping::None => "none".to_owned(),
         ContactDamping::HuntCrossley { factor } => {

@@ -4,6 +4,7 @@
 //! | file | content |
 //! |---|---|
 //! | `mechanism_tables` | bodies, drives, joints, hinges with clearance, materials |
+//! | `guide_table` | guides with clearance |
 //! | `load_tables` | loads, gravity, curves |
 //! | `formula_tables` | parameters, and the quantities that depend on them |
 //! | `variable_tables` | random variables, correlations, outputs, limit states, life, settings |
@@ -11,6 +12,7 @@
 
 mod exact;
 mod formula_tables;
+mod guide_table;
 mod load_tables;
 mod mechanism_tables;
 mod variable_tables;
@@ -64,6 +66,7 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
             }
         } @else {
             (mechanism_tables::tables(scene, &input.written))
+            (guide_table::guides(scene, &input.written))
             (load_tables::tables(scene, &input.written))
         }
         @if many {
@@ -84,6 +87,7 @@ pub fn mechanism(scene: &Scene, source: &str) -> Markup {
     html! {
         @if scene.simulator.is_none() {
             (mechanism_tables::tables(scene, &written))
+            (guide_table::guides(scene, &written))
             (load_tables::tables(scene, &written))
         }
         (variable_tables::limits(scene, &limit_rows(scene), &written))
