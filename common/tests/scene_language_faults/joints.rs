@@ -144,3 +144,29 @@ fn damping() {
         "contact_damping: 7.5 is a number, expected \"none\"",
     );
 }
+
+#[test]
+fn guides() {
+    one_fault("rail", "\"50 mm\"", "\"0 mm\"", "joints.rail.length: \"0 mm\" is out of range, allowed: > 0");
+    one_fault(
+        "rail",
+        "\"0.5 mm\"",
+        "\"31 mm\"",
+        "joints.rail.clearance: \"31 mm\" is out of range, allowed: smaller than height = 30 mm",
+    );
+    one_fault(
+        "rail",
+        "\"4 * arm\"",
+        "\"30 mm\"",
+        "joints.rail.guide_end: leaves no room for the slider, whose length is 50 mm",
+    );
+    one_fault("rail", "guide_start = \"-20 mm\"\n", "", "joints.rail.guide_start: is missing, expected a length");
+    one_fault("rail", "slider_material = \"steel\"", "slider_material = \"stel\"", "joints.rail.slider_material");
+    one_fault("rail", "slider = {", "journal = {", "joints.rail.slider: is missing");
+    one_fault(
+        "rail",
+        "friction = 0.1",
+        "friction = 0.1\nwear_coefficient = \"1e-13 1/Pa\"",
+        "joints.rail.wear_coefficient: the wear of a guide is not modelled: leave this key out",
+    );
+}

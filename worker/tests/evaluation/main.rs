@@ -9,6 +9,7 @@ mod failures;
 mod foundation;
 mod four_bar;
 mod full_turns;
+mod guides;
 mod hung_block;
 mod ideal_friction;
 mod islands;

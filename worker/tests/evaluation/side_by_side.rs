@@ -1,10 +1,11 @@
 //! Evaluations side by side in lanes: each has the result it has alone, in lanes of any width.
 
+use crate::guides::PUBLISHED;
 use crate::scenes::{RPM, every_joint, short};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::scene::{ContactLaw, IdealFriction, JointKind, Scene, WearingSurfaces};
+use common::scene::{ContactLaw, IdealFriction, JointKind, Scene, SceneSource, WearingSurfaces};
 use worker::simulate::{LaneWidth, SimulateOptions, SimulationInput, simulate, simulate_side_by_side};
 
 type Outcome = Result<Evaluation, SimulationFailure>;
@@ -54,12 +55,14 @@ fn mixed() -> Vec<SimulationInput> {
             let size = match joint.kind {
                 JointKind::Revolute => 2e-3,
                 JointKind::Prismatic { .. } => 2e-2,
-                JointKind::Fixed { .. } | JointKind::Clearance(_) => continue,
+                JointKind::Fixed { .. } | JointKind::Clearance(_) | JointKind::Guide(_) => continue,
             };
             joint.friction = Some(IdealFriction { coefficient: 0.1, speed: 1e-2, size });
         }
         scene
     };
+    // A slider with clearance in its guide: contacts with memory at four pads.
+    let guided = SceneSource::parse(PUBLISHED, "guided").expect("valid").nominal().clone();
     let mut few = Accuracy::draft();
     few.steps_bound = 2000;
     vec![
@@ -80,6 +83,8 @@ fn mixed() -> Vec<SimulationInput> {
         input(short("andrews-squeezer", &[], 1), Accuracy::draft(), PLAIN),
         input(rubbing(short("andrews-squeezer", &[], 1)), Accuracy::draft(), SHOWN),
         input(rubbing(short("slider-crank", &[], 1000)), Accuracy::draft(), PLAIN),
+        input(guided.clone(), Accuracy::draft(), SHOWN),
+        input(guided, Accuracy::balanced(), PLAIN),
     ]
 }
 
@@ -88,7 +93,7 @@ fn an_evaluation_does_not_depend_on_those_next_to_it() {
     let inputs = mixed();
     let alone: Vec<Outcome> = inputs.iter().map(|o| simulate(&o.scene, &o.accuracy, o.options)).collect();
     assert!(matches!(alone[4], Err(SimulationFailure::TooManySteps { .. })), "{:?}", alone[4]);
-    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 16);
+    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 18);
     let mut inputs: Vec<_> = inputs.into_iter().map(Ok).collect();
     assert_eq!(together(LaneWidth::Widest, 8, &inputs), alone);
     // In another order and next to other evaluations.
