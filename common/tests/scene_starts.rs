@@ -24,7 +24,7 @@ fn open(scene: &Scene, joint: &Joint) -> (f64, f64) {
     let turned = |angle: f64| (angle_a - angle_b - angle).abs();
     match joint.kind {
         JointKind::Revolute | JointKind::Clearance(_) => (gap[0].hypot(gap[1]), 0.0),
-        JointKind::Prismatic { axis, angle } => {
+        JointKind::Prismatic { axis, angle } | JointKind::Guide(GuideClearance { axis, angle, .. }) => {
             let (sin, cos) = (angle_b + axis).sin_cos();
             ((gap[1] * cos - gap[0] * sin).abs(), turned(angle))
         }

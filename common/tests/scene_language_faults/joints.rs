@@ -160,8 +160,18 @@ fn guides() {
         "\"30 mm\"",
         "joints.rail.guide_end: leaves no room for the slider, whose length is 50 mm",
     );
-    one_fault("rail", "guide_start = \"-20 mm\"\n", "", "joints.rail.guide_start: is missing, expected a length");
-    one_fault("rail", "slider_material = \"steel\"", "slider_material = \"stel\"", "joints.rail.slider_material");
+    one_fault(
+        "rail",
+        "guide_start = \"-20 mm\"\n",
+        "",
+        "joints.rail.guide_start: is missing, expected a length",
+    );
+    one_fault(
+        "rail",
+        "slider_material = \"steel\"",
+        "slider_material = \"stel\"",
+        "joints.rail.slider_material",
+    );
     one_fault("rail", "slider = {", "journal = {", "joints.rail.slider: is missing");
     one_fault(
         "rail",

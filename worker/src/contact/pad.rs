@@ -149,11 +149,17 @@ mod tests {
                         let h = 1e-10;
                         let (low, high) = (at(shift(g, -h), rate), at(shift(g, h), rate));
                         let slope = (high.force[i] - low.force[i]) / (2.0 * h);
-                        assert!((exact.to_overlap[i][j] - slope).abs() <= 1e-3 * UNIT, "{g:?} {rate:?} {i} {j}");
+                        assert!(
+                            (exact.to_overlap[i][j] - slope).abs() <= 1e-3 * UNIT,
+                            "{g:?} {rate:?} {i} {j}"
+                        );
                         let h = 1e-6;
                         let (low, high) = (at(g, shift(rate, -h)), at(g, shift(rate, h)));
                         let slope = (high.force[i] - low.force[i]) / (2.0 * h);
-                        assert!((exact.to_rate[i][j] - slope).abs() <= 1e-6 * UNIT * 3e-6, "{g:?} {rate:?} {i} {j}");
+                        assert!(
+                            (exact.to_rate[i][j] - slope).abs() <= 1e-6 * UNIT * 3e-6,
+                            "{g:?} {rate:?} {i} {j}"
+                        );
                     }
                 }
             }

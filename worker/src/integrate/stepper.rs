@@ -147,7 +147,11 @@ impl Stepper {
         if !self.at.f.iter().all(|f| f.is_finite()) {
             return Err(IntegrationError::NotFinite { time });
         }
-        self.at.in_guides().map_err(|(guide, distance)| IntegrationError::LeftGuide { time, guide, distance })?;
+        self.at.in_guides().map_err(|(guide, distance)| IntegrationError::LeftGuide {
+            time,
+            guide,
+            distance,
+        })?;
         system.in_range(&self.at).map_err(|(joint, penetration)| IntegrationError::OutOfRange {
             time,
             joint,

@@ -82,7 +82,8 @@ impl Guide {
             let (sin, cos) = libm::sincos(angle);
             [cos, sin]
         };
-        let compliance = |m: &common::scene::Material| (1.0 - m.poisson_ratio * m.poisson_ratio) / m.elastic_modulus;
+        let compliance =
+            |m: &common::scene::Material| (1.0 - m.poisson_ratio * m.poisson_ratio) / m.elastic_modulus;
         let soft = compliance(&guide.slider_material) + compliance(&guide.guide_material);
         let stiffness = (guide.length * guide.width).sqrt() / (0.95 * soft);
         let (damping, restitution) = initial_damping(&guide.contact_damping);
@@ -187,7 +188,10 @@ impl<R: Real> Guide<R> {
 
     /// Generalised force on the bodies in `frames`, with `JACOBIAN` also its derivatives, and what the guide does.
     #[inline(always)]
-    pub(crate) fn force<const JACOBIAN: bool>(&self, frames: &[Frame<R>]) -> (LoadForce<R>, GuideReaction<R>) {
+    pub(crate) fn force<const JACOBIAN: bool>(
+        &self,
+        frames: &[Frame<R>],
+    ) -> (LoadForce<R>, GuideReaction<R>) {
         let [i, j] = &self.ends;
         let (fa, fb) = (&frames[i.frame], &frames[j.frame]);
         let zero = self.unit.zero();
@@ -271,7 +275,8 @@ impl<R: Real> Guide<R> {
                 for j in 0..2 {
                     let turned = turning(n, &ends[j], bodies);
                     for c in 0..6 {
-                        to_q[c] += to_overlap[j][c] * pressed.to_overlap[i][j] + turned[c] * pressed.to_rate[i][j];
+                        to_q[c] +=
+                            to_overlap[j][c] * pressed.to_overlap[i][j] + turned[c] * pressed.to_rate[i][j];
                         to_v[c] += to_overlap[j][c] * pressed.to_rate[i][j];
                     }
                 }

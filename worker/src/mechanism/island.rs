@@ -184,7 +184,8 @@ impl Island {
         }
         if let Some(least) = self.guides.iter().map(Guide::clearance).min_by(f64::total_cmp) {
             let hinged = !self.joints.is_empty();
-            position = if hinged { position.min(SHARE_OF_CLEARANCE * least) } else { SHARE_OF_CLEARANCE * least };
+            position =
+                if hinged { position.min(SHARE_OF_CLEARANCE * least) } else { SHARE_OF_CLEARANCE * least };
             let lightest = smallest(self.mass.iter().step_by(3).copied());
             let stiffest = largest(self.guides.iter().map(Guide::stiffness));
             frequency = frequency.max((stiffest / lightest).sqrt());

@@ -13,7 +13,9 @@ use super::piecewise_cubic::Jet;
 use super::placed::Placed;
 use super::prescribed::Prescribed;
 use super::wearing_joint::WearingJoint;
-use crate::contact::{ForceSlopes, GuideReaction, JointForce, JointMotion, LawLanes, PolarEccentricity, Walls};
+use crate::contact::{
+    ForceSlopes, GuideReaction, JointForce, JointMotion, LawLanes, PolarEccentricity, Walls,
+};
 use crate::integrate::{Band, Closed, Dynamics, Linearised, SteppedLanes};
 use crate::lanes::{Lanewise, Real};
 

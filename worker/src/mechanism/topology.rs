@@ -92,6 +92,7 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
     }
     let (touched, prescribed) = (frames.touched().to_vec(), frames.prescribed());
     let ideal = Elimination::new(constraints, &mass);
-    let island = Island::new(Parts { bodies, touched, joints, guides, ideal, prescribed, loads, mass, weight });
+    let island =
+        Island::new(Parts { bodies, touched, joints, guides, ideal, prescribed, loads, mass, weight });
     island.scaled(scene)
 }

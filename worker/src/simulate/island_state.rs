@@ -244,7 +244,8 @@ pub(crate) fn failure(
         }
         IntegrationError::LeftGuide { time, guide, distance } => {
             let joint = &scene.joints[island.guides[guide].scene_joint].name;
-            let what = format!("joint {joint}: its slider stands out of its guide by {distance} m at t = {time} s");
+            let what =
+                format!("joint {joint}: its slider stands out of its guide by {distance} m at t = {time} s");
             SimulationFailure::NotModelled { what }
         }
         IntegrationError::Singular { time } => SimulationFailure::Singular { cycle, time },

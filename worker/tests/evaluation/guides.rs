@@ -7,8 +7,7 @@ use common::scene::*;
 use worker::simulate::{SimulateOptions, simulate};
 
 /// The slider-crank of Flores, Leine and Glocker (2010).
-pub(crate) const PUBLISHED: &str =
-    include_str!("../../../common/tests/scenes/guided-slider-crank.toml");
+pub(crate) const PUBLISHED: &str = include_str!("../../../common/tests/scenes/guided-slider-crank.toml");
 
 const MASS: f64 = 0.5;
 
@@ -107,9 +106,11 @@ fn a_slider_that_falls_on_its_face_returns_by_its_restitution() {
     // Falls from the middle, 0.5 mm in 10.1 ms: the next apex is another sqrt(2 c / g) e after the impact.
     let fall = (2.0 * CLEARANCE / 9.81_f64).sqrt();
     for coefficient in [1.0, 0.8, 0.6] {
-        let damping = ContactDamping::Restitution { law: RestitutionLaw::Flores, coefficient, least_speed: 1e-4 };
+        let damping =
+            ContactDamping::Restitution { law: RestitutionLaw::Flores, coefficient, least_speed: 1e-4 };
         let e = if coefficient == 1.0 { 1.0 } else { restitution(1.6 * (1.0 - coefficient) / coefficient) };
-        let scene = slider([0.0, -9.81 * MASS], fall * (1.0 + 1.5 * e), |guide| guide.contact_damping = damping);
+        let scene =
+            slider([0.0, -9.81 * MASS], fall * (1.0 + 1.5 * e), |guide| guide.contact_damping = damping);
         let evaluation = run(&scene);
         let (time, position) = history(&evaluation);
         let after = time.iter().zip(position).filter(|(time, _)| **time > 1.05 * fall);
@@ -186,16 +187,21 @@ fn the_published_slider_crank_strikes_its_guide_when_and_how_it_should() {
     assert!((cycle.time[two] - 2e-3).abs() < 1e-9, "{}", cycle.time[two]);
     assert!((slider.position[two][1] / 0.494396e-3 - 1.0).abs() < 1e-4, "{:?}", slider.position[two]);
     assert!((crank.speed[two] / 120.464 - 1.0).abs() < 1e-5, "{}", crank.speed[two]);
-    let force = cycle.joint_force.iter().find(|(name, _)| name == "guide").map(|(_, f)| f).expect("its force");
+    let force =
+        cycle.joint_force.iter().find(|(name, _)| name == "guide").map(|(_, f)| f).expect("its force");
     assert!(force[..at(2.68e-3)].iter().all(|f| *f == 0.0));
     let before = at(2.68e-3);
     let speed = (slider.position[before][1] - slider.position[before - 1][1])
         / (cycle.time[before] - cycle.time[before - 1]);
     assert!((speed / 0.8418 - 1.0).abs() < 0.01, "{speed} m/s before the impact");
     let (first, last) = (at(2.72e-3), at(4.7e-3));
-    let bounce = (first..last).min_by(|&a, &b| slider.position[a][1].total_cmp(&slider.position[b][1])).expect("some");
+    let bounce =
+        (first..last).min_by(|&a, &b| slider.position[a][1].total_cmp(&slider.position[b][1])).expect("some");
     let (y, time) = (slider.position[bounce][1] / 1e-3, cycle.time[bounce]);
-    println!("bounce to {y} of the clearance at {time} s, {} rad/s; joints {:?}", crank.speed[bounce], evaluation.joints);
+    println!(
+        "bounce to {y} of the clearance at {time} s, {} rad/s; joints {:?}",
+        crank.speed[bounce], evaluation.joints
+    );
     println!("tilt {:e}", slider.angle[first..last].iter().fold(0.0_f64, |a, b| a.max(b.abs())));
     assert!((y - 0.785).abs() < 0.015 && (time - 4.2e-3).abs() < 1e-4, "{y} at {time}");
     assert!((crank.speed[at(4.2e-3)] / 92.19 - 1.0).abs() < 0.01, "{}", crank.speed[at(4.2e-3)]);
