@@ -26,7 +26,8 @@ pub(super) fn guide(row: &mut Section, materials: &[MaterialRow]) -> Option<Guid
     let friction = row.quantity("friction", NUMBER, Range::Within(0.0, 2.0));
     let friction_speed = row.quantity("friction_speed", SPEED, Range::Positive);
     for key in WEAR_KEYS {
-        if row.get(key).is_some() {
+        // Known only where it is given, so that no message offers it.
+        if row.peek(key).is_some() && row.get(key).is_some() {
             row.inconsistent(key, "the wear of a guide is not modelled: leave this key out");
         }
     }

