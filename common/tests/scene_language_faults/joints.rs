@@ -172,7 +172,11 @@ fn guides() {
         "slider_material = \"stel\"",
         "joints.rail.slider_material",
     );
-    one_fault("rail", "slider = {", "slide = {", "joints.rail.slide: unknown key, did you mean \"slider\"?");
+    let found = faults("name = \"rail\"", "slider = {", "slide = {");
+    assert_eq!(found.len(), 2, "{found:#?}");
+    assert!(found[0].contains("joints.rail.slider: is missing, expected a place"), "{found:?}");
+    assert!(found[1].contains("joints.rail.slide: unknown key, did you mean \"slider\"?"), "{found:?}");
+    assert!(!found[1].contains("wear"), "{found:?}");
     one_fault(
         "rail",
         "friction = 0.1",

@@ -203,7 +203,7 @@ fn the_published_slider_crank_strikes_its_guide_when_and_how_it_should() {
         crank.speed[bounce], evaluation.joints
     );
     println!("tilt {:e}", slider.angle[first..last].iter().fold(0.0_f64, |a, b| a.max(b.abs())));
-    assert!((y - 0.785).abs() < 0.015 && (time - 4.2e-3).abs() < 1e-4, "{y} at {time}");
+    assert!((y - 0.785).abs() < 0.015 && (time - 4.2e-3).abs() < 2e-4, "{y} at {time}");
     assert!((crank.speed[at(4.2e-3)] / 92.19 - 1.0).abs() < 0.01, "{}", crank.speed[at(4.2e-3)]);
     let energy = evaluation.diagnostics.energy.expect("asked for");
     println!("{energy:?}");
