@@ -160,12 +160,13 @@ impl Island {
     }
 
     /// Scales of the local error. With clearance: a length of 1 % of the smallest clearance (the order of the
-    /// penetrations) and the speed it gives at the contact's natural frequency. Without: a ten-thousandth of
+    /// penetrations) and the speed it gives at the contact's natural frequency; with guides 0.01 % of their clearance, as flat contacts are stiffer. Without: a ten-thousandth of
     /// the island's size, and the speed that covers it in a radian of the cycle. An angle is the length at
     /// the longest arm.
     pub(super) fn scaled(mut self, scene: &Scene) -> Self {
         const SHARE_OF_CLEARANCE: f64 = 0.01;
         const SHARE_OF_SIZE: f64 = 1e-4;
+        const SHARE_OF_GUIDE: f64 = 1e-4;
         let contacts = self.joints.iter().map(|j| j.ends).chain(self.guides.iter().map(|g| g.ends));
         let ends = contacts.chain(self.ideal.constraints.iter().map(|c| c.ends));
         let mut arm = vec![1e-6_f64; self.bodies.len()];
@@ -183,9 +184,8 @@ impl Island {
             frequency = (1.5 * stiffest * position.sqrt() / lightest).sqrt();
         }
         if let Some(least) = self.guides.iter().map(Guide::clearance).min_by(f64::total_cmp) {
-            let hinged = !self.joints.is_empty();
-            position =
-                if hinged { position.min(SHARE_OF_CLEARANCE * least) } else { SHARE_OF_CLEARANCE * least };
+            let own = SHARE_OF_GUIDE * least;
+            position = if self.joints.is_empty() { own } else { position.min(own) };
             let lightest = smallest(self.mass.iter().step_by(3).copied());
             let stiffest = largest(self.guides.iter().map(Guide::stiffness));
             frequency = frequency.max((stiffest / lightest).sqrt());
