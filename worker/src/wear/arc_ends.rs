@@ -136,12 +136,12 @@ pub struct Pressed {
     pub slope: f64,
     /// Place of the contact on a worn journal, in table intervals.
     pub on_journal: Option<f64>,
-    /// Number of table angles on each side among which further patches may be: [`ArcEnds::reach`].
+    /// Number of table angles on each side among which further patches may be (`ArcEnds::reach`).
     pub reach: usize,
 }
 
 impl Pressed {
-    /// No contact.
+    /// In place of a contact that is not there.
     pub(super) const NONE: Pressed = Pressed {
         spot: Spot { u: [1.0, 0.0], place: 0.0 },
         penetration: 0.0,
