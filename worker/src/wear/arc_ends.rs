@@ -136,20 +136,6 @@ pub struct Pressed {
     pub slope: f64,
     /// Place of the contact on a worn journal, in table intervals.
     pub on_journal: Option<f64>,
-    /// Number of table angles on each side among which further patches may be (`ArcEnds::reach`).
-    pub reach: usize,
-}
-
-impl Pressed {
-    /// In place of a contact that is not there.
-    pub(super) const NONE: Pressed = Pressed {
-        spot: Spot { u: [1.0, 0.0], place: 0.0 },
-        penetration: 0.0,
-        radius: 0.0,
-        slope: 0.0,
-        on_journal: None,
-        reach: 0,
-    };
 }
 
 /// Journal circle of one contact, and one side of the bore.
@@ -315,7 +301,7 @@ impl ArcEnds {
         beyond: &mut Beyond,
         mut patch: impl FnMut(f64, f64),
     ) -> (f64, f64) {
-        let Pressed { spot, penetration, radius, slope, on_journal, reach } = *contact;
+        let Pressed { spot, penetration, radius, slope, on_journal } = *contact;
         let n = self.intervals();
         let size = penetration + radius - self.journal_radius;
         let e = [size * spot.u[0], size * spot.u[1]];
@@ -332,18 +318,17 @@ impl ArcEnds {
             down.journal = Some(OnJournal::new(&self.depth[1], lead - place, n));
             up.journal = Some(OnJournal::new(&self.depth[0], place + 1.0 - lead, n));
         }
+        let reach = self.reach(size);
         let mut further = |from: f64, to: f64| patch(-to, -from);
         let before = down.end(n, reach, like, beyond, &mut further);
         (before, up.end(n, reach, like, beyond, &mut patch))
     }
 
-    /// Number of table angles on one side beyond which p is negative, for a journal pressed in by `penetration` [m] where the bore has
-    /// this `radius` [m]: with the largest gap g, p <= g + e cos(phi), and cos(phi) <= 1 - 11/24 phi^2 up to 1 rad, 1 - 2 (phi / pi)^2
-    /// up to pi.
+    /// Number of table angles on one side beyond which p is negative for an eccentricity of `size` [m]: with the largest gap g,
+    /// p <= g + e cos(phi), and cos(phi) <= 1 - 11/24 phi^2 up to 1 rad, 1 - 2 (phi / pi)^2 up to pi.
     #[inline(always)]
-    pub(super) fn reach(&self, penetration: f64, radius: f64) -> usize {
+    fn reach(&self, size: f64) -> usize {
         let n = self.intervals();
-        let size = penetration + radius - self.journal_radius;
         let fall = 1.0 + self.largest_gap / size;
         let square = if fall <= 11.0 / 24.0 { fall * (24.0 / 11.0) } else { fall * (0.5 * PI * PI) };
         // Also where it is not a number: half a turn.
