@@ -309,11 +309,8 @@ impl ArcEnds {
         let lead = spot.place - below as f64;
         let slope = slope * TAU / n as f64;
         // In the mirrored bore the first table angle is that of `below`, and slopes change sign.
-        let down =
-            Side { lead, penetration, slope, ..self.side(&self.mirrored_gap, n - below, [e[0], -e[1]]) };
-        let up = self.side(&self.gap, below + 1, e);
-        let up = Side { lead: 1.0 - lead, penetration, slope: -slope, ..up };
-        let (mut down, mut up) = (down, up);
+        let mut down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]], [lead, penetration, slope]);
+        let mut up = self.side(&self.gap, below + 1, e, [1.0 - lead, penetration, -slope]);
         if let Some(place) = on_journal {
             down.journal = Some(OnJournal::new(&self.depth[1], lead - place, n));
             up.journal = Some(OnJournal::new(&self.depth[0], place + 1.0 - lead, n));
@@ -335,13 +332,14 @@ impl ArcEnds {
         if square < PI * PI { 1 + (square.sqrt() * (n as f64 / TAU)) as usize } else { n / 2 }
     }
 
-    /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m].
+    /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m]; `near` are the distance to
+    /// that angle, the penetration and the slope of p where the contact is.
     #[inline(always)]
-    fn side<'a>(&'a self, gap: &'a [f64], first: usize, e: [f64; 2]) -> Side<'a> {
+    fn side<'a>(&'a self, gap: &'a [f64], first: usize, e: [f64; 2], near: [f64; 3]) -> Side<'a> {
         let curvature = 0.5 / self.journal_radius;
-        let (cos, sin) = (&self.cos[first..], &self.sin[first..]);
-        let gap = &gap[first..];
-        Side { gap, cos, sin, e, curvature, journal: None, lead: 0.0, penetration: 0.0, slope: 0.0 }
+        let (gap, cos, sin) = (&gap[first..], &self.cos[first..], &self.sin[first..]);
+        let [lead, penetration, slope] = near;
+        Side { gap, cos, sin, e, curvature, journal: None, lead, penetration, slope }
     }
 }
 
