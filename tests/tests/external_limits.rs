@@ -117,9 +117,11 @@ fn evaluate(evaluator: &mut dyn Evaluator, count: u64) -> Result<(Outcomes, Vec<
     Ok((outcomes, workers))
 }
 
-/// True if a process runs; a zombie, which its parent has not reaped yet, has an empty command line.
+/// True if a process runs; a zombie, which its parent has not reaped yet, does not. The state follows the name in parentheses. (The
+/// command line of a process is empty for a moment whenever it executes another program.)
 fn runs(number: &String) -> bool {
-    std::fs::read(Path::new("/proc").join(number).join("cmdline")).is_ok_and(|line| !line.is_empty())
+    std::fs::read_to_string(Path::new("/proc").join(number).join("stat"))
+        .is_ok_and(|stat| stat.rsplit_once(") ").is_some_and(|(_, state)| !state.starts_with(['Z', 'X'])))
 }
 
 #[track_caller]
@@ -163,7 +165,7 @@ fn a_worker_whose_run_time_ends_returns_its_evaluations_and_ends_its_programs() 
             &coordinator.endpoints()[0],
             "short",
             &study.file("all", "60 s"),
-            &["--walltime", "3"],
+            &["--walltime", "8"],
         );
         let (outcomes, workers) = std::thread::scope(|scope| {
             let endpoint = coordinator.endpoints()[0].clone();

@@ -36,7 +36,7 @@ fn rows(law: ContactLaw, accuracy: &Accuracy) -> Vec<Row> {
 }
 
 /// Largest difference over the stated error [1]. Stated errors are to hold twice for 95 % of all values; of the extremes one under
-/// `foundation` at `draft` (masses x 100, whose rockers vibrate) is off by 1.07 of its own.
+/// `foundation` at `draft` (masses x 100, whose rockers vibrate) exceeds its stated error by a factor of 1.07.
 const LARGEST_SHARE: f64 = 1.25;
 
 /// What every table must fulfil; `agreeing` cases come to their end.

@@ -136,20 +136,6 @@ pub struct Pressed {
     pub slope: f64,
     /// Place of the contact on a worn journal, in table intervals.
     pub on_journal: Option<f64>,
-    /// Number of table angles on each side among which further patches may be: [`ArcEnds::reach`].
-    pub reach: usize,
-}
-
-impl Pressed {
-    /// No contact.
-    pub(super) const NONE: Pressed = Pressed {
-        spot: Spot { u: [1.0, 0.0], place: 0.0 },
-        penetration: 0.0,
-        radius: 0.0,
-        slope: 0.0,
-        on_journal: None,
-        reach: 0,
-    };
 }
 
 /// Journal circle of one contact, and one side of the bore.
@@ -315,7 +301,7 @@ impl ArcEnds {
         beyond: &mut Beyond,
         mut patch: impl FnMut(f64, f64),
     ) -> (f64, f64) {
-        let Pressed { spot, penetration, radius, slope, on_journal, reach } = *contact;
+        let Pressed { spot, penetration, radius, slope, on_journal } = *contact;
         let n = self.intervals();
         let size = penetration + radius - self.journal_radius;
         let e = [size * spot.u[0], size * spot.u[1]];
@@ -323,40 +309,37 @@ impl ArcEnds {
         let lead = spot.place - below as f64;
         let slope = slope * TAU / n as f64;
         // In the mirrored bore the first table angle is that of `below`, and slopes change sign.
-        let down =
-            Side { lead, penetration, slope, ..self.side(&self.mirrored_gap, n - below, [e[0], -e[1]]) };
-        let up = self.side(&self.gap, below + 1, e);
-        let up = Side { lead: 1.0 - lead, penetration, slope: -slope, ..up };
-        let (mut down, mut up) = (down, up);
+        let mut down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]], [lead, penetration, slope]);
+        let mut up = self.side(&self.gap, below + 1, e, [1.0 - lead, penetration, -slope]);
         if let Some(place) = on_journal {
             down.journal = Some(OnJournal::new(&self.depth[1], lead - place, n));
             up.journal = Some(OnJournal::new(&self.depth[0], place + 1.0 - lead, n));
         }
+        let reach = self.reach(size);
         let mut further = |from: f64, to: f64| patch(-to, -from);
         let before = down.end(n, reach, like, beyond, &mut further);
         (before, up.end(n, reach, like, beyond, &mut patch))
     }
 
-    /// Number of table angles on one side beyond which p is negative, for a journal pressed in by `penetration` [m] where the bore has
-    /// this `radius` [m]: with the largest gap g, p <= g + e cos(phi), and cos(phi) <= 1 - 11/24 phi^2 up to 1 rad, 1 - 2 (phi / pi)^2
-    /// up to pi.
+    /// Number of table angles on one side beyond which p is negative for an eccentricity of `size` [m]: with the largest gap g,
+    /// p <= g + e cos(phi), and cos(phi) <= 1 - 11/24 phi^2 up to 1 rad, 1 - 2 (phi / pi)^2 up to pi.
     #[inline(always)]
-    pub(super) fn reach(&self, penetration: f64, radius: f64) -> usize {
+    fn reach(&self, size: f64) -> usize {
         let n = self.intervals();
-        let size = penetration + radius - self.journal_radius;
         let fall = 1.0 + self.largest_gap / size;
         let square = if fall <= 11.0 / 24.0 { fall * (24.0 / 11.0) } else { fall * (0.5 * PI * PI) };
         // Also where it is not a number: half a turn.
         if square < PI * PI { 1 + (square.sqrt() * (n as f64 / TAU)) as usize } else { n / 2 }
     }
 
-    /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m].
+    /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m]; `near` are the distance to
+    /// that angle, the penetration and the slope of p where the contact is.
     #[inline(always)]
-    fn side<'a>(&'a self, gap: &'a [f64], first: usize, e: [f64; 2]) -> Side<'a> {
+    fn side<'a>(&'a self, gap: &'a [f64], first: usize, e: [f64; 2], near: [f64; 3]) -> Side<'a> {
         let curvature = 0.5 / self.journal_radius;
-        let (cos, sin) = (&self.cos[first..], &self.sin[first..]);
-        let gap = &gap[first..];
-        Side { gap, cos, sin, e, curvature, journal: None, lead: 0.0, penetration: 0.0, slope: 0.0 }
+        let (gap, cos, sin) = (&gap[first..], &self.cos[first..], &self.sin[first..]);
+        let [lead, penetration, slope] = near;
+        Side { gap, cos, sin, e, curvature, journal: None, lead, penetration, slope }
     }
 }
 

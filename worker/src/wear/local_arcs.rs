@@ -108,7 +108,7 @@ struct Sharing<'a> {
     profile: &'a Profile,
 }
 
-/// Samples whose circles are placed before any arc is found, and whose arcs are found before any is shared out: their divisions then overlap.
+/// Samples whose arcs are found before any is shared out: their divisions then overlap.
 const AT_ONCE: usize = 16;
 
 impl InLanes for Sharing<'_> {
@@ -134,30 +134,24 @@ impl Sharing<'_> {
         };
         let mut beyond = [0.0; WORD];
         for samples in samples.chunks(AT_ONCE) {
-            let mut contacts = [(Pressed::NONE, 0.0); AT_ONCE];
-            for (contact, sample) in contacts.iter_mut().zip(samples) {
-                let Sample { spot, penetration, on_journal, .. } = *sample;
+            let mut arcs = [(0.0, 0.0, 0.0, 0.0); AT_ONCE];
+            for (arc, sample) in arcs.iter_mut().zip(samples) {
+                let Sample { spot, penetration, work, on_journal } = *sample;
                 let (interval, s) = spot.within(self.profile.points(), per_point);
                 let Radius { r, d1, .. } = self.profile.within(interval, s);
+                let place = on_journal * per_point;
                 let depth = journal.map(|journal| {
-                    let place = on_journal * per_point;
                     let at = (place as usize).min(self.profile.points() - 1);
                     journal.worn().within(at, place - at as f64)
                 });
                 let (radius, slope) = depth.map_or((r, d1), |depth| (r + depth.r, d1 + depth.d1));
-                let reach = ends.reach(penetration, radius);
                 let on_journal = journal.map(|_| on_journal);
-                *contact = (Pressed { spot, penetration, radius, slope, on_journal, reach }, r);
-            }
-            let mut arcs = [(0.0, 0.0, 0.0, 0.0); AT_ONCE];
-            for ((arc, sample), (contact, r)) in arcs.iter_mut().zip(samples).zip(&contacts) {
-                let Sample { spot, work, on_journal, .. } = sample;
-                let place = *on_journal * per_point;
                 further.clear();
                 let patch = |from: f64, to: f64| further.push([from * per_point, to * per_point]);
-                let (before, after) = ends.find(contact, like, &mut beyond, patch);
+                let pressed = Pressed { spot, penetration, radius, slope, on_journal };
+                let (before, after) = ends.find(&pressed, like, &mut beyond, patch);
                 let (middle, before, after) = (spot.place * per_point, before * per_point, after * per_point);
-                let mut work = *work;
+                let mut work = work;
                 if !further.is_empty() {
                     // Each patch wears as deeply as the arc: its work is in proportion to its length.
                     let lengths = further.iter().map(|[from, to]| to - from).sum::<f64>() + (before + after);
@@ -182,10 +176,10 @@ impl Sharing<'_> {
                 }
                 if let Some(journal) = journal {
                     let ends = [place - before, place + after];
-                    let mean = radius_of_journal(journal, ends, contact.radius - r);
+                    let mean = radius_of_journal(journal, ends, radius - r);
                     share_out(of_journal, turn + ends[0]..turn + ends[1], work / mean);
                 }
-                *arc = (middle - before, middle + after, *r, work);
+                *arc = (middle - before, middle + after, r, work);
             }
             for (start, end, r, work) in &mut arcs[..samples.len()] {
                 // Mean radius along the arc, by Simpson's rule over its angle; then work per radius in its place.
