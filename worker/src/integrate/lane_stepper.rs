@@ -17,6 +17,16 @@ pub trait SteppedLanes<R: Real>: Dynamics<R> {
     fn is_constrained(&self) -> bool {
         false
     }
+    /// True if the systems have contacts whose beginning within a step counts as an error, see [`SteppedLanes::begun`].
+    fn begins_contacts(&self) -> bool {
+        false
+    }
+    /// Error of the steps of length `h` [s] that led from the states linearised as `before` to (`t`, `q`, `v`), in the scales of the systems [1],
+    /// because of contacts that began within them: the scheme may not have met their force.
+    fn begun(&mut self, before: &Linearised<R>, h: R, t: R, q: &[R], v: &[R]) -> R {
+        let _ = (before, t, q, v);
+        h.zero()
+    }
     /// Called with the linearisation `at` of the present states, again where a step was refused: contact laws whose damping depends on the
     /// speed at impact update it here.
     fn on_accepted(&mut self, at: &Linearised<R>) {
@@ -140,6 +150,11 @@ impl<R: Real> LaneStepper<R> {
         let infinite = error.like(f64::INFINITY);
         let exists = R::both(error.below(infinite), infinite.zero().below(sound));
         self.error = R::select(exists, error, infinite);
+        if system.begins_contacts() {
+            let begun = system.begun(&self.at, h, t + h, &self.scheme.new_q, &self.scheme.new_v) / tolerance;
+            let begun = R::select(begun.below(infinite), begun, infinite);
+            self.error = R::select(error.like(1.0).below(self.error), self.error, self.error.larger(begun));
+        }
         if system.is_constrained() {
             let under_way = R::select(under_way, like.like(1.0), like.zero());
             self.close(system, t + h, tolerance, under_way);

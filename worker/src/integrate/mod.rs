@@ -59,6 +59,16 @@ pub trait Stepped: Dynamics {
         let _ = (t, q, v);
         Some(0.0)
     }
+    /// True if the system has contacts whose beginning within a step counts as an error, see [`Stepped::begun`].
+    fn begins_contacts(&self) -> bool {
+        false
+    }
+    /// Error of the step of length `h` [s] that led from the state linearised as `before` to (`t`, `q`, `v`), in the scales of the system [1], because
+    /// of contacts that began within it: the scheme may not have met their force.
+    fn begun(&mut self, before: &Linearised, h: f64, t: f64, q: &[f64], v: &[f64]) -> f64 {
+        let _ = (before, h, t, q, v);
+        0.0
+    }
     /// Scales of q and qd against which errors are measured `(n,)` each.
     fn scales(&self) -> (&[f64], &[f64]);
     /// Called after each accepted step with the state last linearised: contact laws whose damping depends on the speed at

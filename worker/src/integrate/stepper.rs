@@ -171,7 +171,12 @@ impl Stepper {
     ) -> f64 {
         let sound = self.scheme.step(system, &self.at, progress.time, h, q, v);
         progress.forces += 2.0;
-        let error = if sound == 1.0 { self.error(system.scales()) } else { f64::INFINITY };
+        let mut error = if sound == 1.0 { self.error(system.scales()) } else { f64::INFINITY };
+        if error <= 1.0 && system.begins_contacts() {
+            let (t, end) = (progress.time + h, &self.scheme);
+            let begun = system.begun(&self.at, h, t, &end.new_q, &end.new_v);
+            error = error.max(nan_as_infinite(begun / self.control.tolerance));
+        }
         if error <= 1.0 && system.is_constrained() {
             return error.max(self.close(system, progress.time + h, &mut progress.drift));
         }

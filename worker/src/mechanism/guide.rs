@@ -28,7 +28,7 @@ use super::frame::{End, Frame};
 use super::load::LoadForce;
 use crate::contact::{GuideReaction, PADS, PadForce, Restitution, coulomb, initial_damping, pad_force};
 use crate::lanes::{Real, lanewise};
-use crate::plane::{cross, dot, left};
+use crate::plane::{cross, dot, left, length};
 use common::scene::GuideClearance;
 
 /// Slider and guide with the constants of their contact.
@@ -110,6 +110,15 @@ impl Guide {
         12.0 * self.unit
     }
 
+    /// Distance of the farthest point of contact from the centre of its body, on the bodies of slider and guide `(2,)` [m].
+    pub(crate) fn arms(&self) -> [f64; 2] {
+        let farthest = self.reach[0].abs().max(self.reach[1].abs());
+        [
+            length(self.ends[0].arm) + libm::hypot(self.half_length, self.half_height),
+            length(self.ends[1].arm) + libm::hypot(farthest, self.half_gap),
+        ]
+    }
+
     /// Clearance on each side [m].
     pub(crate) fn clearance(&self) -> f64 {
         self.half_gap - self.half_height
@@ -126,6 +135,13 @@ struct PadEnd<R> {
     overlap: R,
     rate: R,
     sliding: R,
+}
+
+/// Overlap and its rate at the deeper end of a pad.
+#[inline(always)]
+fn deeper<R: Real>([a, b]: &[PadEnd<R>; 2]) -> [R; 2] {
+    let first = b.overlap.below(a.overlap);
+    [R::select(first, a.overlap, b.overlap), R::select(first, a.rate, b.rate)]
 }
 
 /// Gradient of u . d to the six coordinates, for a direction `u` of the guide's body in global axes.
@@ -174,14 +190,20 @@ impl<R: Real> Guide<R> {
         self.half_height * 0.1
     }
 
-    /// Sets the damping factors of the pads that do not touch from their speeds of approach; no effect for constant ones.
+    /// Sets the damping factors of the pads that do not touch from their speeds of approach, at most that of the other half of the face where it
+    /// touches; no effect for constant ones.
     #[inline(always)]
     pub(crate) fn follow_approach(&mut self, now: &GuideReaction<R>) {
         if let Some(restitution) = self.restitution {
+            let zero = self.half_gap.zero();
+            let present = self.damping;
             for pad in 0..PADS {
-                let touches = self.half_gap.zero().below(now.penetration[pad]);
                 let next = restitution.damping(now.approach[pad]);
-                self.damping[pad] = R::select(touches, self.damping[pad], next);
+                // The halves of a face are the pads 0 and 1, 2 and 3.
+                let other = pad ^ 1;
+                let shared =
+                    R::select(zero.below(now.penetration[other]), next.smaller(present[other]), next);
+                self.damping[pad] = R::select(zero.below(now.penetration[pad]), present[pad], shared);
             }
         }
     }
@@ -200,49 +222,90 @@ impl<R: Real> Guide<R> {
         let base = dot(self.axis, j.arm);
         done.beyond = self.unit.like(f64::NEG_INFINITY);
         for face in 0..2 {
-            // The face to the left of the axis, then that to the right.
-            let side = if face == 0 { self.unit.like(1.0) } else { self.unit.like(-1.0) };
-            let n = left(t).map(|x| x * side);
-            let wall = dot(left(self.axis), j.arm) * side + self.half_gap;
-            let across = left(self.along).map(|x| x * side * self.half_height);
-            let mut at = [PadEnd { a: n, d: n, overlap: zero, rate: zero, sliding: zero }; 3];
+            let (n, at) = self.face(face, t, [fa, fb]);
             for point in 0..3 {
-                let ahead = self.half_length * (point as f64 - 1.0);
-                let mut arm = i.arm;
-                for k in 0..2 {
-                    arm[k] = arm[k] + across[k] + self.along[k] * ahead;
-                }
-                let a = fa.turn(arm);
-                let d = [fa.x[0] + a[0] - fb.x[0], fa.x[1] + a[1] - fb.x[1]];
-                // Velocity of the point against the guide's body.
-                let w = [
-                    fa.v[0] - fa.omega * a[1] - fb.v[0] + fb.omega * d[1],
-                    fa.v[1] + fa.omega * a[0] - fb.v[1] - fb.omega * d[0],
-                ];
-                at[point] = PadEnd { a, d, overlap: dot(n, d) - wall, rate: dot(n, w), sliding: dot(t, w) };
-                let s = dot(t, d) - base;
+                let s = dot(t, at[point].d) - base;
                 done.beyond = done.beyond.larger(s - self.reach[1]).larger(self.reach[0] - s);
             }
             for half in 0..2 {
                 let (pad, ends) = (2 * face + half, [at[half], at[half + 1]]);
-                let deep = ends[1].overlap.below(ends[0].overlap);
-                done.penetration[pad] = R::select(deep, ends[0].overlap, ends[1].overlap);
-                done.approach[pad] = R::select(deep, ends[0].rate, ends[1].rate);
+                [done.penetration[pad], done.approach[pad]] = deeper(&ends);
                 if !R::any(zero.below(done.penetration[pad])) {
                     continue;
                 }
-                let pressed = pad_force(
-                    self.unit,
-                    self.damping[pad],
-                    [ends[0].overlap, ends[1].overlap],
-                    [ends[0].rate, ends[1].rate],
-                );
+                let pressed = self.pressed(pad, &ends);
                 done.stored += pressed.stored;
                 done.lost += pressed.lost;
                 self.add_pad::<JACOBIAN>(&mut load, &mut done, face, &pressed, &ends, [n, t], [fa, fb]);
             }
         }
         (load, done)
+    }
+
+    /// Outward normal of a face, the one to the left of the axis `t` or that to the right, in global axes, and its corner, middle and corner.
+    #[inline(always)]
+    fn face(&self, face: usize, t: [R; 2], [fa, fb]: [&Frame<R>; 2]) -> ([R; 2], [PadEnd<R>; 3]) {
+        let ([i, j], zero) = (&self.ends, self.unit.zero());
+        let side = if face == 0 { self.unit.like(1.0) } else { self.unit.like(-1.0) };
+        let n = left(t).map(|x| x * side);
+        let wall = dot(left(self.axis), j.arm) * side + self.half_gap;
+        let across = left(self.along).map(|x| x * side * self.half_height);
+        let mut at = [PadEnd { a: n, d: n, overlap: zero, rate: zero, sliding: zero }; 3];
+        for point in 0..3 {
+            let ahead = self.half_length * (point as f64 - 1.0);
+            let mut arm = i.arm;
+            for k in 0..2 {
+                arm[k] = arm[k] + across[k] + self.along[k] * ahead;
+            }
+            let a = fa.turn(arm);
+            let d = [fa.x[0] + a[0] - fb.x[0], fa.x[1] + a[1] - fb.x[1]];
+            // Velocity of the point against the guide's body.
+            let w = [
+                fa.v[0] - fa.omega * a[1] - fb.v[0] + fb.omega * d[1],
+                fa.v[1] + fa.omega * a[0] - fb.v[1] - fb.omega * d[0],
+            ];
+            at[point] = PadEnd { a, d, overlap: dot(n, d) - wall, rate: dot(n, w), sliding: dot(t, w) };
+        }
+        (n, at)
+    }
+
+    /// Force of a pad between these ends.
+    #[inline(always)]
+    fn pressed(&self, pad: usize, ends: &[PadEnd<R>; 2]) -> PadForce<R> {
+        let (overlap, rate) = ([ends[0].overlap, ends[1].overlap], [ends[0].rate, ends[1].rate]);
+        pad_force(self.unit, self.damping[pad], overlap, rate)
+    }
+
+    /// Size of the generalised impulse `(6,)` [N s, N m s] of the pads that touch with the bodies in `frames` and did not where the guide
+    /// did `before`, `h` [s] earlier: the time since they began to touch, at most g / (dg/dt), times half the present force.
+    #[inline(always)]
+    pub(crate) fn begun(&self, frames: &[Frame<R>], before: &GuideReaction<R>, h: R) -> [R; 6] {
+        let (fa, fb) = (&frames[self.ends[0].frame], &frames[self.ends[1].frame]);
+        let zero = h.zero();
+        let (t, mut impulse) = (fb.turn(self.axis), [zero; 6]);
+        for face in 0..2 {
+            let (n, at) = self.face(face, t, [fa, fb]);
+            for half in 0..2 {
+                let (pad, ends) = (2 * face + half, [at[half], at[half + 1]]);
+                let [overlap, rate] = deeper(&ends);
+                let begins =
+                    R::both(before.penetration[pad].below(h.like(f64::MIN_POSITIVE)), zero.below(overlap));
+                if !R::any(begins) {
+                    continue;
+                }
+                // The smaller of h and g / rate, of h alone where it does not approach.
+                let since = R::select((rate * h).below(overlap), h, overlap / rate);
+                let half_time = R::select(begins, since * 0.5, zero);
+                let pressed = self.pressed(pad, &ends);
+                for i in 0..2 {
+                    let (g, p) = (gradient(n, ends[i].a, ends[i].d), pressed.force[i] * half_time);
+                    for r in 0..6 {
+                        impulse[r] = impulse[r].plus_product(p, g[r].abs());
+                    }
+                }
+            }
+        }
+        impulse
     }
 
     /// Adds the forces of a pad at its ends, with friction, normal `n` and axis `t` in global axes.

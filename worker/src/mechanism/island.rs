@@ -7,6 +7,7 @@ use super::elimination::{Elimination, Existence};
 use super::forces::{Acting, JointSpace};
 use super::frame::{End, Frame};
 use super::guide::Guide;
+use super::guide_onset::begun;
 use super::joint::joint_motion;
 use super::load::{IslandLoad, NO_FRAME};
 use super::piecewise_cubic::Jet;
@@ -167,11 +168,18 @@ impl Island {
         const SHARE_OF_CLEARANCE: f64 = 0.01;
         const SHARE_OF_SIZE: f64 = 1e-4;
         const SHARE_OF_GUIDE: f64 = 1e-4;
-        let contacts = self.joints.iter().map(|j| j.ends).chain(self.guides.iter().map(|g| g.ends));
+        let contacts = self.joints.iter().map(|j| j.ends);
         let ends = contacts.chain(self.ideal.constraints.iter().map(|c| c.ends));
         let mut arm = vec![1e-6_f64; self.bodies.len()];
         for end in ends.flatten().filter(|e| e.frame < self.bodies.len()) {
             arm[end.frame] = arm[end.frame].max(length(end.arm));
+        }
+        for guide in &self.guides {
+            for (end, farthest) in
+                guide.ends.iter().zip(guide.arms()).filter(|(e, _)| e.frame < self.bodies.len())
+            {
+                arm[end.frame] = arm[end.frame].max(farthest);
+            }
         }
         self.size = largest(arm.iter().copied());
         let (mut position, mut frequency) =
@@ -333,6 +341,17 @@ impl Dynamics for Island {
 impl Stepped for Island {
     fn is_constrained(&self) -> bool {
         self.ideal.rows() > 0
+    }
+
+    fn begins_contacts(&self) -> bool {
+        !self.guides.is_empty()
+    }
+
+    #[inline(always)]
+    fn begun(&mut self, before: &Linearised, h: f64, t: f64, q: &[f64], v: &[f64]) -> f64 {
+        self.set_state(t, q, v);
+        let per_velocity = |k: usize| 1.0 / self.scale_v[k];
+        begun(&self.guides, &self.frames, &before.guides, h, &self.mass, per_velocity)
     }
 
     #[inline(always)]

@@ -6,6 +6,7 @@ use super::elimination::{Elimination, Existence};
 use super::forces::{Acting, JointSpace};
 use super::frame::{End, Frame};
 use super::guide::Guide;
+use super::guide_onset::begun;
 use super::island::Island;
 use super::joint::Touching;
 use super::load::IslandLoad;
@@ -329,6 +330,17 @@ impl<R: Real> SteppedLanes<R> for IslandLanes<R> {
     #[inline(always)]
     fn is_constrained(&self) -> bool {
         self.ideal.rows() > 0
+    }
+
+    #[inline(always)]
+    fn begins_contacts(&self) -> bool {
+        !self.guides.is_empty()
+    }
+
+    #[inline(always)]
+    fn begun(&mut self, before: &Linearised<R>, h: R, t: R, q: &[R], v: &[R]) -> R {
+        self.update_frames(t, q, v);
+        begun(&self.guides, &self.frames, &before.guides, h, &self.mass, |k| self.inverse[k].1)
     }
 
     #[inline(always)]

@@ -20,6 +20,7 @@ mod friction_balance;
 #[cfg(test)]
 mod friction_tests;
 mod guide;
+mod guide_onset;
 #[cfg(test)]
 mod guide_tests;
 mod island;
