@@ -131,48 +131,44 @@ fn a_slider_that_falls_on_its_face_returns_by_its_restitution() {
     }
 }
 
-/// A force F beside the middle turns the slider, too: the corner at the distance a strikes first, after t = sqrt(2 c / (F/m')) at the speed
-/// F t/m', where 1/m' = 1/m + a x/J with the arm x of the force. Its normal velocity v returns by the restitution. The force goes on during the contact
-/// of the time T, which ends where it began, so that the impulse is p = ((1 + e) v + T F/m') / (1/m + a^2/J).
+/// A force F beside the middle turns the slider, too: its corner, 30 mm from the middle, strikes first, after the time t = sqrt(2 c m'/F) with
+/// 1/m' = 1/m + a x/J, where x is the arm of the force. The motion afterwards gives the impulse p of the contact and its arm a, the centre of
+/// pressure. The normal velocity v = F t/m' there returns by the restitution; the force goes on during the contact of the time T, which ends where
+/// it began: p (1/m + a^2/J) = (1 + e) v + T F/m'.
 #[test]
 fn a_slider_that_strikes_with_a_corner_returns_by_its_restitution() {
     const CLEARANCE: f64 = 5e-4;
     const INERTIA: f64 = 2e-4;
-    const ARM: f64 = 0.03;
-    const FORCE: f64 = -2.0;
-    for coefficient in [0.7, 0.9] {
-        for beside in [0.01_f64, -0.01] {
+    const CORNER: f64 = 0.03;
+    const FORCE: f64 = 2.0;
+    const BESIDE: f64 = 0.01;
+    let accelerated = |arm: f64| FORCE * (1.0 / MASS + arm * BESIDE / INERTIA);
+    let strikes = (2.0 * CLEARANCE / accelerated(CORNER)).sqrt();
+    for coefficient in [0.5, 0.7, 0.9, 1.0] {
+        for side in [1.0_f64, -1.0] {
             let damping =
                 ContactDamping::Restitution { law: RestitutionLaw::Flores, coefficient, least_speed: 1e-4 };
-            let acceleration = FORCE * (1.0 / MASS + ARM * beside.abs() / INERTIA);
-            let strikes = (2.0 * CLEARANCE / acceleration.abs()).sqrt();
-            let mut scene = slider([0.0, FORCE], strikes + 4e-3, |guide| guide.contact_damping = damping);
+            let mut scene = slider([0.0, -FORCE], strikes + 4e-3, |guide| guide.contact_damping = damping);
             let Load::ConstantForce { at, .. } = &mut scene.loads[0] else { panic!("it is a force") };
-            at.position = [beside, 0.0];
+            at.position = [side * BESIDE, 0.0];
             let evaluation = run(&scene);
             let (time, position) = history(&evaluation);
-            let speed = &evaluation.first_cycle.as_ref().expect("asked for").motion[0].speed;
-            let last = time.len() - 1;
-            let after = time.iter().position(|time| *time > strikes + 1e-3).expect("within the cycle");
-            let vertical = (position[last][1] - position[after][1]) / (time[last] - time[after]);
-            let e = restitution(1.6 * (1.0 - coefficient) / coefficient);
             let cycle = evaluation.first_cycle.as_ref().expect("asked for");
+            let last = time.len() - 1;
             let touches: Vec<usize> = (0..=last).filter(|k| cycle.joint_force[0].1[*k] > 0.0).collect();
             let contact = time[touches[touches.len() - 1]] - time[touches[0] - 1];
-            let gained = acceleration.abs() * ((1.0 + e) * strikes + contact);
-            let impulse = gained / (1.0 / MASS + ARM * ARM / INERTIA);
-            let closed = [
-                FORCE / MASS * 0.5 * (time[last] + time[after]) + impulse / MASS,
-                (FORCE * beside * time[last] + impulse * ARM * beside.signum()) / INERTIA,
-            ];
-            println!(
-                "{coefficient}: contact of {contact:e} s, {vertical:e} m/s, {:e} rad/s, closed form {closed:?}",
-                speed[last]
-            );
-            // The centre of pressure is within 0.5 mm of the corner.
-            let bound = 5e-3 * acceleration.abs() * strikes;
-            assert!((vertical - closed[0]).abs() < bound, "{vertical} against {closed:?}");
-            assert!((speed[last] - closed[1]).abs() * ARM < bound, "{} against {closed:?}", speed[last]);
+            let after = time.iter().position(|time| *time > strikes + 1e-3).expect("within the cycle");
+            let vertical = (position[last][1] - position[after][1]) / (time[last] - time[after]);
+            let turned = side * cycle.motion[0].speed[last];
+            let impulse = MASS * vertical + FORCE * 0.5 * (time[last] + time[after]);
+            let arm = (INERTIA * turned + FORCE * BESIDE * time[last]) / impulse;
+            let gained = impulse * (1.0 / MASS + arm * arm / INERTIA);
+            let returned = gained / accelerated(arm) / strikes - 1.0 - contact / strikes;
+            let e =
+                if coefficient == 1.0 { 1.0 } else { restitution(1.6 * (1.0 - coefficient) / coefficient) };
+            println!("restitution {coefficient}: {returned}, closed form {e}; pressed at {arm:e} m");
+            assert!((returned - e).abs() < 0.005, "{coefficient}: {returned} against {e}");
+            assert!(arm > 0.98 * CORNER && arm < CORNER, "{arm}");
             let energy = evaluation.diagnostics.energy.expect("asked for");
             assert!(energy.residual().abs() < 2e-3 * energy.turnover, "{energy:?}");
             assert_eq!(energy.unphysical, 0.0);
