@@ -140,7 +140,7 @@ fn a_slider_that_strikes_with_a_corner_returns_by_its_restitution() {
     const CLEARANCE: f64 = 5e-4;
     const INERTIA: f64 = 2e-4;
     const CORNER: f64 = 0.03;
-    const FORCE: f64 = 2.0;
+    const FORCE: f64 = 0.05;
     const BESIDE: f64 = 0.01;
     let accelerated = |arm: f64| FORCE * (1.0 / MASS + arm * BESIDE / INERTIA);
     let strikes = (2.0 * CLEARANCE / accelerated(CORNER)).sqrt();
