@@ -31,7 +31,7 @@ const OPENING: &str = "transport/unicast/accept_pending";
 /// thousands of workers connect at once.
 const ACCEPTING: &str = "transport/unicast/accept_timeout";
 /// Time limit for accepting a session [ms].
-const ACCEPT_LIMIT: u32 = 60_000;
+const ACCEPT_LIMIT: u32 = 300_000;
 
 /// Where and how the coordinator listens.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
