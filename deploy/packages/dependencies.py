@@ -29,9 +29,13 @@ def run(*command):
 
 
 def metadata(target):
-    """`cargo metadata` for one system: the packages by id, and the nodes of the graph by id."""
-    command = ("cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", target)
-    found = json.loads(run(*command))
+    """`cargo metadata` for one system: the packages by id, and the nodes of the graph by id.
+
+    Macros and build scripts are compiled for the system that builds.
+    """
+    host = next(line for line in run("rustc", "-vV").splitlines() if line.startswith("host: "))
+    platforms = [word for name in sorted({target, host.removeprefix("host: ")}) for word in ("--filter-platform", name)]
+    found = json.loads(run("cargo", "metadata", "--format-version", "1", "--locked", *platforms))
     return {p["id"]: p for p in found["packages"]}, {n["id"]: n for n in found["resolve"]["nodes"]}
 
 

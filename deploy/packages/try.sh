@@ -1,6 +1,6 @@
 #!/bin/bash
 # Installs the packages in fresh places and works with them: the wheel in a new virtual environment, in which a notebook is
-# run to its end; the archive in an empty folder; the package for Debian in a new system made by debootstrap (as root),
+# run to its end; the archive in an empty folder; the static archive, if there is one, in an otherwise empty root; the package for Debian in a new system made by debootstrap (as root),
 # where it is installed by dpkg, runs a study, and is removed. Checks the bill of materials against the schema of CycloneDX.
 #
 #   deploy/packages/try.sh PACKAGES [NOTEBOOK]
@@ -59,9 +59,29 @@ echo "valid CycloneDX 1.6"
 
 echo "== archive"
 mkdir archive
-tar -xzf "$packages"/*.tar.gz -C archive --strip-components 1
+tar -xzf "$packages"/*-linux-gnu.tar.gz -C archive --strip-components 1
 env --ignore-environment archive/bin/coordinator "${study[@]}" --out archive-study >/dev/null
 grep -c . archive-study/reliability.csv
+
+echo "== static archive"
+static=$(echo "$packages"/*-linux-musl.tar.gz)
+if [ ! -e "$static" ]; then
+    echo "not tried: there is none"
+elif [ "$(id -u)" -ne 0 ]; then
+    echo "not tried: chroot needs root"
+else
+    # A root without any file but those of the archive.
+    mkdir static
+    tar -xzf "$static" -C static --strip-components 1
+    mkdir static/tmp
+    chroot static /bin/worker --version
+    env --ignore-environment "$(command -v chroot)" static /bin/coordinator "${study[@]}" --out /tmp/study >/dev/null
+    grep -c . static/tmp/study/reliability.csv
+    # Its elementary functions are those of another library.
+    if cmp static/tmp/study/reliability.csv archive-study/reliability.csv; then
+        echo "the same bytes as with the other archive"
+    fi
+fi
 
 echo "== Debian"
 if [ "$(id -u)" -ne 0 ] || ! command -v debootstrap >/dev/null; then

@@ -23,6 +23,9 @@ const PROCESSES: usize = 8;
 /// Time limit of each step; only a defect takes longer.
 const LONGEST: Duration = Duration::from_secs(900);
 
+/// Interval of reports about the connected workers.
+const REPORT_EVERY: Duration = Duration::from_secs(10);
+
 /// Ends of a coordinator's process.
 const KILLED: &str = "killed";
 const FINISHED: &str = "finished";
@@ -126,8 +129,17 @@ fn coordinate(
     let have_claimed = |workers: &[coordinator::farm::dispatch::ConnectedWorker]| {
         workers.iter().filter(|worker| worker.slots > 0).count() == sessions
     };
-    if !evaluator.wait_for_workers(LONGEST, have_claimed) {
-        return Err(format!("only {} workers have connected", evaluator.workers().len()).into());
+    while !evaluator.wait_for_workers(REPORT_EVERY, have_claimed) {
+        let workers = evaluator.workers();
+        let claimed = workers.iter().filter(|worker| worker.slots > 0).count();
+        eprintln!(
+            "{:.0} s: {} connected, {claimed} have claimed",
+            listening.elapsed().as_secs_f64(),
+            workers.len()
+        );
+        if listening.elapsed() > LONGEST {
+            return Err("not all workers have claimed".into());
+        }
     }
     println!("all {:.2} s", listening.elapsed().as_secs_f64());
     let mut source = Counted { journaled: Journaled::new(tasks as u64, folder), tasks: BTreeMap::new() };

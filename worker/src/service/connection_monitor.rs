@@ -43,8 +43,15 @@ impl ConnectionMonitor {
     /// Registers an attempt without answer, started at `since`.
     pub(crate) fn on_failure(&mut self, since: Instant, reason: String) {
         tracing::debug!("no answer from {}: {reason}", self.endpoint);
+        self.on_silence(since, Some(reason));
+    }
+
+    /// Registers that an attempt has had no answer since `since`, with the reason if one is known.
+    pub(crate) fn on_silence(&mut self, since: Instant, reason: Option<String>) {
         self.silent_since = self.silent_since.or(Some(since));
-        self.last_reason = reason;
+        if let Some(reason) = reason {
+            self.last_reason = reason;
+        }
     }
 
     /// Warns the user every five seconds of silence.

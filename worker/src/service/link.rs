@@ -14,8 +14,8 @@ use zenoh::{Config, Session, Wait};
 
 /// Zenoh settings the worker requires. The lease bounds the time in which a hang of the worker is detected. Reconnection
 /// is tried about twice a second without limit, so that a restarted coordinator has its workers back at once (4 s with
-/// Zenoh's default). The timeout bounds the first connection only: opening a client session blocks until then, and
-/// without a bound the worker could neither give up nor be stopped.
+/// Zenoh's default). A session that is dropped while it opens may stay half open, so that the limit of its opening is longer than a busy
+/// coordinator takes (10 s with Zenoh's default).
 const ZENOH_SETTINGS: [(&str, &str); 10] = [
     ("mode", "\"client\""),
     ("listen/endpoints", "[]"),
@@ -24,13 +24,23 @@ const ZENOH_SETTINGS: [(&str, &str); 10] = [
     ("scouting/delay", "0"),
     ("transport/link/tx/lease", "2000"),
     ("transport/link/rx/max_message_size", wire::MAX_MESSAGE),
-    ("connect/timeout_ms", "1000"),
+    ("transport/unicast/open_timeout", "60000"),
     ("connect/exit_on_failure", "false"),
     ("connect/retry", "{period_init_ms: 200, period_max_ms: 400, period_increase_factor: 1.5}"),
 ];
 
+/// Zenoh setting that limits an attempt to open the session [ms]; without it nobody would learn why none succeeds.
+const ATTEMPT_LIMIT: &str = "connect/timeout_ms";
+/// Limit of the first attempt. It doubles with each further one, so that thousands of workers that connect at the same time do not
+/// give up handshakes that a busy coordinator has begun.
+const FIRST_ATTEMPT: Duration = Duration::from_secs(1);
+/// Longest limit of an attempt.
+const LONGEST_ATTEMPT: Duration = Duration::from_secs(32);
+
 /// Pause between attempts to open the session.
 const RETRY: Duration = Duration::from_millis(200);
+/// Interval at which a worker looks for a reason to leave during an attempt.
+const POLL: Duration = Duration::from_millis(50);
 
 /// Time limit for closing the session: closing may block on a broken connection.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
@@ -60,23 +70,34 @@ impl Link {
         monitor: &mut ConnectionMonitor,
         departure: impl Fn(Instant) -> Option<Departure>,
     ) -> Result<Result<Self, Departure>, ServiceError> {
+        let mut limit = FIRST_ATTEMPT;
         loop {
             let started = Instant::now();
-            match zenoh::open(settings.0.clone()).wait() {
-                Ok(session) => return Self::declare(session, service, worker, inbox).map(Ok),
-                Err(error) => monitor.on_failure(started, refusal::explain(&reason(error), started)),
-            }
-            monitor.check(Instant::now())?;
-            if let Some(left) = departure(Instant::now()) {
-                return Ok(Err(left));
-            }
-            match received.recv_timeout(RETRY) {
-                Ok(ClaimEvent::Stop) => return Ok(Err(Departure::Stopped { lost: 0 })),
-                Ok(ClaimEvent::Abort) | Err(RecvTimeoutError::Disconnected) => {
-                    return Ok(Err(Departure::Aborted));
+            let opening = settings.open(limit)?;
+            loop {
+                match opening.recv_timeout(POLL) {
+                    Ok(Ok(session)) => return Self::declare(session, service, worker, inbox).map(Ok),
+                    Ok(Err(error)) => {
+                        monitor.on_failure(started, refusal::explain(&error, started));
+                        break;
+                    }
+                    Err(RecvTimeoutError::Timeout) => {
+                        monitor.on_silence(started, refusal::last_failure(started))
+                    }
+                    Err(RecvTimeoutError::Disconnected) => {
+                        return Err(ServiceError::Messaging(
+                            "the thread that opens the session has ended".into(),
+                        ));
+                    }
                 }
-                Ok(_) | Err(RecvTimeoutError::Timeout) => {}
+                if let Some(departure) = must_leave(received, Duration::ZERO, monitor, &departure)? {
+                    return Ok(Err(departure));
+                }
             }
+            if let Some(departure) = must_leave(received, RETRY, monitor, &departure)? {
+                return Ok(Err(departure));
+            }
+            limit = LONGEST_ATTEMPT.min(2 * limit);
         }
     }
 
@@ -157,6 +178,46 @@ impl Drop for QueryEnd {
 
 /// Zenoh configuration of a worker for one coordinator.
 pub(super) struct LinkSettings(Config);
+
+impl LinkSettings {
+    /// Begins to open a session; the receiver gets it, or Zenoh's error text after `limit` at the latest. Opening blocks its thread, and
+    /// nothing ends it before: a session that nobody receives any more is closed.
+    ///
+    /// # Errors
+    /// [`ServiceError::Messaging`], [`ServiceError::Thread`].
+    fn open(&self, limit: Duration) -> Result<Receiver<Result<Session, String>>, ServiceError> {
+        let mut config = self.0.clone();
+        config.insert_json5(ATTEMPT_LIMIT, &limit.as_millis().to_string()).map_err(messaging)?;
+        let (opened, opening) = channel();
+        let open = move || {
+            let _ = opened.send(zenoh::open(config).wait().map_err(reason));
+        };
+        std::thread::Builder::new().name("worker-open".into()).spawn(open).map_err(ServiceError::Thread)?;
+        Ok(opening)
+    }
+}
+
+/// Why the worker leaves before it has a session, if it does; waits up to `pause` for a request to stop.
+///
+/// # Errors
+/// [`ServiceError::Unreachable`].
+fn must_leave(
+    received: &Receiver<ClaimEvent>,
+    pause: Duration,
+    monitor: &mut ConnectionMonitor,
+    departure: impl Fn(Instant) -> Option<Departure>,
+) -> Result<Option<Departure>, ServiceError> {
+    let now = Instant::now();
+    monitor.check(now)?;
+    if let Some(left) = departure(now) {
+        return Ok(Some(left));
+    }
+    Ok(match received.recv_timeout(pause) {
+        Ok(ClaimEvent::Stop) => Some(Departure::Stopped { lost: 0 }),
+        Ok(ClaimEvent::Abort) | Err(RecvTimeoutError::Disconnected) => Some(Departure::Aborted),
+        Ok(_) | Err(RecvTimeoutError::Timeout) => None,
+    })
+}
 
 /// Builds the configuration for the coordinator at `endpoint`.
 ///

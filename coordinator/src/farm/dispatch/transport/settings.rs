@@ -26,6 +26,13 @@ const SESSIONS: &str = "transport/unicast/max_sessions";
 /// Key of the number of sessions that may be in the process of opening; Zenoh closes further connections without a reason.
 const OPENING: &str = "transport/unicast/accept_pending";
 
+/// Key of the time limit for accepting a session [ms]. Zenoh 1.10.2 drops a session at that limit wherever it is: one that has been confirmed
+/// to the worker and is not yet read stays half open, with signs of life and without messages. Zenoh's default of 10 s is exceeded when
+/// thousands of workers connect at once.
+const ACCEPTING: &str = "transport/unicast/accept_timeout";
+/// Time limit for accepting a session [ms].
+const ACCEPT_LIMIT: u32 = 300_000;
+
 /// Where and how the coordinator listens.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Listen {
@@ -71,8 +78,8 @@ pub(super) fn transport_settings(listen: &Listen) -> Result<TransportSettings, D
     for (key, value) in ZENOH_SETTINGS {
         config.insert_json5(key, value).map_err(messaging)?;
     }
-    // Zenoh's defaults of 1000 and 100 are replaced; other numbers come from the configuration file.
-    for (key, number) in [(SESSIONS, MAX_SESSIONS), (OPENING, MAX_SESSIONS)] {
+    // Zenoh's defaults are replaced; other numbers come from the configuration file.
+    for (key, number) in [(SESSIONS, MAX_SESSIONS), (OPENING, MAX_SESSIONS), (ACCEPTING, ACCEPT_LIMIT)] {
         if config.get_json(key).ok() == Config::default().get_json(key).ok() {
             config.insert_json5(key, &number.to_string()).map_err(messaging)?;
         }
