@@ -72,6 +72,13 @@ impl Elimination {
         Self::with_roots(constraints, root, 0.0)
     }
 
+    /// The same without space for factors and derivatives: only the constraints and the number of their rows.
+    pub(crate) fn without_factors(constraints: Vec<Constraint>) -> Self {
+        let none = Self::with_roots(vec![], vec![], 0.0);
+        let (first, m) = first_rows(&constraints);
+        Elimination { constraints, first, m, ..none }
+    }
+
     /// This elimination in every lane; `like` sets the number of lanes.
     pub(crate) fn in_lanes<R: Real>(&self, like: R) -> Elimination<R> {
         let constraints = self.constraints.iter().map(|c| c.in_lanes(like)).collect();
@@ -124,6 +131,12 @@ impl<R: Real> Elimination<R> {
     #[inline(always)]
     pub(crate) fn rows(&self) -> usize {
         self.m
+    }
+
+    /// One where no row was nearly dependent on those before it in the state last factored, else zero.
+    #[inline(always)]
+    pub(crate) fn apart(&self) -> R {
+        self.factors.apart
     }
 
     /// Number of joints with friction.

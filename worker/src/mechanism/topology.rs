@@ -1,11 +1,12 @@
 //! Topology of a scene: the islands of bodies that influence each other, with their joints and loads.
 
-use super::constraint::Constraint;
+use super::constraint::{Constraint, first_rows};
 use super::elimination::Elimination;
 use super::frame::FrameIndices;
 use super::island::{Island, Parts};
 use super::island_frames::IslandFrames;
 use super::load::IslandLoad;
+use super::passage::Passage;
 use super::wearing_joint::WearingJoint;
 use common::failure::SimulationFailure;
 use common::scene::{JointKind, Load, Motion, Scene};
@@ -76,7 +77,7 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
         }
     }
     let acting = scene.loads.iter().filter(|load| load.bodies().iter().any(|b| bodies.contains(b)));
-    let loads = acting.map(|load| IslandLoad::new(load, &mut frames)).collect();
+    let loads: Vec<IslandLoad> = acting.map(|load| IslandLoad::new(load, &mut frames)).collect();
     let mut mass = Vec::new();
     let mut weight = Vec::new();
     for &b in &bodies {
@@ -86,7 +87,31 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
         }
     }
     let (touched, prescribed) = (frames.touched().to_vec(), frames.prescribed());
-    let ideal = Elimination::new(constraints, &mass);
-    let island = Island::new(Parts { bodies, touched, joints, ideal, prescribed, loads, mass, weight });
+    let passage = passage(&constraints, &joints, &loads, &mass);
+    let ideal = match &passage {
+        Some(passage) if passage.is_large => Elimination::without_factors(constraints),
+        _ => Elimination::new(constraints, &mass),
+    };
+    let island =
+        Island::new(Parts { bodies, touched, joints, ideal, passage, prescribed, loads, mass, weight });
     island.scaled(scene)
+}
+
+/// Rows of ideal joints from which an island that may pass singular positions takes explicit steps only, whose cost grows linearly with its
+/// bodies: the derivatives that implicit steps need are dense. At this size explicit steps are the cheaper ones by far.
+const LARGE: usize = 40;
+
+/// How the island passes positions in which its ideal joints are dependent, if it may: without contacts, which are stiff, and without
+/// friction, which has no bound there.
+fn passage(
+    constraints: &[Constraint],
+    joints: &[WearingJoint],
+    loads: &[IslandLoad],
+    mass: &[f64],
+) -> Option<Box<Passage>> {
+    if !joints.is_empty() || constraints.iter().any(|c| c.friction.is_some()) {
+        return None;
+    }
+    let is_large = first_rows(constraints).1 >= LARGE && loads.iter().all(IslandLoad::drives);
+    Passage::new(constraints, mass, is_large).map(Box::new)
 }

@@ -232,6 +232,9 @@ pub(crate) fn failure(
             SimulationFailure::OutOfRange { cycle, time, joint: name(joint), penetration }
         }
         IntegrationError::Singular { time } => SimulationFailure::Singular { cycle, time },
+        IntegrationError::Branching { time, joint } => {
+            SimulationFailure::Branching { cycle, time, joint: scene.joints[joint].name.clone() }
+        }
         IntegrationError::SelfLocking { time, joint } => {
             let joint = scene.joints[island.constraints()[joint].scene_joint].name.clone();
             SimulationFailure::SelfLocking { cycle, time, joint }
