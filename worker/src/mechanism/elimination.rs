@@ -8,14 +8,12 @@
 //!
 //! f - G' lambda = M^1/2 [(1 - Q Q') M^-1/2 f - Q z]:
 //!
-//! the part of f in the null space of the constraints, and the part that keeps them closed. No product G M^-1
-//! G' is formed, so that bodies almost without inertia do no harm. The exact derivatives follow from the same
-//! Q and R: for a column x of coordinates, rates or time, f is replaced by df/dx - d(G' lambda)/dx and h by
-//! d(G a + h)/dx. Positions and velocities that the integration lets drift off the constraints are moved back
-//! along M^-1/2 Q.
+//! the part of f in the null space of the constraints, and the part that keeps them closed. No product G M^-1 G' is formed, so that bodies
+//! almost without inertia do no harm. The exact derivatives follow from the same Q and R: for a column x of coordinates, rates or time, f is
+//! replaced by df/dx - d(G' lambda)/dx and h by d(G a + h)/dx. Positions and velocities that the integration lets drift off the constraints
+//! are moved back along M^-1/2 Q.
 //!
-//! Valid where the rows of G are independent: a redundant or singular set of joints is reported, not
-//! repaired. One source serves one island and one island per SIMD lane.
+//! Valid where the rows of G are independent: dependent ones are reported. One source serves one island and one per SIMD lane.
 //!
 //! # Source
 //! Udwadia, Kalaba (1992), Proc. R. Soc. Lond. A 439, 407-410 (the force with reactions; here the
@@ -103,9 +101,8 @@ impl Elimination {
 
     /// Whether both join the same bodies by the same kinds of joints.
     pub(crate) fn has_same_topology(&self, other: &Self) -> bool {
-        let pairs = self.constraints.iter().zip(&other.constraints);
-        self.constraints.len() == other.constraints.len()
-            && pairs.into_iter().all(|(a, b)| a.has_same_topology(b))
+        let mut pairs = self.constraints.iter().zip(&other.constraints);
+        self.constraints.len() == other.constraints.len() && pairs.all(|(a, b)| a.has_same_topology(b))
     }
 }
 

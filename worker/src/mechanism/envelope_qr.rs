@@ -287,3 +287,47 @@ fn by_breadth<I: Iterator<Item = usize>>(
     }
     order
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::mechanism::constraint::first_rows;
+    use crate::mechanism::frame::End;
+    use common::scene::JointKind;
+
+    /// A ladder of `windows` four-bars, one of its joints prismatic and one fixed: bodies are cranks, couplers, then the ground.
+    pub(in crate::mechanism) fn ladder(windows: usize) -> (Vec<Constraint>, usize) {
+        let bodies = 2 * windows + 1;
+        let end = |frame: usize, arm: [f64; 2]| End { frame, arm };
+        let mut constraints = vec![];
+        for k in 0..=windows {
+            let ends = [end(k, [0.02 * k as f64, -0.5]), end(bodies, [k as f64, 0.0])];
+            let slides = JointKind::Prismatic { axis: 0.4, angle: 0.1 };
+            let kind = if k == 2 { slides } else { JointKind::Revolute };
+            constraints.push(Constraint::new(k, ends, &kind));
+        }
+        for k in 0..windows {
+            let coupler = windows + 1 + k;
+            let kind = if k == 1 { JointKind::Fixed { angle: 0.3 } } else { JointKind::Revolute };
+            constraints.push(Constraint::new(k, [end(coupler, [-0.4, 0.1]), end(k, [0.0, 0.5])], &kind));
+            let right = [end(k + 1, [0.1, 0.5]), end(coupler, [0.6, 0.0])];
+            constraints.push(Constraint::new(k, right, &JointKind::Revolute));
+        }
+        // The order of the file is not that of the chain.
+        constraints.reverse();
+        constraints.swap(1, 3 * windows / 2);
+        (constraints, bodies)
+    }
+
+    #[test]
+    fn entries_grow_linearly_along_a_chain() {
+        let stored = |windows: usize| {
+            let (mut constraints, bodies) = ladder(windows);
+            constraints.sort_by_key(|c| c.scene_joint % 7);
+            let (first, m) = first_rows(&constraints);
+            EnvelopeQr::new(&constraints, &first, 3 * bodies, m).expect("fewer rows than coordinates").a.len()
+        };
+        let (short, long) = (stored(20), stored(80));
+        assert!(long < 5 * short, "{long} against {short}");
+    }
+}

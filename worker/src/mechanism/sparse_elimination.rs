@@ -181,3 +181,70 @@ fn fill(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanism::elimination::Elimination;
+    use crate::mechanism::envelope_qr::tests::ladder;
+    use crate::mechanism::frame::Frame;
+
+    /// Frames `count` bodies in positions and velocities that follow no rule.
+    fn frames(count: usize) -> Vec<Frame> {
+        let value = |k: usize| (3.7 * k as f64).sin();
+        let frame = |b: usize| {
+            let k = 6 * b;
+            let q = [b as f64 + value(k), value(k + 1), 2.0 * value(k + 2)];
+            Frame::free(&q, &[value(k + 3), value(k + 4), value(k + 5)])
+        };
+        (0..count).map(frame).collect()
+    }
+
+    #[test]
+    fn reactions_and_corrections_are_those_of_the_dense_elimination() {
+        for windows in [1, 3, 12] {
+            let (constraints, bodies) = ladder(windows);
+            let (all, jets) = (frames(bodies + 1), [[0.3, 1.2, -0.7, 0.0]]);
+            let mass: Vec<f64> = (0..3 * bodies).map(|k| 1.0 + 0.8 * (k as f64).cos()).collect();
+            let at = Placed { frames: &all, jets: &jets };
+            let force: Vec<f64> = (0..3 * bodies).map(|k| (1.3 * k as f64).sin()).collect();
+            let of_all = || (force.clone(), vec![0.0; force.len()], force.clone());
+
+            let mut dense = Elimination::new(constraints.clone(), &mass);
+            let (mut f, mut q, mut v) = of_all();
+            dense.add_reactions(at, &mut f);
+            let (gap, independent) = dense.measure_gaps(at, 1.0);
+            assert_eq!(independent, 1.0);
+            dense.move_back(1.0, &mut q);
+            dense.measure_velocities(at, &v);
+            dense.move_back(1.0, &mut v);
+
+            let mut sparse =
+                SparseElimination::new(&constraints, &mass).expect("fewer rows than coordinates");
+            let (mut sparse_f, mut sparse_q, mut sparse_v) = of_all();
+            assert!(sparse.add_reactions(at, &mut sparse_f));
+            assert_eq!(sparse.close_positions(at, 1.0, &mut sparse_q), Some(gap));
+            sparse.close_velocities(at, &mut sparse_v);
+            for (a, b) in [(f, sparse_f), (q, sparse_q), (v, sparse_v)] {
+                let size = a.iter().fold(1.0, |size: f64, a| size.max(a.abs()));
+                a.iter().zip(&b).for_each(|(a, b)| assert!((a - b).abs() < 1e-11 * size, "{a} against {b}"));
+            }
+        }
+    }
+
+    #[test]
+    fn dependent_constraints_have_no_reactions() {
+        let (mut constraints, bodies) = ladder(12);
+        // In the place of two other joints, so that there are fewer rows than coordinates.
+        let twice = constraints[5];
+        constraints.truncate(constraints.len() - 2);
+        constraints.push(twice);
+        let (all, mass) = (frames(bodies + 1), vec![1.0; 3 * bodies]);
+        let jets = [[0.0; 4]];
+        let at = Placed { frames: &all, jets: &jets };
+        let mut joints = SparseElimination::new(&constraints, &mass).expect("fewer rows than coordinates");
+        let mut f = vec![0.0; 3 * bodies];
+        assert!(!joints.add_reactions(at, &mut f));
+        assert!(f[0].is_nan());
+    }
+}
