@@ -1,10 +1,9 @@
-//! Elimination of an island's ideal joints: the equations of motion keep the form M qdd = f, with the joints'
-//! reactions part of f.
+//! Elimination of an island's ideal joints: the equations of motion keep the form M qdd = f, with the joints' reactions part of f.
 //!
-//! M a + G' lambda = f and G a + h = 0, with the diagonal mass matrix M [kg, kg m^2], the accelerations a
-//! `(n,)`, the derivative G `(m, n)` of the constraints to the coordinates, the multipliers lambda `(m,)` [N,
-//! N m] and the centripetal part h `(m,)` (accelerations of prescribed bodies included). With G M^-1/2 = R'
-//! Q', Q `(n, m)` orthonormal and R `(m, m)` upper triangular, and z = R^-T h, the force with reactions is
+//! M a + G' lambda = f and G a + h = 0, with the diagonal mass matrix M [kg, kg m^2], the accelerations a `(n,)`, the derivative G
+//! `(m, n)` of the constraints to the coordinates, the multipliers lambda `(m,)` [N, N m] and the centripetal part h `(m,)` (accelerations
+//! of prescribed bodies included). With G M^-1/2 = R' Q', Q `(n, m)` orthonormal and R `(m, m)` upper triangular, and z = R^-T h, the force
+//! with reactions is
 //!
 //! f - G' lambda = M^1/2 [(1 - Q Q') M^-1/2 f - Q z]:
 //!
