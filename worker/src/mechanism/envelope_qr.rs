@@ -73,11 +73,9 @@ impl EnvelopeQr {
         let mut reach = vec![0; m];
         for c in 0..m {
             reach[c] = c + 1;
-            for k in c + 1..m {
-                if top[k] < end[c] {
-                    top[k] = top[k].min(c);
-                    reach[c] = k + 1;
-                }
+            for (k, top) in top.iter_mut().enumerate().skip(c + 1).filter(|(_, top)| **top < end[c]) {
+                *top = (*top).min(c);
+                reach[c] = k + 1;
             }
         }
         let mut offset = Vec::with_capacity(m);
