@@ -70,8 +70,10 @@ pub trait Stepped: Dynamics {
     fn is_projected(&self) -> bool {
         false
     }
-    /// A length for an explicit step that suits the positions in which the constraints are dependent, at most `h` [s].
-    fn step_length(&self, h: f64) -> f64 {
+    /// A length for an explicit step that suits the positions in which the constraints are dependent: at most `h` [s], but for the first
+    /// step tried from a state near such a position.
+    fn step_length(&self, h: f64, is_first: bool) -> f64 {
+        let _ = is_first;
         h
     }
     /// Largest error by rounding in an explicit step of length `h` [s], over the scales [1].

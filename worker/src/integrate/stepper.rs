@@ -130,8 +130,10 @@ impl Stepper {
                 return Ok(());
             }
             progress.check_bound()?;
+            let refused = progress.rejected;
             loop {
-                let (h, error) = self.try_any_step(system, progress, q, v)?;
+                let is_first = progress.rejected == refused;
+                let (h, error) = self.try_any_step(system, progress, is_first, (q, v))?;
                 if progress.decide(h, error, step_ratio(error))? == StepDecision::Accepted {
                     break;
                 }
@@ -181,12 +183,12 @@ impl Stepper {
         &mut self,
         system: &mut D,
         progress: &mut SpanProgress,
-        q: &[f64],
-        v: &[f64],
+        is_first: bool,
+        (q, v): (&[f64], &[f64]),
     ) -> Result<(f64, f64), IntegrationError> {
         let (mut h, is_projected) = (progress.next_step(), system.is_projected());
         let error = if is_projected {
-            h = system.step_length(h);
+            h = system.step_length(h, is_first).min(progress.end - progress.time);
             self.try_projected_step(system, progress, h, q, v)
         } else {
             self.try_step(system, progress, h, q, v)

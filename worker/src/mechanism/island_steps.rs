@@ -139,8 +139,8 @@ impl Stepped for Island {
         self.passage.as_ref().is_some_and(|passage| passage.is_projected())
     }
 
-    fn step_length(&self, h: f64) -> f64 {
-        self.passage.as_ref().map_or(h, |passage| passage.step_length(h))
+    fn step_length(&self, h: f64, is_first: bool) -> f64 {
+        self.passage.as_ref().map_or(h, |passage| passage.step_length(h, is_first))
     }
 
     fn rounding(&self, h: f64) -> f64 {

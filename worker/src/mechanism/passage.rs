@@ -38,6 +38,8 @@ const OBSERVED: f64 = 0.35;
 const NEAR: f64 = 0.1;
 /// Smallest share at the end of a step [1].
 const NEAREST: f64 = 1e-3;
+/// Share below which a step goes through the position however short steps are elsewhere [1].
+const AT_HAND: f64 = 5.0 * NEAREST;
 /// Least cosine between directions at both ends of a step that count as equal [1].
 const ALIGNED: f64 = 0.9;
 /// Least rate of a crossing over the angular velocity of the fastest body [1].
@@ -198,9 +200,15 @@ impl Passage {
         self.ahead = Some(Ahead { time, share: smallest(self.start.iter().copied()), rounding });
     }
 
-    /// A length of a step, at most `h` [s], whose stages are not too near a position of dependence.
-    pub(super) fn step_length(&self, h: f64) -> f64 {
+    /// A length of a step whose stages are not too near a position of dependence: at most `h` [s], unless that is too short for the first
+    /// step tried from here to go through a position that is near.
+    pub(super) fn step_length(&self, h: f64, is_first: bool) -> f64 {
         match self.ahead {
+            Some(Ahead { time, share, .. })
+                if is_first && share < AT_HAND && time.is_finite() && h < time / CROSSED_AT =>
+            {
+                time / CROSSED_AT
+            }
             Some(Ahead { time, .. }) if h < time / CROSSED_FIRST && h >= time / CROSSED_AT => {
                 time / CROSSED_AT
             }
