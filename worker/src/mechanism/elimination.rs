@@ -69,7 +69,7 @@ impl Elimination {
         Self::with_roots(constraints, root, 0.0)
     }
 
-    /// The same without space for factors and derivatives: only the constraints and the number of their rows.
+    /// The constraints and the number of their rows alone, without space for factors and derivatives.
     pub(crate) fn without_factors(constraints: Vec<Constraint>) -> Self {
         let none = Self::with_roots(vec![], vec![], 0.0);
         let (first, m) = first_rows(&constraints);

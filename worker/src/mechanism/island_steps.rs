@@ -16,9 +16,9 @@ const MOST_ITERATIONS: usize = 8;
 /// Gap that counts as closed, over the size of the mechanism: Newton's last step leaves rounding of the coordinates themselves [1].
 const LEAST_GAP: f64 = 1e-14;
 
-/// Largest distance of a body from the origin along an axis [m].
-fn farthest(q: &[f64]) -> f64 {
-    q.chunks_exact(3).fold(0.0, |a: f64, q| a.max(q[0].abs()).max(q[1].abs()))
+/// Largest coordinate of a body, angles times `size` [m]: its rounding is that of gaps.
+fn farthest(q: &[f64], size: f64) -> f64 {
+    q.chunks_exact(3).fold(0.0, |a: f64, q| a.max(q[0].abs()).max(q[1].abs()).max(size * q[2].abs()))
 }
 
 impl Island {
@@ -46,7 +46,7 @@ impl Island {
             {
                 let moved: Vec<f64> = q.iter().zip(v).map(|(q, v)| q + short * v).collect();
                 self.set_state(t + short, &moved, v);
-                passage.look_ahead((self.placed(), self.size), short, (farthest(q), fastest));
+                passage.look_ahead((self.placed(), self.size), short, (farthest(q, self.size), fastest));
                 self.set_state(t, q, v);
             }
         }
@@ -67,7 +67,7 @@ impl Island {
     /// size over the share of the most dependent row, and turns the directions along which velocities are projected by this displacement
     /// over the share once more.
     fn close_to_rounding(&mut self, t: f64, q: &mut [f64], v: &mut [f64]) -> Option<f64> {
-        let enough = (LEAST_GAP * self.size).max(ROUNDING * f64::EPSILON * farthest(q));
+        let enough = (LEAST_GAP * self.size).max(ROUNDING * f64::EPSILON * farthest(q, self.size));
         let mut drift = None;
         for _ in 0..MOST_ITERATIONS {
             self.set_state(t, q, v);

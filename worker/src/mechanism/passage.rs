@@ -49,7 +49,7 @@ const DIP: f64 = 0.5;
 
 /// Position ahead over the length of a step that crosses it, in the middle of the widest gap between stages [1].
 const CROSSED_AT: f64 = 0.55;
-/// The same before the first stage, for longer steps [1].
+/// Position ahead over the length of a longer step that crosses it before its first stage [1].
 const CROSSED_FIRST: f64 = 0.1;
 /// Time of the stages over the length of a step [1].
 const STAGES: [f64; 6] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0];
@@ -177,7 +177,7 @@ impl Passage {
     }
 
     /// Extrapolates from the state `at`, which velocities reach after `short` [s], when the first observed row vanishes; coordinates
-    /// lie up to `farthest` [m] from the origin, and the fastest body has the angular velocity `fastest` [rad/s].
+    /// are up to `farthest` [m], and the fastest body has the angular velocity `fastest` [rad/s].
     pub(super) fn look_ahead(
         &mut self,
         (at, size): (Placed, f64),
