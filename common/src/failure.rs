@@ -190,6 +190,18 @@ pub enum SimulationFailure {
         /// Name of the ideal joint.
         joint: String,
     },
+    /// The motion cannot be continued through a position in which the constraints of the ideal joints are dependent.
+    #[error(
+        "at cycle {cycle}, t = {time} s, joint {joint} depends on the other ideal joints in a position where the motion may branch: change lengths or the start so that the mechanism passes beside this position or through it with more speed, or give the joint a clearance"
+    )]
+    Branching {
+        /// Cycle of the life, from 0.
+        cycle: u32,
+        /// Time within the cycle [s].
+        time: f64,
+        /// Ideal joint that depends on the others there.
+        joint: String,
+    },
 }
 
 /// `: LINES`, or nothing without lines.

@@ -99,7 +99,8 @@ pub fn failure_is_finite(failure: &SimulationFailure) -> bool {
         F::TooManySteps { time, .. }
         | F::NotFinite { time, .. }
         | F::Singular { time, .. }
-        | F::SelfLocking { time, .. } => time.is_finite(),
+        | F::SelfLocking { time, .. }
+        | F::Branching { time, .. } => time.is_finite(),
         F::WearStep { error, .. } => error.is_finite(),
         F::OutOfRange { time, penetration, .. } => time.is_finite() && penetration.is_finite(),
         F::TimedOut { seconds } => seconds.is_finite(),

@@ -7,6 +7,8 @@
 //! | `progress.rs` | accepts or refuses a step; counts; reasons to stop |
 //! | `stepper.rs` | integrates one system over a span of time |
 //! | `lane_stepper.rs` | integrates one system per SIMD lane over spans of their own |
+//! | `projected.rs` | one explicit step of fifth order on the constraints of ideal joints |
+//! | `passing.rs` | how a step passes positions in which these constraints are dependent |
 //! | `band.rs`, `layout.rs`, `linear.rs`, `pivoted.rs` | banded and dense matrices and their factorisations |
 
 mod band;
@@ -18,8 +20,10 @@ mod lane_stepper;
 mod lane_stepper_tests;
 mod layout;
 mod linear;
+mod passing;
 mod pivoted;
 mod progress;
+mod projected;
 mod rosenbrock;
 mod stepper;
 
@@ -28,9 +32,11 @@ pub use control::StepControl;
 pub(crate) use control::{step_ratio, within_remaining};
 pub(crate) use lane_stepper::{LaneStepper, SteppedLanes};
 pub(crate) use linear::{add_product, factor, solve};
+pub use passing::{Passing, State};
 pub(crate) use pivoted::Pivoted;
 pub use progress::{IntegrationError, StepCounts};
 pub(crate) use progress::{SpanProgress, StepDecision, StepDecisions, nan_as_infinite, worst_coordinate};
+pub(crate) use projected::ProjectedStep;
 pub(crate) use rosenbrock::Rosenbrock;
 pub use stepper::{StateObserver, Stepper};
 
@@ -68,6 +74,33 @@ pub trait Stepped: Dynamics {
     fn begun(&mut self, before: &Linearised, h: f64, t: f64, q: &[f64], v: &[f64]) -> f64 {
         let _ = (before, h, t, q, v);
         0.0
+    }
+    /// Whether the next step has to be explicit, with the constraints of ideal joints closed at each of its stages: near positions in
+    /// which they are dependent, where their forces depend on the least displacement, and for many ideal joints.
+    fn is_projected(&self) -> bool {
+        false
+    }
+    /// A length for an explicit step that suits the positions in which the constraints are dependent: at most `h` [s], but for the first
+    /// step tried from a state near such a position.
+    fn step_length(&self, h: f64, is_first: bool) -> f64 {
+        let _ = is_first;
+        h
+    }
+    /// Largest error by rounding in an explicit step of length `h` [s], over the scales [1].
+    fn rounding(&self, h: f64) -> f64 {
+        let _ = h;
+        0.0
+    }
+    /// How a step of length `h` [s], after which the ideal joints are closed, passes positions in which their constraints are
+    /// dependent.
+    fn passing(&mut self, h: f64, from: State, to: State) -> Passing {
+        let _ = (h, from, to);
+        Passing::Clear
+    }
+    /// The joint to name if the constraints of the ideal joints are nearly dependent in the state last linearised: an index into the
+    /// scene's joints.
+    fn dependent_joint(&self) -> Option<usize> {
+        None
     }
     /// Scales of q and qd against which errors are measured `(n,)` each.
     fn scales(&self) -> (&[f64], &[f64]);

@@ -18,6 +18,8 @@ pub struct StepCounts {
     pub forces: u64,
     /// Largest distance by which an ideal joint drifted open in one step, before it was closed again [m].
     pub drift: f64,
+    /// Number of steps through positions in which the constraints of ideal joints are dependent.
+    pub passages: u64,
 }
 
 impl StepCounts {
@@ -27,6 +29,7 @@ impl StepCounts {
         self.rejected += other.rejected;
         self.forces += other.forces;
         self.drift = self.drift.max(other.drift);
+        self.passages += other.passages;
     }
 }
 
@@ -75,6 +78,13 @@ pub enum IntegrationError {
     Singular {
         /// Time of the state [s].
         time: f64,
+    },
+    /// The motion cannot be continued through a position in which the constraints of the ideal joints are dependent.
+    Branching {
+        /// Time of the last accepted state [s].
+        time: f64,
+        /// Ideal joint that depends on the others there, an index into the scene's joints.
+        joint: usize,
     },
     /// The reactions of the ideal joints do not balance their friction.
     SelfLocking {
@@ -158,6 +168,7 @@ impl SpanProgress {
             rejected: self.rejected as u64,
             forces: self.forces as u64,
             drift: self.drift,
+            passages: 0,
         }
     }
 

@@ -6,8 +6,8 @@
 
 use super::progress::{nan_as_infinite, worst_coordinate};
 use super::{
-    IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, StepCounts, StepDecision, Stepped,
-    step_ratio,
+    IntegrationError, Linearised, Passing, ProjectedStep, Rosenbrock, SpanProgress, State, StepControl,
+    StepCounts, StepDecision, Stepped, step_ratio,
 };
 use crate::lanes::{Vectorised, fused};
 use std::ops::Range;
@@ -33,6 +33,9 @@ pub struct Stepper {
     /// State before ideal joints were closed `(n,)` each.
     open_q: Vec<f64>,
     open_v: Vec<f64>,
+    /// Explicit steps, and the number of those through positions of dependent constraints in this span.
+    projected: ProjectedStep,
+    passages: u64,
 }
 
 /// An integration over a span of time, compiled for the instructions of this processor.
@@ -63,6 +66,8 @@ impl Stepper {
             scheme: Rosenbrock::new(0.0, &at.band),
             open_q: vec![0.0; n],
             open_v: vec![0.0; n],
+            projected: ProjectedStep::new(n),
+            passages: 0,
             at,
             control,
         }
@@ -83,16 +88,29 @@ impl Stepper {
         counts: &mut StepCounts,
     ) -> Result<(), IntegrationError> {
         let mut progress = SpanProgress::new(span, self.control);
+        self.passages = 0;
         let result = fused(Integration { stepper: self, system, progress: &mut progress, q, v, observer });
         self.control = progress.control;
-        counts.add(&progress.counts());
+        counts.add(&StepCounts { passages: self.passages, ..progress.counts() });
         result.map_err(|error| match (error, system.locked_joint()) {
             // The steps tried last led to states at which the force does not exist.
             (IntegrationError::StepTooSmall { time, .. }, Some(joint)) => {
                 IntegrationError::SelfLocking { time, joint }
             }
-            (error, _) => error.with_joint(self.responsible_joint(system)),
+            (error, _) => self.named(system, error),
         })
+    }
+
+    /// Adds the joint to name to an error.
+    fn named<D: Stepped>(&self, system: &D, error: IntegrationError) -> IntegrationError {
+        match (error, system.dependent_joint()) {
+            // No length of the step passes the position.
+            (
+                IntegrationError::StepTooSmall { time, .. } | IntegrationError::Singular { time },
+                Some(joint),
+            ) => IntegrationError::Branching { time, joint },
+            (error, _) => error.with_joint(self.responsible_joint(system)),
+        }
     }
 
     #[inline(always)]
@@ -112,9 +130,10 @@ impl Stepper {
                 return Ok(());
             }
             progress.check_bound()?;
+            let refused = progress.rejected;
             loop {
-                let h = progress.next_step();
-                let error = self.try_step(system, progress, h, q, v);
+                let is_first = progress.rejected == refused;
+                let (h, error) = self.try_any_step(system, progress, is_first, (q, v))?;
                 if progress.decide(h, error, step_ratio(error))? == StepDecision::Accepted {
                     break;
                 }
@@ -157,6 +176,68 @@ impl Stepper {
             joint,
             penetration,
         })
+    }
+
+    /// Computes the next step, explicit if the system asks for it; its length [s] and its error over the tolerance, which is infinite if it
+    /// may not pass a position in which the constraints of ideal joints are dependent.
+    ///
+    /// # Errors
+    /// [`IntegrationError::Branching`] if the motion branches there.
+    #[inline(always)]
+    fn try_any_step<D: Stepped>(
+        &mut self,
+        system: &mut D,
+        progress: &mut SpanProgress,
+        is_first: bool,
+        (q, v): (&[f64], &[f64]),
+    ) -> Result<(f64, f64), IntegrationError> {
+        let (mut h, is_projected) = (progress.next_step(), system.is_projected());
+        let error = if is_projected {
+            h = system.step_length(h, is_first).min(progress.end - progress.time);
+            self.try_projected_step(system, progress, h, q, v)
+        } else {
+            self.try_step(system, progress, h, q, v)
+        };
+        if error > 1.0 || !system.is_constrained() {
+            return Ok((h, error));
+        }
+        let time = progress.time;
+        let from = State { time, q, v, f: Some(&self.at.f) };
+        let f = is_projected.then_some(self.projected.f.as_slice());
+        let to = State { time: time + h, q: &self.scheme.new_q, v: &self.scheme.new_v, f };
+        match (system.passing(h, from, to), system.dependent_joint()) {
+            (Passing::Clear, _) => Ok((h, error)),
+            (Passing::Through, _) => {
+                self.passages += 1;
+                Ok((h, error))
+            }
+            (Passing::Branching, Some(joint)) => Err(IntegrationError::Branching { time, joint }),
+            (Passing::Branching | Passing::Unclear, _) => Ok((h, f64::INFINITY)),
+        }
+    }
+
+    /// Computes an explicit step of length `h` [s] whose stages and end are closed; its error over the tolerance.
+    fn try_projected_step<D: Stepped>(
+        &mut self,
+        system: &mut D,
+        progress: &mut SpanProgress,
+        h: f64,
+        q: &[f64],
+        v: &[f64],
+    ) -> f64 {
+        let (t, end) = (progress.time, progress.time + h);
+        progress.forces += 6.0;
+        if !self.projected.step(system, &self.at.f, (t, h), (q, v), &mut self.scheme) {
+            return f64::INFINITY;
+        }
+        let moved = self.close(system, end, &mut progress.drift);
+        if !moved.is_finite() {
+            return moved;
+        }
+        self.projected.finish(system, (end, h), &mut self.scheme);
+        // No step has less error than rounding leaves.
+        let attainable = (system.rounding(h) / self.control.tolerance).max(1.0);
+        moved.max(self.error(system.scales())) / attainable
     }
 
     /// Computes a step of length `h` [s] and closes the ideal joints at its end; its error over the tolerance.

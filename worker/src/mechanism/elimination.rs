@@ -1,21 +1,18 @@
-//! Elimination of an island's ideal joints: the equations of motion keep the form M qdd = f, with the joints'
-//! reactions part of f.
+//! Elimination of an island's ideal joints: the equations of motion keep the form M qdd = f, with the joints' reactions part of f.
 //!
-//! M a + G' lambda = f and G a + h = 0, with the diagonal mass matrix M [kg, kg m^2], the accelerations a
-//! `(n,)`, the derivative G `(m, n)` of the constraints to the coordinates, the multipliers lambda `(m,)` [N,
-//! N m] and the centripetal part h `(m,)` (accelerations of prescribed bodies included). With G M^-1/2 = R'
-//! Q', Q `(n, m)` orthonormal and R `(m, m)` upper triangular, and z = R^-T h, the force with reactions is
+//! M a + G' lambda = f and G a + h = 0, with the diagonal mass matrix M [kg, kg m^2], the accelerations a `(n,)`, the derivative G
+//! `(m, n)` of the constraints to the coordinates, the multipliers lambda `(m,)` [N, N m] and the centripetal part h `(m,)` (accelerations
+//! of prescribed bodies included). With G M^-1/2 = R' Q', Q `(n, m)` orthonormal and R `(m, m)` upper triangular, and z = R^-T h, the force
+//! with reactions is
 //!
 //! f - G' lambda = M^1/2 [(1 - Q Q') M^-1/2 f - Q z]:
 //!
-//! the part of f in the null space of the constraints, and the part that keeps them closed. No product G M^-1
-//! G' is formed, so that bodies almost without inertia do no harm. The exact derivatives follow from the same
-//! Q and R: for a column x of coordinates, rates or time, f is replaced by df/dx - d(G' lambda)/dx and h by
-//! d(G a + h)/dx. Positions and velocities that the integration lets drift off the constraints are moved back
-//! along M^-1/2 Q.
+//! the part of f in the null space of the constraints, and the part that keeps them closed. No product G M^-1 G' is formed, so that bodies
+//! almost without inertia do no harm. The exact derivatives follow from the same Q and R: for a column x of coordinates, rates or time, f is
+//! replaced by df/dx - d(G' lambda)/dx and h by d(G a + h)/dx. Positions and velocities that the integration lets drift off the constraints
+//! are moved back along M^-1/2 Q.
 //!
-//! Valid where the rows of G are independent: a redundant or singular set of joints is reported, not
-//! repaired. One source serves one island and one island per SIMD lane.
+//! Valid where the rows of G are independent: dependent ones are reported. One source serves one island and one per SIMD lane.
 //!
 //! # Source
 //! Udwadia, Kalaba (1992), Proc. R. Soc. Lond. A 439, 407-410 (the force with reactions; here the
@@ -72,6 +69,13 @@ impl Elimination {
         Self::with_roots(constraints, root, 0.0)
     }
 
+    /// The constraints and the number of their rows alone, without space for factors and derivatives.
+    pub(crate) fn without_factors(constraints: Vec<Constraint>) -> Self {
+        let none = Self::with_roots(vec![], vec![], 0.0);
+        let (first, m) = first_rows(&constraints);
+        Elimination { constraints, first, m, ..none }
+    }
+
     /// This elimination in every lane; `like` sets the number of lanes.
     pub(crate) fn in_lanes<R: Real>(&self, like: R) -> Elimination<R> {
         let constraints = self.constraints.iter().map(|c| c.in_lanes(like)).collect();
@@ -96,9 +100,8 @@ impl Elimination {
 
     /// Whether both join the same bodies by the same kinds of joints.
     pub(crate) fn has_same_topology(&self, other: &Self) -> bool {
-        let pairs = self.constraints.iter().zip(&other.constraints);
-        self.constraints.len() == other.constraints.len()
-            && pairs.into_iter().all(|(a, b)| a.has_same_topology(b))
+        let mut pairs = self.constraints.iter().zip(&other.constraints);
+        self.constraints.len() == other.constraints.len() && pairs.all(|(a, b)| a.has_same_topology(b))
     }
 }
 
@@ -124,6 +127,12 @@ impl<R: Real> Elimination<R> {
     #[inline(always)]
     pub(crate) fn rows(&self) -> usize {
         self.m
+    }
+
+    /// One where no row was nearly dependent on those before it in the state last factored, else zero.
+    #[inline(always)]
+    pub(crate) fn apart(&self) -> R {
+        self.factors.apart
     }
 
     /// Number of joints with friction.

@@ -1,22 +1,22 @@
 //! Islands: sets of free bodies that influence each other, with the joints and loads that act on them.
 //! Islands have no forces in common; each is integrated with its own steps.
 
-use super::closing::{IdealJoints, close};
+use super::closing::IdealJoints;
 use super::constraint::Constraint;
 use super::elimination::{Elimination, Existence};
 use super::forces::{Acting, JointSpace};
-use super::frame::{End, Frame};
+use super::frame::Frame;
 use super::guide::Guide;
-use super::guide_onset::begun;
 use super::joint::joint_motion;
 use super::load::{IslandLoad, NO_FRAME};
+use super::passage::Passage;
 use super::piecewise_cubic::Jet;
 use super::placed::Placed;
 use super::prescribed::Prescribed;
 use super::wearing_joint::WearingJoint;
 use crate::contact::{GuideReaction, JointMotion};
 use crate::extremum::{largest, smallest};
-use crate::integrate::{Band, Closed, Dynamics, Linearised, Stepped};
+use crate::integrate::{Band, Dynamics, Linearised};
 use crate::plane::length;
 use common::scene::Scene;
 
@@ -44,12 +44,14 @@ pub struct Island {
     pub guides: Vec<Guide>,
     /// The island's ideal joints, eliminated.
     pub(super) ideal: Elimination,
+    /// Positions in which they become dependent for an instant, if they may.
+    pub(super) passage: Option<Box<Passage>>,
     pub(super) prescribed: Vec<Prescribed>,
     pub(super) loads: Vec<IslandLoad>,
     pub(super) mass: Vec<f64>,
     pub(super) weight: Vec<f64>,
-    scale_q: Vec<f64>,
-    scale_v: Vec<f64>,
+    pub(super) scale_q: Vec<f64>,
+    pub(super) scale_v: Vec<f64>,
     /// Size of the mechanism [m].
     pub(super) size: f64,
     /// Frames of the free bodies, then of the prescribed ones, at the state last set.
@@ -66,6 +68,7 @@ pub(super) struct Parts {
     pub(super) joints: Vec<WearingJoint>,
     pub(super) guides: Vec<Guide>,
     pub(super) ideal: Elimination,
+    pub(super) passage: Option<Box<Passage>>,
     pub(super) prescribed: Vec<Prescribed>,
     pub(super) loads: Vec<IslandLoad>,
     pub(super) mass: Vec<f64>,
@@ -75,7 +78,8 @@ pub(super) struct Parts {
 impl Island {
     /// The island of these parts, its scales not set yet.
     pub(super) fn new(parts: Parts) -> Self {
-        let Parts { bodies, touched, joints, guides, ideal, prescribed, loads, mass, weight } = parts;
+        let Parts { bodies, touched, joints, guides, ideal, passage, prescribed, loads, mass, weight } =
+            parts;
         Island {
             frames: vec![Frame::default(); bodies.len() + touched.len()],
             jets: vec![Jet::default(); touched.len()],
@@ -88,6 +92,7 @@ impl Island {
             joints,
             guides,
             ideal,
+            passage,
             prescribed,
             loads,
             mass,
@@ -119,7 +124,7 @@ impl Island {
     /// bodies.
     pub(super) fn band(&self) -> Band {
         let n = self.coordinates();
-        if self.ideal.rows() > 0 {
+        if self.ideal.rows() > 0 && !self.is_large() {
             return Band::new(n, n);
         }
         let contacts = self.joints.iter().map(|j| j.ends.map(|end| end.frame).to_vec());
@@ -136,6 +141,11 @@ impl Island {
     /// True if an ideal joint has friction.
     pub(crate) fn has_friction(&self) -> bool {
         self.ideal.friction_joints() > 0
+    }
+
+    /// True if every step is explicit, since the ideal joints are many: the island has no derivatives and is never in lanes.
+    pub(crate) fn is_large(&self) -> bool {
+        self.passage.as_ref().is_some_and(|passage| passage.is_large)
     }
 
     /// Force in each ideal joint at the state of `at`, in the order of [`Self::constraints`] [N].
@@ -317,9 +327,15 @@ impl Dynamics for Island {
         let mut space = std::mem::take(&mut self.space);
         self.acting().applied::<false>(t, &mut space, f, &mut Linearised::default());
         self.space = space;
-        if self.ideal.rows() > 0 {
-            let at = Placed { frames: &self.frames, jets: &self.jets };
-            self.ideal.add_reactions(at, f);
+        let at = Placed { frames: &self.frames, jets: &self.jets };
+        match self.passage.as_mut().filter(|passage| passage.is_projected()) {
+            Some(passage) => {
+                passage.joints.add_reactions(at, f);
+            }
+            None if self.ideal.rows() > 0 => {
+                self.ideal.add_reactions(at, f);
+            }
+            None => {}
         }
     }
 
@@ -329,74 +345,14 @@ impl Dynamics for Island {
         let (mut f, mut space) = (std::mem::take(&mut at.f), std::mem::take(&mut self.space));
         self.acting().applied::<true>(t, &mut space, &mut f, at);
         (at.f, self.space) = (f, space);
-        if self.ideal.rows() > 0 {
+        if self.is_large() {
+            self.add_many_reactions(at);
+        } else if self.ideal.rows() > 0 {
             let placed = Placed { frames: &self.frames, jets: &self.jets };
             let Existence { independent, balanced } = self.ideal.add_reactions(placed, &mut at.f);
             (at.independent, at.balanced) = (Some(independent), Some(balanced));
             self.ideal.reduce_derivatives(placed, at);
         }
-    }
-}
-
-impl Stepped for Island {
-    fn is_constrained(&self) -> bool {
-        self.ideal.rows() > 0
-    }
-
-    fn begins_contacts(&self) -> bool {
-        !self.guides.is_empty()
-    }
-
-    #[inline(always)]
-    fn begun(&mut self, before: &Linearised, h: f64, t: f64, q: &[f64], v: &[f64]) -> f64 {
-        self.set_state(t, q, v);
-        let per_velocity = |k: usize| 1.0 / self.scale_v[k];
-        begun(&self.guides, &self.frames, &before.guides, h, &self.mass, per_velocity)
-    }
-
-    #[inline(always)]
-    fn close(&mut self, t: f64, q: &mut [f64], v: &mut [f64]) -> Option<f64> {
-        let Closed { drift, closed } = close(self, t, 1.0, q, v);
-        (closed == 1.0).then_some(drift)
-    }
-
-    fn scales(&self) -> (&[f64], &[f64]) {
-        (&self.scale_q, &self.scale_v)
-    }
-
-    fn on_accepted(&mut self, _q: &[f64], _v: &[f64], at: &Linearised) {
-        for index in 0..self.joints.len() {
-            if self.joints[index].contact.surface().restitution.is_some() {
-                let motion = self.joint_motion(index);
-                self.joints[index].accepted(&motion, &at.joints[index]);
-            }
-        }
-        self.guides.iter_mut().zip(&at.guides).for_each(|(guide, now)| guide.follow_approach(now));
-    }
-
-    fn locked_joint(&self) -> Option<usize> {
-        self.ideal.locked_joint()
-    }
-
-    fn responsible_joint(&self, coordinate: usize, at: &Linearised) -> Option<usize> {
-        let on = |end: End| end.frame == coordinate / 3;
-        let normal = |k: usize| match k.checked_sub(self.joints.len()) {
-            None => at.joints[k].normal,
-            Some(guide) => at.guides[guide].normal[0] + at.guides[guide].normal[1],
-        };
-        let ends = self.joints.iter().map(|j| j.ends).chain(self.guides.iter().map(|g| g.ends));
-        ends.enumerate()
-            .filter(|(_, ends)| ends.iter().any(|end| on(*end)))
-            .map(|(k, _)| k)
-            .max_by(|&a, &b| normal(a).total_cmp(&normal(b)))
-    }
-
-    fn in_range(&self, at: &Linearised) -> Result<(), (usize, f64)> {
-        for (k, (penetration, deepest)) in at.penetrations().zip(self.deepest()).enumerate() {
-            if penetration > deepest {
-                return Err((k, penetration));
-            }
-        }
-        Ok(())
+        self.begin_step(t, q, v);
     }
 }

@@ -50,6 +50,8 @@ pub struct IslandLanes<R: Real> {
     prescribed: Vec<PrescribedLanes<R>>,
     /// The islands' ideal joints, eliminated.
     ideal: Elimination<R>,
+    /// Whether these may become dependent for an instant, where an island by itself passes.
+    may_be_singular: bool,
     /// Size of the mechanisms [m].
     size: R,
     /// Diagonal of the mass matrix `(n,)` [kg, kg m^2].
@@ -82,6 +84,7 @@ pub(crate) fn same_topology(a: &Island, b: &Island) -> bool {
         && a.guides.iter().zip(&b.guides).all(|(a, b)| a.has_same_topology(b))
         && a.loads.iter().zip(&b.loads).all(|(a, b)| a.has_same_topology(b))
         && a.ideal.has_same_topology(&b.ideal)
+        && a.passage.is_some() == b.passage.is_some()
 }
 
 impl<R: Real> IslandLanes<R> {
@@ -107,6 +110,7 @@ impl<R: Real> IslandLanes<R> {
             loads: island.loads.iter().map(|load| load.in_lanes(like)).collect(),
             prescribed: island.prescribed.iter().map(motion).collect(),
             ideal: island.ideal.in_lanes(like),
+            may_be_singular: island.passage.is_some(),
             size: like.like(island.size),
             mass: all(&island.mass),
             weight: all(&island.weight),
@@ -320,8 +324,10 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
         if self.ideal.rows() > 0 {
             let (ideal, placed) = self.joints();
             let Existence { independent, balanced } = ideal.add_reactions(placed, &mut at.f);
-            (at.independent, at.balanced) = (Some(independent), Some(balanced));
             ideal.reduce_derivatives(placed, at);
+            let apart = if self.may_be_singular { self.ideal.apart() } else { independent };
+            // Near singular positions an island is integrated by itself.
+            (at.independent, at.balanced) = (Some(independent * apart), Some(balanced));
         }
     }
 }

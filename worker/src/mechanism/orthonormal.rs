@@ -11,7 +11,9 @@
 use crate::lanes::Real;
 
 /// A row counts as dependent if its part normal to the rows before it is below this share of its length.
-const DEPENDENT: f64 = 1e-10;
+pub(super) const DEPENDENT: f64 = 1e-10;
+/// Share below which the rows are nearly dependent.
+const NEARLY: f64 = 0.2;
 
 /// Rows G `(m, n)` in the metric of the diagonal mass matrix M, orthonormalised.
 #[derive(Debug, Clone)]
@@ -27,6 +29,8 @@ pub struct OrthonormalRows<R = f64> {
     /// Square roots of the masses, and their inverses `(n,)` each.
     root: Vec<R>,
     inverse_root: Vec<R>,
+    /// One where no row was nearly dependent on those before it when they were orthonormalised last, else zero.
+    pub(super) apart: R,
 }
 
 impl<R: Real> OrthonormalRows<R> {
@@ -41,6 +45,7 @@ impl<R: Real> OrthonormalRows<R> {
             r: vec![zero; m * m],
             inverse_root: root.iter().map(|root| like.like(1.0) / *root).collect(),
             root,
+            apart: like.like(1.0),
         }
     }
 
@@ -83,7 +88,7 @@ impl<R: Real> OrthonormalRows<R> {
         let (n, m) = (self.root.len(), self.m);
         let zero = self.root[0].zero();
         let one = zero.like(1.0);
-        let mut independent = one;
+        let (mut independent, mut apart) = (one, one);
         self.r.fill(zero);
         for i in 0..m {
             let (done, rest) = self.basis.split_at_mut(i * n);
@@ -106,6 +111,7 @@ impl<R: Real> OrthonormalRows<R> {
             // A comparison with what is not a number is false.
             let enough = (before * (DEPENDENT * DEPENDENT)).below(left);
             independent = R::select(enough, independent, zero);
+            apart = R::select((before * (NEARLY * NEARLY)).below(left), apart, zero);
             let inverse = one / left.sqrt();
             self.r[i * m + i] = inverse;
             for k in 0..n {
@@ -118,6 +124,7 @@ impl<R: Real> OrthonormalRows<R> {
                 self.by_root[i * n + k] = self.basis[i * n + k] * self.root[k];
             }
         }
+        self.apart = apart;
         independent
     }
 

@@ -1,12 +1,13 @@
 //! Topology of a scene: the islands of bodies that influence each other, with their joints and loads.
 
-use super::constraint::Constraint;
+use super::constraint::{Constraint, first_rows};
 use super::elimination::Elimination;
 use super::frame::FrameIndices;
 use super::guide::Guide;
 use super::island::{Island, Parts};
 use super::island_frames::IslandFrames;
 use super::load::IslandLoad;
+use super::passage::Passage;
 use super::wearing_joint::WearingJoint;
 use common::failure::SimulationFailure;
 use common::scene::{JointKind, Load, Motion, Scene};
@@ -81,7 +82,7 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
         }
     }
     let acting = scene.loads.iter().filter(|load| load.bodies().iter().any(|b| bodies.contains(b)));
-    let loads = acting.map(|load| IslandLoad::new(load, &mut frames)).collect();
+    let loads: Vec<IslandLoad> = acting.map(|load| IslandLoad::new(load, &mut frames)).collect();
     let mut mass = Vec::new();
     let mut weight = Vec::new();
     for &b in &bodies {
@@ -91,8 +92,32 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
         }
     }
     let (touched, prescribed) = (frames.touched().to_vec(), frames.prescribed());
-    let ideal = Elimination::new(constraints, &mass);
-    let island =
-        Island::new(Parts { bodies, touched, joints, guides, ideal, prescribed, loads, mass, weight });
+    let stiff = !(joints.is_empty() && guides.is_empty());
+    let passage = passage(&constraints, stiff, &loads, &mass);
+    let ideal = match &passage {
+        Some(passage) if passage.is_large => Elimination::without_factors(constraints),
+        _ => Elimination::new(constraints, &mass),
+    };
+    let parts = Parts { bodies, touched, joints, guides, ideal, passage, prescribed, loads, mass, weight };
+    let island = Island::new(parts);
     island.scaled(scene)
+}
+
+/// Rows of ideal joints from which an island that may pass singular positions takes explicit steps only, whose cost grows linearly with its
+/// bodies: the derivatives that implicit steps need are dense. At this size explicit steps are the cheaper ones by far.
+const LARGE: usize = 40;
+
+/// How the island passes positions in which its ideal joints are dependent, if it may: without contacts, which are `stiff`, and without
+/// friction, which has no bound there.
+fn passage(
+    constraints: &[Constraint],
+    stiff: bool,
+    loads: &[IslandLoad],
+    mass: &[f64],
+) -> Option<Box<Passage>> {
+    if stiff || constraints.iter().any(|c| c.friction.is_some()) {
+        return None;
+    }
+    let is_large = first_rows(constraints).1 >= LARGE && loads.iter().all(IslandLoad::drives);
+    Passage::new(constraints, mass, is_large).map(Box::new)
 }

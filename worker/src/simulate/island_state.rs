@@ -249,6 +249,9 @@ pub(crate) fn failure(
             SimulationFailure::NotModelled { what }
         }
         IntegrationError::Singular { time } => SimulationFailure::Singular { cycle, time },
+        IntegrationError::Branching { time, joint } => {
+            SimulationFailure::Branching { cycle, time, joint: scene.joints[joint].name.clone() }
+        }
         IntegrationError::SelfLocking { time, joint } => {
             let joint = scene.joints[island.constraints()[joint].scene_joint].name.clone();
             SimulationFailure::SelfLocking { cycle, time, joint }

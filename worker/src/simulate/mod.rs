@@ -21,6 +21,7 @@
 //! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
 //! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
 //! | `island_state.rs`, `worn_joints.rs` | an island with its state, stepper, recorder and wear; the wear of all joints |
+//! | `unbounded_forces.rs` | outputs that have no value where ideal joints become dependent |
 //! | `side_by_side/` | several evaluations in the SIMD lanes of one core |
 //! | `first_look.rs` | model and cost of an evaluation beforehand |
 
@@ -42,6 +43,7 @@ mod quasi_static_island;
 mod run;
 mod several_cycles;
 mod side_by_side;
+mod unbounded_forces;
 mod wall;
 mod worn_joints;
 

@@ -4,6 +4,7 @@ use super::ideal_tracks::{ideal_angle, ideal_path};
 use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
+use super::unbounded_forces::refuse_unbounded_forces;
 use super::wall::worn_through;
 use crate::integrate::StepCounts;
 use crate::mechanism::{Pose, WearingJoint, ideal_cycle, islands, turns_per_cycle};
@@ -280,6 +281,7 @@ impl<'a> Run<'a> {
             state.time = time.end;
             self.counts.add(&counts);
             first = first.and(result.map_err(|error| failure(error, self.cycle, &state.island, self.scene)));
+            first = first.and(refuse_unbounded_forces(self.scene, &state.island, counts.passages));
             self.islands.push(state);
         }
         first

@@ -15,6 +15,7 @@ mod ideal_friction;
 mod islands;
 mod kinematics;
 mod loads;
+mod n_four_bar;
 mod nominal;
 mod outputs;
 mod published;

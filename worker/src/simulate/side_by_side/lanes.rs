@@ -3,7 +3,9 @@
 
 use super::queue::{CpuTime, LaneQueue, PendingSpan};
 use super::width::LaneWidth;
-use crate::integrate::{IntegrationError, LaneStepper, Linearised, SpanProgress, Stepped, worst_coordinate};
+use crate::integrate::{
+    IntegrationError, LaneStepper, Linearised, SpanProgress, StepCounts, Stepped, worst_coordinate,
+};
 use crate::lanes::{Lanes, Real, Vectorised, run_in};
 use crate::mechanism::{Island, IslandLanes, same_topology};
 use crate::outputs::{ContactLanes, FullRecording, MotionRows};
@@ -45,7 +47,10 @@ impl LanePool {
     /// Loads the queued islands into lanes and runs one group until an island of it has ended, charging the time in equal shares to
     /// the evaluations in the group. Returns the number of islands that ended; zero if no island was queued.
     pub(crate) fn run_group(&mut self, queue: &LaneQueue) -> usize {
-        self.load_queued(queue);
+        let alone = self.load_queued(queue);
+        if alone > 0 {
+            return alone;
+        }
         let Some(OpenGroup { group, .. }) = next_group(&mut self.groups) else { return 0 };
         let charged = group.cpu_times();
         let begun = Instant::now();
@@ -55,8 +60,16 @@ impl LanePool {
         ended
     }
 
-    /// Fills the idle lanes of every group, and opens groups for the topologies that have none.
-    fn load_queued(&mut self, queue: &LaneQueue) {
+    /// Fills the idle lanes of every group, and opens groups for the topologies that have none. Islands that are never in lanes are
+    /// integrated by themselves; their number.
+    fn load_queued(&mut self, queue: &LaneQueue) -> usize {
+        let mut alone = 0;
+        while let Some(pending) = queue.take(|span| span.state.island.is_large()) {
+            let (cpu_time, begun, start) = (pending.cpu_time(), Instant::now(), pending.span.time.start);
+            pending.integrate_alone(start, StepCounts::default());
+            cpu_time.set(cpu_time.get() + begun.elapsed());
+            alone += 1;
+        }
         if self.width == LaneWidth::Fitting {
             // The next group may have to be wider.
             self.groups.retain(|open| open.group.occupied() > 0);
@@ -70,6 +83,7 @@ impl LanePool {
             self.groups.push(OpenGroup { group, passed_over: 0 });
             self.groups.iter_mut().for_each(|open| open.group.fill(queue));
         }
+        alone
     }
 }
 
