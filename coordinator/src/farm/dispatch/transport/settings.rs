@@ -145,13 +145,15 @@ mod tests {
     }
 
     #[test]
-    fn the_number_of_sessions_is_ours_unless_the_file_sets_it() {
-        let sessions = |text: &str| {
+    fn bounds_of_sessions_are_ours_unless_the_file_sets_them() {
+        let number = |key: &str, text: &str| {
             let settings = with_config(text, None).unwrap();
-            settings.config.get_json(SESSIONS).unwrap().parse::<u32>().unwrap()
+            settings.config.get_json(key).unwrap().parse::<u32>().unwrap()
         };
-        assert_eq!(sessions("{}"), bounded_by_open_files(MAX_SESSIONS));
-        assert_eq!(sessions("{ transport: { unicast: { max_sessions: 12 } } }"), 12);
+        assert_eq!(number(SESSIONS, "{}"), bounded_by_open_files(MAX_SESSIONS));
+        assert_eq!(number(SESSIONS, "{ transport: { unicast: { max_sessions: 12 } } }"), 12);
+        assert_eq!(number(ACCEPTING, "{}"), ACCEPT_LIMIT);
+        assert_eq!(number(ACCEPTING, "{ transport: { unicast: { accept_timeout: 500 } } }"), 500);
     }
 
     #[test]
