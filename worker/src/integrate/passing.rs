@@ -3,7 +3,7 @@
 /// State at one end of a step.
 #[derive(Debug, Clone, Copy)]
 pub struct State<'a> {
-    /// Time [s].
+    /// Time of the state [s].
     pub time: f64,
     /// Positions `(n,)` [m, rad].
     pub q: &'a [f64],

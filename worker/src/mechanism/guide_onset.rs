@@ -2,7 +2,7 @@
 //!
 //! The scheme evaluates the force at the shares 0, 0.462 and 0.880 of a step (`integrate/rosenbrock.rs`). A pad that begins to touch after the
 //! last of them, or shortly before it, is within the step without a force that anything measures: the step has the error estimate of free flight,
-//! and the pad enters elastic energy that nobody paid for. The velocity that the bodies miss is at most the impulse of the pad since it began
+//! and the pad enters elastic energy for which no work was done. The velocity that the bodies miss is at most the impulse of the pad since it began
 //! to touch. With the overlap g [m] and its rate at the end of the step of length h [s], the force P [N] there and its gradient G_k to a
 //! coordinate of the mass m_k,
 //!

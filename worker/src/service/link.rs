@@ -29,7 +29,7 @@ const ZENOH_SETTINGS: [(&str, &str); 10] = [
     ("connect/retry", "{period_init_ms: 200, period_max_ms: 400, period_increase_factor: 1.5}"),
 ];
 
-/// Zenoh setting that limits an attempt to open the session [ms]; without it nobody would learn why none succeeds.
+/// Zenoh setting that limits an attempt to open the session [ms]; without it the reason why none succeeds would stay unknown.
 const ATTEMPT_LIMIT: &str = "connect/timeout_ms";
 /// Limit of the first attempt. It doubles with each further one, so that thousands of workers that connect at the same time do not
 /// give up handshakes that a busy coordinator has begun.
@@ -181,7 +181,7 @@ pub(super) struct LinkSettings(Config);
 
 impl LinkSettings {
     /// Begins to open a session; the receiver gets it, or Zenoh's error text after `limit` at the latest. Opening blocks its thread, and
-    /// nothing ends it before: a session that nobody receives any more is closed.
+    /// nothing ends it before: a session that is no longer received is closed.
     ///
     /// # Errors
     /// [`ServiceError::Messaging`], [`ServiceError::Thread`].

@@ -109,7 +109,7 @@ fn angle_after(n: usize, speed: f64, seconds: f64) -> f64 {
     y[0]
 }
 
-/// Largest deviation from the initial energy over the motion [J], and of the cranks from parallel [rad].
+/// Largest deviation from the initial energy over the recorded motion [J], and of the cranks from parallel [rad].
 fn deviations(n: usize, speed: f64, evaluation: &Evaluation) -> (f64, f64) {
     let (inertia, weight) = pendulum(n);
     let motion = &evaluation.first_cycle.as_ref().expect("asked for").motion;
@@ -124,7 +124,7 @@ fn deviations(n: usize, speed: f64, evaluation: &Evaluation) -> (f64, f64) {
 
 /// Simulates the benchmark and compares it with the pendulum that the mechanism is; prints a row of the table. Returns the processor time
 /// of a step [s].
-fn check(n: usize, [energy_bound, angle_bound]: [f64; 2]) -> f64 {
+fn check(n: usize, energy_bound: f64) -> f64 {
     let scene = scene(&benchmark(n));
     let start = Instant::now();
     let evaluation =
@@ -135,16 +135,18 @@ fn check(n: usize, [energy_bound, angle_bound]: [f64; 2]) -> f64 {
     let last = motion.iter().find(|m| m.body == "crank0").and_then(|m| m.angle.last()).expect("it moves");
     let off = (-last - angle_after(n, 1.0, 10.0)).abs();
     let diagnostics = &evaluation.diagnostics;
+    let kept = diagnostics.energy.expect("asked for").stored.abs();
     let tried = diagnostics.steps + diagnostics.rejected_steps;
     println!(
-        "| {n} | {lost:.0e} | {off:.0e} | {apart:.0e} | {} | {} | {seconds:.2} | {:.2} |",
+        "| {n} | {kept:.0e} | {lost:.0e} | {off:.0e} | {apart:.0e} | {} | {} | {seconds:.2} | {:.2} |",
         diagnostics.steps,
         diagnostics.rejected_steps,
         1e3 * seconds / tried as f64
     );
+    assert!(kept < 1e-3, "{kept} J");
     assert!(lost < energy_bound, "{lost} J");
-    assert!(off < angle_bound, "{off} rad");
-    assert!(apart < angle_bound, "{apart} rad");
+    assert!(off < 1e-4, "{off} rad");
+    assert!(apart < 1e-4, "{apart} rad");
     assert!(diagnostics.constraint_drift < 1e-8);
     seconds / tried as f64
 }
@@ -152,7 +154,7 @@ fn check(n: usize, [energy_bound, angle_bound]: [f64; 2]) -> f64 {
 #[test]
 fn one_and_two_four_bars_pass_their_singular_positions() {
     for n in [1, 2] {
-        check(n, [1e-3, 1e-4]);
+        check(n, 1e-3);
     }
 }
 
@@ -160,9 +162,10 @@ fn one_and_two_four_bars_pass_their_singular_positions() {
 #[ignore = "minutes: prints the table of the documents"]
 fn many_four_bars_pass_their_singular_positions() {
     println!(
-        "| N | energy [J] | angle [rad] | cranks apart [rad] | steps | refused | time [s] | time of a step [ms] |"
+        "| N | energy at the end [J] | in the history [J] | angle [rad] | cranks apart [rad] | steps | refused | time [s] | time of a step [ms] |"
     );
-    let times = [1, 2, 10, 40].map(|n| check(n, [1e-3, 1e-4]));
+    // The steps of many bodies are longer than the intervals of the history, which interpolates speeds between them.
+    let times = [(1, 1e-3), (2, 1e-3), (10, 0.1), (40, 1.0)].map(|(n, bound)| check(n, bound));
     assert!(times[3] < 8.0 * times[2], "{times:?}");
 }
 
