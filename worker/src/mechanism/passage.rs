@@ -196,7 +196,9 @@ impl Passage {
                 }
             }
         }
-        let rounding = ROUNDING * f64::EPSILON * farthest * fastest;
+        // Gaps round independently of each other, and close together.
+        let gaps = (self.shares.len() as f64).sqrt() * ROUNDING * f64::EPSILON * farthest;
+        let rounding = gaps * fastest;
         self.ahead = Some(Ahead { time, share: smallest(self.start.iter().copied()), rounding });
     }
 
