@@ -55,7 +55,10 @@ fn a_rail_is_the_way_of_its_slider() {
     let [from, to] = guide.rail_m.unwrap();
     assert!(((to[0] - from[0]).hypot(to[1] - from[1]) - 0.01).abs() < 1e-9, "{from:?} to {to:?}");
     assert!(guide.on_ground);
-    assert!(drawn.joints.iter().filter(|joint| joint.rail_m.is_some()).count() == 2);
+    let on_rails =
+        |kind: &str| drawn.joints.iter().filter(|joint| joint.rail_m.is_some() && joint.kind == kind).count();
+    assert_eq!((on_rails("prismatic"), on_rails("guide")), (2, 1));
+    assert_eq!(drawn.joints.iter().filter(|joint| joint.rail_m.is_some()).count(), 3);
 }
 
 #[test]
