@@ -14,9 +14,8 @@ use zenoh::{Config, Session, Wait};
 
 /// Zenoh settings the worker requires. The lease bounds the time in which a hang of the worker is detected. Reconnection
 /// is tried about twice a second without limit, so that a restarted coordinator has its workers back at once (4 s with
-/// Zenoh's default). A session that is dropped while it opens may stay half open, so that the limit of its opening is longer than a busy
-/// coordinator takes (10 s with Zenoh's default).
-const ZENOH_SETTINGS: [(&str, &str); 10] = [
+/// Zenoh's default).
+const ZENOH_SETTINGS: [(&str, &str); 9] = [
     ("mode", "\"client\""),
     ("listen/endpoints", "[]"),
     ("scouting/multicast/enabled", "false"),
@@ -24,7 +23,6 @@ const ZENOH_SETTINGS: [(&str, &str); 10] = [
     ("scouting/delay", "0"),
     ("transport/link/tx/lease", "2000"),
     ("transport/link/rx/max_message_size", wire::MAX_MESSAGE),
-    ("transport/unicast/open_timeout", "60000"),
     ("connect/exit_on_failure", "false"),
     ("connect/retry", "{period_init_ms: 200, period_max_ms: 400, period_increase_factor: 1.5}"),
 ];
@@ -34,8 +32,9 @@ const ATTEMPT_LIMIT: &str = "connect/timeout_ms";
 /// Limit of the first attempt. It doubles with each further one, so that thousands of workers that connect at the same time do not
 /// give up handshakes that a busy coordinator has begun.
 const FIRST_ATTEMPT: Duration = Duration::from_secs(1);
-/// Longest limit of an attempt.
-const LONGEST_ATTEMPT: Duration = Duration::from_secs(32);
+/// Longest limit of an attempt: where the coordinator's queue of connections overflows, TCP tries again after 1, 3, 7 and 15 s, a new attempt
+/// at once.
+const LONGEST_ATTEMPT: Duration = Duration::from_secs(4);
 
 /// Pause between attempts to open the session.
 const RETRY: Duration = Duration::from_millis(200);
