@@ -10,7 +10,7 @@
 //!   Q = - sum over the ends of P (G + mu tanh(..) T) [N, N m].
 //!
 //! Both bodies feel the contact at the same point, so that momentum is kept. One corner, two corners of one face, two opposite corners, and the
-//! whole face are the same equations. Every pad keeps the damping of its own impact, at most that of
+//! whole face are the same equations. A pad keeps the damping factor of its impact, at most that of
 //! the other half of its face where that touches. All derivatives are exact.
 //!
 //! The modulus of the foundation is that for which the whole face, length l and width w, has the stiffness of a flat punch under even pressure,
