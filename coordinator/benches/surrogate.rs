@@ -12,7 +12,10 @@ use coordinator::statistics::surrogate::{
 };
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use faer::Mat;
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Mat, Par};
+use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// Number of points of the population.
 const POPULATION: usize = 20_000;
@@ -77,6 +80,26 @@ fn predictions(bencher: Bencher, n: usize) {
     let (population, model) = (population(30, POPULATION), model(n));
     let counter = ItemsCount::new(POPULATION);
     bencher.counter(counter).bench_local(|| PredictionCache::default().update(&model, &population));
+}
+
+/// The part of `predictions` that no method with this factor can leave out: one triangular solve for each point, in blocks of
+/// the same size on all cores, by the linear algebra library alone.
+#[divan::bench(args = [150, 937], sample_count = 3, sample_size = 1)]
+fn bare_solves(bencher: Bencher, n: usize) {
+    let factor = Mat::from_fn(n, n, |i, k| match i.cmp(&k) {
+        Ordering::Greater => 0.1 / (1.0 + (i - k) as f64),
+        Ordering::Equal => 1.0,
+        Ordering::Less => 0.0,
+    });
+    let starts: Vec<usize> = (0..POPULATION).step_by(PredictionCache::BLOCK).collect();
+    bencher.counter(ItemsCount::new(POPULATION)).bench_local(|| {
+        starts.par_iter().for_each(|&first| {
+            let width = PredictionCache::BLOCK.min(POPULATION - first);
+            let mut right = Mat::from_fn(n, width, |i, k| (i + k) as f64);
+            solve_lower_triangular_in_place(factor.as_ref(), right.as_mut(), Par::Seq);
+            black_box(&right);
+        });
+    });
 }
 
 #[divan::bench(args = [150, 937], sample_count = 5, sample_size = 1)]

@@ -10,20 +10,22 @@ fn main() {
     );
     println!("|---|---|---|---|---|---|---|---|---|");
     for (workers, seconds, spread, stragglers, deaths) in [
-        (64, 5, 1.0, true, 0),
-        (1000, 5, 1.0, true, 0),
-        (1000, 5, 16.0, true, 0),
-        (1000, 5, 16.0, false, 0),
-        (1000, 5, 16.0, true, 50),
-        (10_000, 5, 1.0, true, 0),
-        (10_000, 20, 16.0, true, 0),
-        (10_000, 20, 16.0, false, 0),
-        (10_000, 20, 16.0, true, 50),
+        (2, 0.3, 1.0, true, 0),
+        (16, 0.3, 1.0, true, 0),
+        (64, 5.0, 1.0, true, 0),
+        (1000, 5.0, 1.0, true, 0),
+        (1000, 5.0, 16.0, true, 0),
+        (1000, 5.0, 16.0, false, 0),
+        (1000, 5.0, 16.0, true, 50),
+        (10_000, 5.0, 1.0, true, 0),
+        (10_000, 20.0, 16.0, true, 0),
+        (10_000, 20.0, 16.0, false, 0),
+        (10_000, 20.0, 16.0, true, 50),
     ] {
         let plan = Plan {
             workers,
             tasks_each: 40,
-            takes: Duration::from_secs(seconds),
+            takes: Duration::from_secs_f64(seconds),
             spread,
             latency: Duration::from_micros(300),
             claim_cost: Duration::from_micros(50),
