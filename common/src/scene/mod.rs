@@ -10,7 +10,7 @@
 //! | model | [`model`], `attachment`, `joint`, `drive`, `load`, `output`, `wear_output` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
 //! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section` | one pass over the file that records every fault |
-//! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `wear_outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
+//! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
 //! | whole | `resolve`, `conditioned`, `merge`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`] | all parts together; warnings; `extends`; the built-in scenes and their published results; samples |
 
 mod attachment;
@@ -51,6 +51,7 @@ mod model_tests;
 pub mod monotone;
 mod nearest_unit;
 mod output;
+mod output_bodies;
 mod output_unit;
 mod outputs;
 mod parameters;
@@ -85,7 +86,7 @@ pub use model::{
     Body, Condition, DrivenInertia, Exchange, ExternalSimulator, Fails, FileExchange, Life, LimitState,
     Motion, Point, Program, Scene, SimulatorKind, StudySettings, UmBridgeModel,
 };
-pub use output::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
+pub use output::{ErrorMeasure, HeldInput, ImpactMeasure, Output, OutputKind, SignedBody};
 pub use output_unit::OutputUnit;
 pub use reference::published_results;
 pub use simulator::REQUEST_FILE;

@@ -95,6 +95,22 @@ pub enum OutputKind {
         /// Index of the driven body.
         body: usize,
     },
+    /// Backlash of the angle of a body: how far it can be turned while the drives are held, all journals within their worn bores [rad].
+    Backlash {
+        /// Index of a free body.
+        body: usize,
+        /// Where the drives are held; without it the largest backlash over a cycle.
+        held: Option<HeldInput>,
+    },
+    /// Backlash of a point: how far it can be moved along a direction of the frame while the drives are held [m].
+    PositionBacklash {
+        /// Place on a free body.
+        at: Attachment,
+        /// Angle of the direction from the x axis of the frame [rad].
+        direction: f64,
+        /// Where the drives are held; without it the largest backlash over a cycle.
+        held: Option<HeldInput>,
+    },
     /// Value that an external simulator returns under the output's name.
     External {
         /// Its unit, as it is displayed; values are not converted.
@@ -102,6 +118,15 @@ pub enum OutputKind {
         /// True if it has a single value, which holds for the whole life.
         single: bool,
     },
+}
+
+/// Position in which the drives of a mechanism are held.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct HeldInput {
+    /// Index of a driven body.
+    pub body: usize,
+    /// Its angle, whole turns not counted [rad].
+    pub angle: f64,
 }
 
 /// Measure of an error over a cycle.
@@ -128,10 +153,14 @@ impl OutputKind {
     /// Unit of the values.
     pub fn unit(&self) -> OutputUnit {
         match self {
-            OutputKind::LargestWear { .. } | OutputKind::PositionError { .. } => OutputUnit::Length,
+            OutputKind::LargestWear { .. }
+            | OutputKind::PositionError { .. }
+            | OutputKind::PositionBacklash { .. } => OutputUnit::Length,
             OutputKind::Wear { quantity, .. } => quantity.unit(),
             OutputKind::AngularVelocityDifference { .. } => OutputUnit::AngularVelocity,
-            OutputKind::AngleDifference { .. } | OutputKind::AngleError { .. } => OutputUnit::Angle,
+            OutputKind::AngleDifference { .. }
+            | OutputKind::AngleError { .. }
+            | OutputKind::Backlash { .. } => OutputUnit::Angle,
             OutputKind::Acceleration { .. } => OutputUnit::Acceleration,
             OutputKind::AngularAcceleration { .. } => OutputUnit::AngularAcceleration,
             OutputKind::Impacts { .. } => OutputUnit::Number,
@@ -199,6 +228,12 @@ impl OutputKind {
             OutputKind::DrivingTorque { body: driven } => {
                 format!("largest torque that drives {}", body(*driven))
             }
+            OutputKind::Backlash { body: turned, held } => {
+                format!("backlash of the angle of {}{}", body(*turned), held_at(held, &body))
+            }
+            OutputKind::PositionBacklash { at, held, .. } => {
+                format!("backlash of a point of {}{}", body(at.body), held_at(held, &body))
+            }
             OutputKind::External { .. } => "value returned by the simulator".to_owned(),
         }
     }
@@ -242,6 +277,19 @@ impl OutputKind {
             _ => None,
         }
     }
+}
+
+/// Where the drives are held, in a description.
+fn held_at<'a>(held: &Option<HeldInput>, body: impl Fn(usize) -> &'a str) -> String {
+    match held {
+        None => ", largest over the cycle".to_owned(),
+        Some(held) => format!(" with {} held at {} deg", body(held.body), round_degrees(held.angle)),
+    }
+}
+
+/// An angle [rad] in degrees, without digits that come from rounding.
+fn round_degrees(angle: f64) -> f64 {
+    (angle.to_degrees() * 1e9).round() / 1e9
 }
 
 impl ErrorMeasure {

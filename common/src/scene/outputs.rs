@@ -1,11 +1,12 @@
 //! Reads the outputs of a scene.
 
-use super::attachment::Attachment;
-use super::body_row::{BodyRow, MotionWord, body, place};
+use super::body_row::{BodyRow, MotionWord, body};
+use super::context::Range;
 use super::drive::Curve;
 use super::joint::{Joint, JointKind};
 use super::joints::{JointRow, chosen_joints, listed};
 use super::output::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
+use super::output_bodies::{free_body, free_place, held_input, moves};
 use super::quantity::*;
 use super::section::Section;
 use super::tables::curve;
@@ -49,6 +50,8 @@ enum OutputWord {
     Impacts,
     ImpactEnergy,
     DrivingTorque,
+    Backlash,
+    PositionBacklash,
 }
 
 /// Reads `[[outputs]]`; a faulty output keeps its row.
@@ -69,6 +72,8 @@ pub(super) fn outputs(file: &mut Section, bodies: &[BodyRow], joints: &[JointRow
         ("impacts", (OutputWord::Impacts, NUMBER)),
         ("impact-energy", (OutputWord::ImpactEnergy, ENERGY)),
         ("driving-torque", (OutputWord::DrivingTorque, TORQUE)),
+        ("backlash", (OutputWord::Backlash, ANGLE)),
+        ("position-backlash", (OutputWord::PositionBacklash, LENGTH)),
     ];
     let mut outputs = Vec::new();
     for (name, mut row) in file.rows("outputs") {
@@ -134,21 +139,18 @@ fn output(
             moves(row, "body", bodies, body, MotionWord::Driven, "driven")?;
             Some(OutputKind::DrivingTorque { body })
         }
+        OutputWord::Backlash => {
+            let body = free_body(row, bodies);
+            let held = held_input(row, bodies);
+            Some(OutputKind::Backlash { body: body?, held: held? })
+        }
+        OutputWord::PositionBacklash => {
+            let at = free_place(row, bodies);
+            let direction = row.quantity_or("direction", ANGLE, Range::Any, 0.0);
+            let held = held_input(row, bodies);
+            Some(OutputKind::PositionBacklash { at: at?, direction: direction?, held: held? })
+        }
     }
-}
-
-/// Reads a place on a free body.
-fn free_place(row: &mut Section, bodies: &[BodyRow]) -> Option<Attachment> {
-    let at = place(row, "at", bodies)?;
-    moves(row, "at", bodies, at.body, MotionWord::Free, "free")?;
-    Some(at)
-}
-
-/// Reads the name of a free body.
-fn free_body(row: &mut Section, bodies: &[BodyRow]) -> Option<usize> {
-    let found = body(row, "body", bodies)?;
-    moves(row, "body", bodies, found, MotionWord::Free, "free")?;
-    Some(found)
 }
 
 /// Reads what is wanted, if it is given; the outer `None` if it is faulty.
@@ -192,25 +194,6 @@ fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
         return None;
     }
     Some(chosen)
-}
-
-/// Checks that the body moves in the way that the output requires.
-fn moves(
-    row: &Section,
-    key: &str,
-    bodies: &[BodyRow],
-    body: usize,
-    word: MotionWord,
-    in_words: &str,
-) -> Option<()> {
-    // The motion of a faulty body may be unknown; that fault has been recorded.
-    if bodies[body].word? == word {
-        return Some(());
-    }
-    let fitting = bodies.iter().filter(|other| other.word == Some(word)).map(|other| other.name.as_str());
-    let there_are = listed(fitting);
-    row.inconsistent(key, format!("body \"{}\" is not {in_words}{there_are}", bodies[body].name));
-    None
 }
 
 fn signed_body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<SignedBody> {

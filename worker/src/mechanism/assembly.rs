@@ -139,8 +139,8 @@ fn follow(
 /// rad/s^2]; `None` if joints and drives do not determine the motion in one of them.
 pub(crate) fn ideal_accelerations(scene: &Scene, poses: &[Pose]) -> Option<Vec<Vec<Option<[f64; 3]>>>> {
     let closure = Closure::new(scene);
-    let flat = |x: &[Option<[f64; 3]>]| DVector::from_vec(x.iter().flatten().flatten().copied().collect());
-    let acceleration = |pose: &Pose| closure.acceleration(pose.time, &flat(&pose.q), &flat(&pose.v));
+    let acceleration =
+        |pose: &Pose| closure.acceleration(pose.time, &closure.joined(&pose.q), &closure.joined(&pose.v));
     poses.iter().map(|pose| acceleration(pose).map(|a| closure.split(&a))).collect()
 }
 

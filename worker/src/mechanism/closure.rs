@@ -246,6 +246,58 @@ impl<'a> Closure<'a> {
         Some(self.to_coordinates(a))
     }
 
+    /// Multipliers lambda `(m,)` of the closures that balance a generalised force `gradient` `(n,)` at time `t` [s] with the drives held:
+    /// (dphi/dq)' lambda = gradient. By virtual work, gaps phi in the joints move the coordinate whose gradient it is by lambda . phi.
+    /// `None` if joints and drives do not just determine the position, or nearly do not.
+    pub(crate) fn multipliers(
+        &self,
+        t: f64,
+        q: &DVector<f64>,
+        gradient: &DVector<f64>,
+    ) -> Option<DVector<f64>> {
+        if self.n == 0 || self.m != self.n {
+            return None;
+        }
+        let jacobian = self.gaps(t, q).jacobian;
+        let qr = jacobian.transpose().qr();
+        let r = qr.r();
+        let pivots = r.diagonal().abs();
+        if pivots.min() < DETERMINED * pivots.max() {
+            return None;
+        }
+        let scaled = self.to_coordinates(gradient.clone());
+        let mut lambda = r.solve_upper_triangular(&(qr.q().transpose() * scaled))?;
+        for (c, &row) in self.constraints.iter().zip(&self.row) {
+            for r in (0..c.rows()).filter(|&r| c.is_angle(r)) {
+                lambda[row + r] *= self.size;
+            }
+        }
+        Some(lambda)
+    }
+
+    /// The multipliers of one joint, of those of all closures `(rows,)`.
+    pub(crate) fn of_joint<'l>(&self, joint: usize, lambda: &'l DVector<f64>) -> &'l [f64] {
+        &lambda.as_slice()[self.row[joint]..][..self.constraints[joint].rows()]
+    }
+
+    /// Gradient `(n,)` of the coordinate that `along` `(3,)` picks from those of a free body of the scene.
+    pub(crate) fn gradient(&self, body: usize, along: [f64; 3]) -> Option<DVector<f64>> {
+        let first = self.first[body]?;
+        let mut gradient = DVector::zeros(self.n);
+        gradient.rows_mut(first, 3).copy_from_slice(&along);
+        Some(gradient)
+    }
+
+    /// Coordinates `(n,)` from those of each free body, by body of the scene.
+    pub(crate) fn joined(&self, x: &[Option<[f64; 3]>]) -> DVector<f64> {
+        DVector::from_vec(x.iter().flatten().flatten().copied().collect())
+    }
+
+    /// Frame of a body of the scene at rest, at time `t` [s] and coordinates `q`.
+    pub(crate) fn placed(&self, body: usize, t: f64, q: &DVector<f64>) -> Frame {
+        self.frame(body, t, q)
+    }
+
     /// Branch of a mechanism without freedom on either side of a dead point: true if det(dphi/dq) > 0.
     pub(crate) fn orientation(&self, t: f64, q: &DVector<f64>) -> Option<bool> {
         if self.m != self.n || self.n == 0 {

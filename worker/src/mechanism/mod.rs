@@ -24,6 +24,7 @@ mod guide;
 mod guide_onset;
 #[cfg(test)]
 mod guide_tests;
+mod influence;
 mod island;
 mod island_frames;
 mod island_steps;
@@ -50,6 +51,7 @@ pub use constraint::Constraint;
 pub(crate) use external_loads::ExternalLoads;
 pub use frame::{End, Frame};
 pub use guide::Guide;
+pub(crate) use influence::{Coordinate, Influence, held_poses, influences};
 pub use island::Island;
 pub(crate) use lanes::{IslandLanes, same_topology};
 pub(crate) use piecewise_cubic::PiecewiseCubic;

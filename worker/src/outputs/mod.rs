@@ -6,7 +6,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `motion_output.rs` | the trait of the outputs |
-//! | `angle_difference.rs`, `peak_joint_force.rs`, `position_error.rs`, `angle_error.rs`, `acceleration.rs`, `impacts.rs`, `driving_torque.rs` | the outputs |
+//! | `angle_difference.rs`, `peak_joint_force.rs`, `position_error.rs`, `angle_error.rs`, `acceleration.rs`, `impacts.rs`, `driving_torque.rs`, `backlash.rs` | the outputs |
 //! | `deviation.rs`, `wanted.rs` | size of a deviation over a cycle; wanted functions of time or of an angle |
 //! | `recording_request.rs`, `recorder.rs`, `peaks.rs` | what to record of an island, and the recording |
 //! | `contact_lanes.rs`, `motion_rows.rs` | contacts and motion of islands in lanes |
@@ -17,6 +17,7 @@
 mod acceleration;
 mod angle_difference;
 mod angle_error;
+mod backlash;
 mod contact_lanes;
 mod deviation;
 mod driving_torque;
@@ -39,6 +40,7 @@ mod recording_request;
 mod trace;
 mod wanted;
 
+pub(crate) use backlash::SoughtBacklash;
 pub(crate) use contact_lanes::ContactLanes;
 pub(crate) use energy::sum_of_islands;
 pub(crate) use full_recording::FullRecording;
@@ -53,6 +55,7 @@ pub(crate) use trace::{BodyTrack, ForceTrack};
 use acceleration::{Acceleration, AngularAcceleration};
 use angle_difference::AngleDifference;
 use angle_error::AngleError;
+use backlash::Backlash;
 use common::scene::{OutputKind, Scene};
 use driving_torque::DrivingTorque;
 use impacts::{ImpactEnergy, Impacts};
@@ -79,6 +82,10 @@ pub(crate) fn motion_output(kind: &OutputKind) -> Option<Box<dyn MotionOutput + 
             Some(Box::new(ImpactEnergy { joints, measure: *measure }))
         }
         OutputKind::DrivingTorque { body } => Some(Box::new(DrivingTorque { body: *body })),
+        OutputKind::Backlash { body, held } => Some(Box::new(Backlash::of_angle(*body, *held))),
+        OutputKind::PositionBacklash { at, direction, held } => {
+            Some(Box::new(Backlash::of_place(*at, *direction, *held)))
+        }
     }
 }
 

@@ -1,9 +1,10 @@
 //! The recorded motion of one cycle, as the outputs read it.
 
+use super::backlash::SoughtBacklash;
 use super::impact_count::ImpactCount;
 use super::moment_track::MomentTrack;
 use super::{BodyTrack, PointTrack, Recorder};
-use crate::mechanism::{Island, Prescribed};
+use crate::mechanism::{Influence, Island, Prescribed};
 use common::scene::{Attachment, Scene};
 use std::borrow::Cow;
 
@@ -32,6 +33,15 @@ pub struct IdealTracks {
     pub paths: Vec<(Attachment, PointTrack)>,
     /// Requested bodies of the scene with their angles; accelerations are zero.
     pub angles: Vec<(usize, BodyTrack)>,
+    /// Requested backlashes with the influence of the joints in the positions of each.
+    pub influences: Vec<(SoughtBacklash, Vec<Influence>)>,
+}
+
+impl IdealTracks {
+    /// Influence of the joints on a requested backlash, in every position that counts.
+    pub(super) fn influences(&self, sought: &SoughtBacklash) -> &[Influence] {
+        self.influences.iter().find(|(of, _)| of == sought).map_or(&[], |(_, found)| found)
+    }
 }
 
 impl<'a> RecordedCycle<'a> {

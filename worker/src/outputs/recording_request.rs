@@ -1,5 +1,6 @@
 //! What to record of the motion of a cycle.
 
+use super::backlash::SoughtBacklash;
 use common::scene::Attachment;
 
 /// Quantities to record over every measured cycle.
@@ -19,6 +20,8 @@ pub struct RecordingRequest {
     pub angular_accelerations: Vec<usize>,
     /// Driven bodies of the scene on which the moment of joints and loads is recorded.
     pub driven: Vec<usize>,
+    /// Backlashes for which the influence of the joints is needed, in the mechanism with ideal joints.
+    pub backlashes: Vec<SoughtBacklash>,
     /// True if the largest force of every joint is recorded.
     pub peak_forces: bool,
     /// True if the impacts of every joint with clearance are recorded.
@@ -28,6 +31,6 @@ pub struct RecordingRequest {
 impl RecordingRequest {
     /// True if the motion of the mechanism with ideal joints is needed.
     pub(crate) fn needs_ideal_motion(&self) -> bool {
-        !self.ideal_points.is_empty() || !self.ideal_bodies.is_empty()
+        !(self.ideal_points.is_empty() && self.ideal_bodies.is_empty() && self.backlashes.is_empty())
     }
 }

@@ -1,11 +1,67 @@
-//! Motion of points and bodies on the mechanism with ideal joints, from its poses over a cycle.
+//! What outputs need of the mechanism with ideal joints, from its poses over a cycle: motion of points and bodies, and the influence of
+//! small gaps in the joints.
 
-use crate::mechanism::{Frame, Pose};
-use crate::outputs::{BodyTrack, PointTrack};
+use crate::mechanism::{Frame, Influence, Pose, held_poses, influences};
+use crate::outputs::{BodyTrack, IdealTracks, PointTrack, RecordingRequest, SoughtBacklash};
+use common::failure::SimulationFailure;
 use common::scene::{Attachment, Scene};
 
+/// What is `requested` of the ideal mechanism over its `poses`. Adds Newton iterations to `iterations`.
+///
+/// # Errors
+/// [`SimulationFailure::NotModelled`] for a backlash where joints and drives do not just determine the position, or of an angle of a drive that
+/// the cycle does not contain.
+pub(crate) fn ideal_tracks(
+    scene: &Scene,
+    poses: &[Pose],
+    requested: &RecordingRequest,
+    iterations: &mut u64,
+) -> Result<IdealTracks, SimulationFailure> {
+    let path = |at: &Attachment| (*at, ideal_path(scene, poses, at));
+    let mut influences = Vec::with_capacity(requested.backlashes.len());
+    for sought in &requested.backlashes {
+        influences.push((*sought, influences_on(sought, scene, poses, iterations)?));
+    }
+    Ok(IdealTracks {
+        paths: requested.ideal_points.iter().map(path).collect(),
+        angles: requested.ideal_bodies.iter().map(|&body| (body, ideal_angle(poses, body))).collect(),
+        influences,
+    })
+}
+
+/// Influence of the joints on a backlash in every position that counts.
+fn influences_on(
+    sought: &SoughtBacklash,
+    scene: &Scene,
+    poses: &[Pose],
+    iterations: &mut u64,
+) -> Result<Vec<Influence>, SimulationFailure> {
+    let not_modelled = |what: String| SimulationFailure::NotModelled { what };
+    let at_rest;
+    let poses = match &sought.held {
+        None => poses,
+        Some(held) => {
+            at_rest = held_poses(scene, poses, held, iterations);
+            if at_rest.is_empty() {
+                let (body, angle) = (&scene.bodies[held.body].name, held.angle.to_degrees());
+                return Err(not_modelled(format!(
+                    "a backlash at an angle of {body} of {angle:.6} deg, which its drive does not pass in a cycle"
+                )));
+            }
+            &at_rest
+        }
+    };
+    influences(scene, poses, &sought.coordinate).ok_or_else(|| {
+        not_modelled(
+            "a backlash where joints and drives do not just determine the position: the play of the joints is \
+             not independent"
+                .into(),
+        )
+    })
+}
+
 /// Angle of a free body of the scene over the `poses` of the ideal mechanism.
-pub(crate) fn ideal_angle(poses: &[Pose], body: usize) -> BodyTrack {
+fn ideal_angle(poses: &[Pose], body: usize) -> BodyTrack {
     let mut track = BodyTrack::default();
     for pose in poses {
         if let (Some(q), Some(v)) = (pose.q[body], pose.v[body]) {
@@ -16,7 +72,7 @@ pub(crate) fn ideal_angle(poses: &[Pose], body: usize) -> BodyTrack {
 }
 
 /// Path of a point of the scene over the `poses` of the ideal mechanism.
-pub(crate) fn ideal_path(scene: &Scene, poses: &[Pose], at: &Attachment) -> PointTrack {
+fn ideal_path(scene: &Scene, poses: &[Pose], at: &Attachment) -> PointTrack {
     let mut path = PointTrack::default();
     let arm = scene.arm(at);
     for pose in poses {

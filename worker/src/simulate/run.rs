@@ -1,19 +1,19 @@
 //! The stages of an evaluation: settle, measure a cycle, wear a block, warm up.
 
-use super::ideal_tracks::{ideal_angle, ideal_path};
+use super::ideal_tracks::ideal_tracks;
 use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
 use super::unbounded_forces::refuse_unbounded_forces;
 use super::wall::worn_through;
 use crate::integrate::StepCounts;
-use crate::mechanism::{Pose, WearingJoint, ideal_cycle, islands, turns_per_cycle};
-use crate::outputs::{FullRecording, IdealTracks, Recorder, RecordingRequest, recording_request};
+use crate::mechanism::{WearingJoint, ideal_cycle, islands, turns_per_cycle};
+use crate::outputs::{FullRecording, IdealTracks, Recorder, recording_request};
 use crate::wear::{ContactHistory, WearStepStats, WornAmounts, wear_output};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{EnergyBalance, WornLife};
-use common::scene::{Attachment, Scene};
+use common::scene::Scene;
 use std::ops::Range;
 
 /// A running evaluation.
@@ -77,10 +77,12 @@ impl<'a> Run<'a> {
         let poses = ideal_cycle(scene, samples, &mut newton)?;
         if poses.len() < samples && requested.needs_ideal_motion() {
             return Err(SimulationFailure::NotModelled {
-                what: "an error against the ideal mechanism where the drives leave the ideal motion open"
+                what: "an error against the ideal mechanism, or a backlash, where the drives leave the ideal \
+                       motion open"
                     .into(),
             });
         }
+        let ideal = ideal_tracks(scene, &poses, &requested, &mut newton)?;
         let turns = turns_per_cycle(scene, &poses)?;
         let start = IslandStart { pose: &poses[0], turns: &turns };
         let islands: Vec<IslandState> = islands
@@ -100,7 +102,7 @@ impl<'a> Run<'a> {
             wear_counts: WearStepStats::default(),
             newton,
             simulated: 0,
-            ideal: ideal_tracks(scene, &poses, &requested),
+            ideal,
             quasi_static: vec![],
             tier_difference: vec![0.0; scene.outputs.len()],
             display: None,
@@ -353,15 +355,6 @@ impl<'a> Run<'a> {
         }
         self.cycle = to;
         Ok(())
-    }
-}
-
-/// The requested motion of the ideal mechanism over its `poses`.
-fn ideal_tracks(scene: &Scene, poses: &[Pose], requested: &RecordingRequest) -> IdealTracks {
-    let path = |at: &Attachment| (*at, ideal_path(scene, poses, at));
-    IdealTracks {
-        paths: requested.ideal_points.iter().map(path).collect(),
-        angles: requested.ideal_bodies.iter().map(|&body| (body, ideal_angle(poses, body))).collect(),
     }
 }
 

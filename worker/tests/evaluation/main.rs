@@ -1,5 +1,6 @@
 //! Whole evaluations of the built-in scenes: published results, closed forms, invariances, failures.
 
+mod backlash;
 mod both_surfaces;
 mod conditions;
 mod energy;

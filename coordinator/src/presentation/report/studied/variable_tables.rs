@@ -131,12 +131,15 @@ fn subject(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
         OutputKind::AngularVelocityDifference { a, b } | OutputKind::AngleDifference { a, b } => {
             format!("{}; {}", signed(a), signed(b))
         }
-        OutputKind::PositionError { at, .. } | OutputKind::Acceleration { at } => {
+        OutputKind::PositionError { at, .. }
+        | OutputKind::PositionBacklash { at, .. }
+        | OutputKind::Acceleration { at } => {
             place(scene, written, &format!("outputs.{}.at", output.name), at)
         }
         OutputKind::DrivingTorque { body }
         | OutputKind::AngleError { body, .. }
-        | OutputKind::AngularAcceleration { body } => scene.bodies[*body].name.clone(),
+        | OutputKind::AngularAcceleration { body }
+        | OutputKind::Backlash { body, .. } => scene.bodies[*body].name.clone(),
         OutputKind::External { .. } => UNKNOWN.to_owned(),
     }
 }

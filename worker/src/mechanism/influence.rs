@@ -1,0 +1,125 @@
+//! Influence of small gaps in the joints on a coordinate of the mechanism with ideal joints while its drives are held.
+//!
+//! With the closures phi(q, t) = 0 `(m,)` of all joints and the drives held, gaps e of the joints displace the mechanism by dq,
+//! (dphi/dq) dq = e, to first order in e. A coordinate y(q) changes by
+//!
+//!   dy = lambda . e,  (dphi/dq)' lambda = dy/dq,
+//!
+//! one solve for all joints. By virtual work lambda is the reaction of the joints to a unit force along y: rad/m for an angle, 1 for a
+//! position, of the difference between the centres of journal and bushing in global axes.
+//!
+//! A guide with clearance has the two closures n.d (offset) and theta (angle) of a prismatic joint. A slider of length l has play c to
+//! either side at both of its ends, which share the reaction as the forces lambda_0 / 2 +- lambda_1 / l.
+//!
+//! Valid for gaps much smaller than the links: neglected is the change of lambda within the gap, of relative size e over a link.
+//!
+//! # Source
+//! Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems. Clearances by virtual work: Innocenti
+//! (2002), J. Mech. Design 124, 52-57.
+
+use super::assembly::Pose;
+use super::closure::Closure;
+use super::prescribed::Prescribed;
+use crate::plane::{dot, left};
+use common::scene::{Attachment, HeldInput, JointKind, Scene};
+use nalgebra::DVector;
+use std::f64::consts::{PI, TAU};
+
+/// A coordinate of the mechanism.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Coordinate {
+    /// Angle of a free body of the scene [rad].
+    Angle(usize),
+    /// Position of a place on a free body along a unit vector in global axes `(2,)` [m].
+    Position(Attachment, [f64; 2]),
+}
+
+/// What the gaps of the joints do to a coordinate in one position of the mechanism.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Influence {
+    /// For every joint of the scene with clearance its index, lambda in the axes of the bushing's body `(2,)` [rad/m or 1], and the angle of
+    /// the journal's body minus that of the bushing's [rad].
+    pub joints: Vec<(usize, [f64; 2], f64)>,
+    /// Range of the coordinate that the play of all guides leaves [rad or m].
+    pub guides: f64,
+}
+
+/// Steps of the bisection by which a position of the drive is found: to rounding.
+const BISECTIONS: usize = 60;
+
+/// The influence on `sought` in each of these `poses` of the ideal mechanism; `None` if its joints and drives do not just determine the
+/// position in one of them.
+pub(crate) fn influences(scene: &Scene, poses: &[Pose], sought: &Coordinate) -> Option<Vec<Influence>> {
+    let closure = Closure::new(scene);
+    poses.iter().map(|pose| influence(scene, &closure, pose, sought)).collect()
+}
+
+fn influence(scene: &Scene, closure: &Closure, pose: &Pose, sought: &Coordinate) -> Option<Influence> {
+    let (t, q) = (pose.time, closure.joined(&pose.q));
+    let gradient = match *sought {
+        Coordinate::Angle(body) => closure.gradient(body, [0.0, 0.0, 1.0]),
+        Coordinate::Position(at, along) => {
+            let arm = closure.placed(at.body, t, &q).turn(scene.arm(&at));
+            closure.gradient(at.body, [along[0], along[1], dot(along, left(arm))])
+        }
+    };
+    let lambda = closure.multipliers(t, &q, &gradient?)?;
+    let mut found = Influence::default();
+    for (index, joint) in scene.joints.iter().enumerate() {
+        let of_joint = closure.of_joint(index, &lambda);
+        match &joint.kind {
+            JointKind::Clearance(_) => {
+                let [journal, bushing] =
+                    [joint.journal.body, joint.bushing.body].map(|body| closure.placed(body, t, &q));
+                let along = bushing.turn_back([of_joint[0], of_joint[1]]);
+                found.joints.push((index, along, journal.angle - bushing.angle));
+            }
+            JointKind::Guide(guide) => {
+                let (half, couple) = (0.5 * of_joint[0], of_joint[1] / guide.length);
+                found.guides += 2.0 * guide.clearance * ((half + couple).abs() + (half - couple).abs());
+            }
+            _ => {}
+        }
+    }
+    Some(found)
+}
+
+/// Positions of the ideal mechanism in which a driven body has the angle of `held`, found between neighbours of the `poses` of a cycle;
+/// none if it does not pass that angle. Adds the Newton iterations to `iterations`.
+pub(crate) fn held_poses(
+    scene: &Scene,
+    poses: &[Pose],
+    held: &HeldInput,
+    iterations: &mut u64,
+) -> Vec<Pose> {
+    let closure = Closure::new(scene);
+    let Some(drive) = Prescribed::from_body(&scene.bodies[held.body]) else { return vec![] };
+    // Angle beyond the wanted one, without whole turns, within half a turn of zero.
+    let beyond = |t: f64| (drive.angle(t) - held.angle + PI).rem_euclid(TAU) - PI;
+    let mut found: Vec<Pose> = Vec::new();
+    for pair in poses.windows(2) {
+        let (mut low, mut high) = (pair[0].time, pair[1].time);
+        let (at_low, at_high) = (beyond(low), beyond(high));
+        // A jump by a turn is no passage.
+        if at_low * at_high > 0.0 || (at_high - at_low).abs() > PI {
+            continue;
+        }
+        if at_low == 0.0 {
+            high = low;
+        } else if at_high == 0.0 {
+            low = high;
+        }
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if beyond(middle) * at_low > 0.0 { low = middle } else { high = middle }
+        }
+        let share = (high - pair[0].time) / (pair[1].time - pair[0].time);
+        let [from, to] = [&pair[0], &pair[1]].map(|pose| closure.joined(&pose.q));
+        let mut q: DVector<f64> = &from + (to - &from) * share;
+        if closure.close(high, &mut q, iterations).is_ok() {
+            let v = closure.split(&closure.velocity(high, &q));
+            found.push(Pose { time: high, q: closure.split(&q), v });
+        }
+    }
+    found
+}

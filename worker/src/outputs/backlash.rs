@@ -1,0 +1,90 @@
+//! Backlash: how far a body can be turned, or a point of it moved, while the drives are held.
+//!
+//! The lost motion of the output between a small load in one and in the other direction, in the limit of a load of nothing: the mechanism
+//! takes every position in which all journals are within their worn bores. To first order in the clearances the coordinate y moves by the sum of
+//! lambda_k . e_k over the joints (`mechanism/influence.rs`), and each eccentricity e_k takes any value in its convex free region
+//! (`contact/free_region.rs`), so that
+//!
+//!   backlash = sum over k of |lambda_k| (H_k(a_k) + H_k(a_k + pi)) + play of the guides,
+//!
+//! with the angle a_k [rad] of lambda_k in the frame of the bushing and the farthest way H_k [m] of the journal there: 2 c |lambda_k| for each
+//! unworn joint of clearance c. A lever of length r on one such hinge has 2 c / r. It is that of the drives held at one angle, or the largest
+//! over the cycle. The elastic deflection under a load, which the contact law adds, and friction are not part of it.
+//!
+//! # Source
+//! Displacement by clearances from virtual work: Innocenti (2002), J. Mech. Design 124, 52-57. Derived here for worn bores.
+
+use super::{MotionOutput, RecordedCycle, RecordingRequest, Sampling};
+use crate::contact::FreeRegion;
+use crate::mechanism::{Coordinate, Influence, WearingJoint};
+use common::scene::{Attachment, HeldInput};
+
+/// The outputs `backlash` [rad] and `position-backlash` [m].
+pub struct Backlash {
+    sought: SoughtBacklash,
+}
+
+/// A backlash that an output asks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SoughtBacklash {
+    /// Coordinate that is moved.
+    pub coordinate: Coordinate,
+    /// Where the drives are held; `None` for all positions of a cycle.
+    pub held: Option<HeldInput>,
+}
+
+impl Backlash {
+    /// Of the angle of a free body.
+    pub(super) fn of_angle(body: usize, held: Option<HeldInput>) -> Self {
+        Backlash { sought: SoughtBacklash { coordinate: Coordinate::Angle(body), held } }
+    }
+
+    /// Of a place on a free body along the direction at this angle from the x axis [rad].
+    pub(super) fn of_place(at: Attachment, direction: f64, held: Option<HeldInput>) -> Self {
+        let (sin, cos) = libm::sincos(direction);
+        Backlash { sought: SoughtBacklash { coordinate: Coordinate::Position(at, [cos, sin]), held } }
+    }
+}
+
+impl MotionOutput for Backlash {
+    fn request(&self, request: &mut RecordingRequest) {
+        request.backlashes.push(self.sought);
+    }
+
+    fn value(&self, cycle: &RecordedCycle) -> f64 {
+        let joints: Vec<&WearingJoint> =
+            cycle.islands.iter().flat_map(|(island, _)| &island.joints).collect();
+        let mut regions: Vec<Option<FreeRegion>> = joints.iter().map(|joint| round_journal(joint)).collect();
+        let mut in_pose = |influence: &Influence| {
+            let play = influence.joints.iter().map(|(scene_joint, lambda, turn)| {
+                let Some(k) = joints.iter().position(|joint| joint.scene_joint == *scene_joint) else {
+                    return 0.0;
+                };
+                // A worn journal leaves another region at every angle.
+                regions[k].get_or_insert_with(|| free_region(joints[k], *turn));
+                let region = &mut regions[k];
+                let width = region.as_ref().map_or(0.0, |region| region.width(*lambda));
+                if joints[k].journal.is_some() {
+                    *region = None;
+                }
+                width
+            });
+            play.sum::<f64>() + influence.guides
+        };
+        cycle.ideal.influences(&self.sought).iter().map(&mut in_pose).fold(0.0, f64::max)
+    }
+
+    fn sampling(&self) -> Sampling {
+        Sampling::Events
+    }
+}
+
+/// The free region of a joint whose journal stays round, else `None`.
+fn round_journal(joint: &WearingJoint) -> Option<FreeRegion<'_>> {
+    joint.journal.is_none().then(|| free_region(joint, 0.0))
+}
+
+/// The free region of a joint with its journal turned by `turn` [rad] in the bushing.
+fn free_region(joint: &WearingJoint, turn: f64) -> FreeRegion<'_> {
+    FreeRegion::new(joint.surfaces(), joint.contact.surface().journal_radius, turn)
+}
