@@ -29,7 +29,7 @@ mod stepper;
 
 pub use band::Band;
 pub use control::StepControl;
-pub(crate) use control::{step_ratio, within_remaining};
+pub(crate) use control::{projected_step_ratio, step_ratio, within_remaining};
 pub(crate) use lane_stepper::{LaneStepper, SteppedLanes};
 pub(crate) use linear::{add_product, factor, solve};
 pub use passing::{Passing, State};

@@ -7,7 +7,7 @@
 use super::progress::{nan_as_infinite, worst_coordinate};
 use super::{
     IntegrationError, Linearised, Passing, ProjectedStep, Rosenbrock, SpanProgress, State, StepControl,
-    StepCounts, StepDecision, Stepped, step_ratio,
+    StepCounts, StepDecision, Stepped, projected_step_ratio, step_ratio,
 };
 use crate::lanes::{Vectorised, fused};
 use std::ops::Range;
@@ -134,7 +134,9 @@ impl Stepper {
             loop {
                 let is_first = progress.rejected == refused;
                 let (h, error) = self.try_any_step(system, progress, is_first, (q, v))?;
-                if progress.decide(h, error, step_ratio(error))? == StepDecision::Accepted {
+                let ratio =
+                    if system.is_projected() { projected_step_ratio(error) } else { step_ratio(error) };
+                if progress.decide(h, error, ratio)? == StepDecision::Accepted {
                     break;
                 }
             }
