@@ -139,6 +139,21 @@ impl EnergyBalance {
     }
 }
 
+/// A groove of a worn bore that is narrower than its journal, which lies on both edges and leaves the ground between open.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct NarrowGroove {
+    /// Name of the joint, as in the scene.
+    pub joint: String,
+    /// Simulated life at which it was there first [cycles].
+    pub since: u32,
+    /// Angle of its middle in the bushing's frame, from 0 to one turn, where it was most open [rad].
+    pub angle: f64,
+    /// Angle between both edges there [rad].
+    pub width: f64,
+    /// Largest distance of the journal from the ground [m].
+    pub open: f64,
+}
+
 /// Work counters and repairs of one evaluation.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Diagnostics {
@@ -162,6 +177,9 @@ pub struct Diagnostics {
     pub constraint_drift: f64,
     /// Number of control points at which a wear step would have lowered the depth, within its tolerance, and was held.
     pub held_wear_points: u64,
+    /// For each joint in whose bore a groove is narrower than the journal the one that is most open over the life.
+    #[serde(default)]
+    pub narrow_grooves: Vec<NarrowGroove>,
     /// True if the wear was computed from quasi-static motion.
     pub quasi_static: bool,
     /// Energy balance of the first cycle, if that cycle was requested.

@@ -46,8 +46,9 @@ pub(super) fn moves(
 pub(super) fn held_input(row: &mut Section, bodies: &[BodyRow]) -> Option<Option<HeldInput>> {
     let named = row.get("input").is_some();
     let input = match named {
-        true => body(row, "input", bodies)
-            .and_then(|found| moves(row, "input", bodies, found, MotionWord::Driven, "driven").map(|()| found)),
+        true => body(row, "input", bodies).and_then(|found| {
+            moves(row, "input", bodies, found, MotionWord::Driven, "driven").map(|()| found)
+        }),
         false => None,
     };
     if row.get("input_angle").is_none() {

@@ -6,12 +6,13 @@ use crate::accuracy::{Accuracy, Tier};
 use crate::external::SimulatorId;
 use crate::failure::SimulationFailure;
 use crate::outputs::{
-    BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, WornLife,
+    BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, NarrowGroove,
+    WornLife,
 };
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (7, 0xc1de_2922_1dbb_01ef);
+const LAYOUT: (u16, u64) = (8, 0xc1de_2922_1dbb_01ef);
 
 fn accuracy() -> Accuracy {
     Accuracy {
@@ -76,6 +77,13 @@ fn evaluation() -> Evaluation {
             free_flight_fraction: vec![("1".into(), 0.25)],
             constraint_drift: 1e-12,
             held_wear_points: 8,
+            narrow_grooves: vec![NarrowGroove {
+                joint: "1".into(),
+                since: 1000,
+                angle: 1.5,
+                width: 0.5,
+                open: 1e-6,
+            }],
             quasi_static: true,
             energy: Some(energy),
             worn_energy: None,

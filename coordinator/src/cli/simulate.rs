@@ -9,7 +9,8 @@ use super::shared::{DEFAULT_SCENE, Verbosity};
 use super::simulated::Simulated;
 use clap::Args;
 use common::outputs::{
-    BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, WornLife,
+    BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, NarrowGroove,
+    WornLife,
 };
 use common::scene::{Fault, FaultKind, Faults, OutputUnit, Scene, SceneSource};
 use coordinator::results::result_files::write_text;
@@ -114,6 +115,16 @@ struct PrintedJoint<'r> {
     journal_wear_depth_m: &'r [f64],
 }
 
+/// A groove narrower than the journal.
+#[derive(Debug, Serialize)]
+struct PrintedGroove<'r> {
+    joint: &'r str,
+    since_cycles: u32,
+    angle_deg: f64,
+    width_deg: f64,
+    open_m: f64,
+}
+
 #[derive(Debug, Serialize)]
 struct PrintedDiagnostics<'r> {
     steps: u64,
@@ -126,6 +137,7 @@ struct PrintedDiagnostics<'r> {
     free_flight_fraction: BTreeMap<&'r str, f64>,
     constraint_drift_m: f64,
     held_wear_points: u64,
+    narrow_grooves: Vec<PrintedGroove<'r>>,
     quasi_static: bool,
     energy: Option<PrintedEnergy>,
     worn_energy: Option<PrintedEnergy>,
@@ -312,9 +324,20 @@ fn printed_diagnostics(diagnostics: &Diagnostics) -> PrintedDiagnostics<'_> {
         free_flight_fraction: free_flight.map(|(name, share)| (name.as_str(), *share)).collect(),
         constraint_drift_m: diagnostics.constraint_drift,
         held_wear_points: diagnostics.held_wear_points,
+        narrow_grooves: diagnostics.narrow_grooves.iter().map(printed_groove).collect(),
         quasi_static: diagnostics.quasi_static,
         energy: diagnostics.energy.map(printed_energy),
         worn_energy: diagnostics.worn_energy.map(printed_energy),
+    }
+}
+
+fn printed_groove(groove: &NarrowGroove) -> PrintedGroove<'_> {
+    PrintedGroove {
+        joint: &groove.joint,
+        since_cycles: groove.since,
+        angle_deg: groove.angle.to_degrees(),
+        width_deg: groove.width.to_degrees(),
+        open_m: groove.open,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::error::CommandError;
 use super::output::count;
-use common::outputs::Evaluation;
+use common::outputs::{Evaluation, NarrowGroove};
 use common::scene::{Output, Scene};
 use coordinator::presentation::nominal_life::nominal_lives;
 use coordinator::presentation::report::ReportError;
@@ -34,6 +34,15 @@ impl Simulated<'_> {
         }
         for life in nominal_lives(scene, evaluation) {
             text += &format!("limit state {}", life.line(cycles));
+        }
+        for NarrowGroove { joint, since, angle, open, .. } in &evaluation.diagnostics.narrow_grooves {
+            text += &format!(
+                "joint {joint}: a groove at {:.0} deg is narrower than the journal, which stays {} µm off its ground; \
+                 first at {} cycles\n",
+                angle.to_degrees(),
+                three_digits(1e6 * open),
+                grouped((*since).into())
+            );
         }
         for file in files {
             text += &format!("written: {}\n", file.display());
@@ -112,5 +121,17 @@ mod tests {
             "{text}"
         );
         assert_eq!(lines[4..], ["written: one.json"]);
+        evaluation.diagnostics.narrow_grooves = vec![NarrowGroove {
+            joint: "crank".into(),
+            since: 4000,
+            angle: 1.0,
+            width: 0.3,
+            open: 1.25e-6,
+        }];
+        let simulated = Simulated { scene: &scene, accuracy: "draft", evaluation: &evaluation, wall: 0.25 };
+        let text = simulated.text(&[]);
+        let line = "joint crank: a groove at 57 deg is narrower than the journal, which stays 1.25 µm off its ground; \
+                    first at 4 000 cycles\n";
+        assert!(text.ends_with(line), "{text}");
     }
 }

@@ -76,9 +76,10 @@ impl<'a> FreeRegion<'a> {
 
     /// G at the angle `psi` in [0, 2 pi) [m].
     fn gap_at(&self, psi: f64) -> f64 {
-        let worn = self.surfaces.journal.map_or(0.0, |journal| {
-            journal.unworn() - journal.radius_at(within_a_turn(psi - self.turn)).r
-        });
+        let worn = self
+            .surfaces
+            .journal
+            .map_or(0.0, |journal| journal.unworn() - journal.radius_at(within_a_turn(psi - self.turn)).r);
         let gap = self.surfaces.bore.radius_at(psi).r + worn - self.journal_radius;
         gap.max(LEAST_GAP * self.journal_radius)
     }
@@ -256,8 +257,7 @@ mod tests {
     fn a_worn_journal_has_play_where_it_is_turned_to() {
         let bore = bore(36, |_| 0.0);
         let mut journal = Journal::new(RADIUS, 36, None);
-        let depth: Vec<f64> =
-            (0..36).map(|i| 5e-6 * (1.0 + (TAU * f64::from(i) / 36.0).cos())).collect();
+        let depth: Vec<f64> = (0..36).map(|i| 5e-6 * (1.0 + (TAU * f64::from(i) / 36.0).cos())).collect();
         journal.set_depth(&depth);
         for turn in [0.0, 1.0, 7.0] {
             let surfaces = Surfaces { bore: &bore, journal: Some(&journal) };

@@ -54,7 +54,7 @@ pub(crate) use damping::initial as initial_damping;
 pub use foundation::Foundation;
 pub(crate) use foundation::FoundationLoad;
 pub(crate) use foundation_journal::FoundationWithJournal;
-pub(crate) use free_region::{FreeRegion, NarrowGroove};
+pub(crate) use free_region::FreeRegion;
 pub use guide_reaction::{GuideReaction, PADS};
 pub use joint_force::{ForceSlopes, JointForce, JointMotion};
 pub use journal::{Journal, Surfaces};

@@ -86,12 +86,7 @@ fn influence(scene: &Scene, closure: &Closure, pose: &Pose, sought: &Coordinate)
 
 /// Positions of the ideal mechanism in which a driven body has the angle of `held`, found between neighbours of the `poses` of a cycle;
 /// none if it does not pass that angle. Adds the Newton iterations to `iterations`.
-pub(crate) fn held_poses(
-    scene: &Scene,
-    poses: &[Pose],
-    held: &HeldInput,
-    iterations: &mut u64,
-) -> Vec<Pose> {
+pub(crate) fn held_poses(scene: &Scene, poses: &[Pose], held: &HeldInput, iterations: &mut u64) -> Vec<Pose> {
     let closure = Closure::new(scene);
     let Some(drive) = Prescribed::from_body(&scene.bodies[held.body]) else { return vec![] };
     // Angle beyond the wanted one, without whole turns, within half a turn of zero.

@@ -59,6 +59,7 @@ pub(crate) fn finish(
             free_flight_fraction: first.free_flight,
             constraint_drift: runs.iter().fold(0.0, |a, run| run.counts.drift.max(a)),
             held_wear_points: run.wear_counts.held,
+            narrow_grooves: run.grooves.clone(),
             quasi_static: !run.quasi_static.is_empty(),
             energy: first.energy,
             worn_energy: run.display.as_ref().and_then(|display| display.energy),

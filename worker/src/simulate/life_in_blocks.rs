@@ -167,6 +167,7 @@ pub(crate) async fn simulate_life<M: CycleModel>(
         }
         mix_contacts(runs);
         runs[0].wear(from..to, &checkpoints, &mut wear)?;
+        runs[0].note_grooves(to);
         estimate.add_wear(&runs[0], from, &worn);
         runs[0].keep_bores(to);
         share_bores(runs);

@@ -21,6 +21,7 @@
 //! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
 //! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
 //! | `island_state.rs`, `worn_joints.rs` | an island with its state, stepper, recorder and wear; the wear of all joints |
+//! | `grooves.rs` | grooves narrower than their journals |
 //! | `unbounded_forces.rs` | outputs that have no value where ideal joints become dependent |
 //! | `side_by_side/` | several evaluations in the SIMD lanes of one core |
 //! | `first_look.rs` | model and cost of an evaluation beforehand |
@@ -31,6 +32,7 @@ mod cycle_history;
 mod error_estimate;
 mod finish;
 mod first_look;
+mod grooves;
 mod ideal_tracks;
 mod island_state;
 mod life_history;

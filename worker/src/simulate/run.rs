@@ -12,7 +12,7 @@ use crate::outputs::{FullRecording, IdealTracks, Recorder, recording_request};
 use crate::wear::{ContactHistory, WearStepStats, WornAmounts, wear_output};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
-use common::outputs::{EnergyBalance, WornLife};
+use common::outputs::{EnergyBalance, NarrowGroove, WornLife};
 use common::scene::Scene;
 use std::ops::Range;
 
@@ -35,6 +35,8 @@ pub struct Run<'a> {
     cycle: u32,
     pub counts: StepCounts,
     pub wear_counts: WearStepStats,
+    /// Grooves narrower than their journals, one at most for each joint.
+    pub grooves: Vec<NarrowGroove>,
     /// Newton iterations of position analyses and of the quasi-static model.
     pub newton: u64,
     /// Cycles simulated so far.
@@ -77,9 +79,10 @@ impl<'a> Run<'a> {
         let poses = ideal_cycle(scene, samples, &mut newton)?;
         if poses.len() < samples && requested.needs_ideal_motion() {
             return Err(SimulationFailure::NotModelled {
-                what: "an error against the ideal mechanism, or a backlash, where the drives leave the ideal \
+                what:
+                    "an error against the ideal mechanism, or a backlash, where the drives leave the ideal \
                        motion open"
-                    .into(),
+                        .into(),
             });
         }
         let ideal = ideal_tracks(scene, &poses, &requested, &mut newton)?;
@@ -100,6 +103,7 @@ impl<'a> Run<'a> {
             cycle: 0,
             counts: StepCounts::default(),
             wear_counts: WearStepStats::default(),
+            grooves: vec![],
             newton,
             simulated: 0,
             ideal,

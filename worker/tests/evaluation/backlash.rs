@@ -146,5 +146,8 @@ fn issue_a_backlash_that_the_mechanism_does_not_determine_is_refused() {
     rocking.life.period = 0.06;
     let outputs = vec![of_rocker(&rocking, Some(TAU / 4.0))];
     let failure = run(&with_outputs(rocking, outputs)).expect_err("not passed");
-    assert!(failure.to_string().contains("crank of 90.000000 deg, which its drive does not pass"), "{failure}");
+    assert!(
+        failure.to_string().contains("crank of 90.000000 deg, which its drive does not pass"),
+        "{failure}"
+    );
 }

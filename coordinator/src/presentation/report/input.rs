@@ -1,6 +1,7 @@
 //! The data of a report, read from the campaign file: the source of the scene, every evaluation, and the results of the
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
+use super::grooves::{self, GroovedJoint};
 use super::mechanism::Mechanism;
 use super::stated_errors::{StatedAt, StatedErrorCollector};
 use super::written::WrittenScene;
@@ -90,7 +91,9 @@ pub struct WorkTotals {
     pub wall: f64,
     /// Longest simulation time [s].
     pub longest: f64,
-    /// Sums of counters; `free_flight_fraction` is left empty.
+    /// Evaluations with grooves narrower than their journals, by joint.
+    pub grooved: Vec<GroovedJoint>,
+    /// Sums of counters; `free_flight_fraction` and `narrow_grooves` are left empty.
     pub sum: Diagnostics,
 }
 
@@ -246,6 +249,7 @@ impl WorkTotals {
         self.evaluations += 1;
         self.wall += wall;
         self.longest = self.longest.max(wall);
+        grooves::add(&mut self.grooved, &diagnostics.narrow_grooves);
         let sum = &mut self.sum;
         sum.steps += diagnostics.steps;
         sum.rejected_steps += diagnostics.rejected_steps;

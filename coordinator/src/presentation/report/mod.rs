@@ -10,6 +10,7 @@ mod figure;
 mod figures;
 pub mod fleet;
 pub mod format;
+mod grooves;
 mod input;
 pub mod life;
 pub mod life_change;

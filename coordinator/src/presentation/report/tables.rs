@@ -2,6 +2,7 @@
 
 use super::figures::{self, rows_at_governing};
 use super::format::{UNKNOWN, count, duration, fixed, percent, three_digits};
+use super::grooves::GroovedJoint;
 use super::input::ReportInput;
 use super::life::{self, Included, LEVELS, LifeAt, life_and_limits, life_at, states_numerical_errors};
 use crate::results::summary::{ReliabilityRange, ReliabilityRow, Round};
@@ -209,7 +210,7 @@ pub fn rounds(input: &ReportInput) -> Markup {
     table(&head, input.summary.convergence.rounds.iter().map(cells))
 }
 
-/// Numerical work, over all evaluations and per evaluation; share of free flight of every joint.
+/// Numerical work, over all evaluations and per evaluation; share of free flight of every joint; grooves narrower than their journals.
 pub fn diagnostics(input: &ReportInput) -> Markup {
     let work = &input.work;
     let per = |sum: u64| three_digits(sum as f64 / work.evaluations.max(1) as f64);
@@ -234,7 +235,35 @@ pub fn diagnostics(input: &ReportInput) -> Markup {
                 flight.iter().map(|(name, share)| vec![name.render(), percent(*share).render()]),
             ))
         }
+        @if let Some(found) = grooves(&work.grooved) {
+            (found)
+        }
     }
+}
+
+/// The joints with such grooves; `None` if there are none.
+fn grooves(grooved: &[GroovedJoint]) -> Option<Markup> {
+    let head = [
+        "groove narrower than the journal",
+        "evaluations",
+        "first at cycle",
+        "angle [deg]",
+        "width [deg]",
+        "stays open [µm]",
+    ];
+    let row = |joint: &GroovedJoint| {
+        let GroovedJoint { evaluations, since, widest } = joint;
+        let cells = [
+            format!("joint {}", widest.joint),
+            count(*evaluations),
+            count((*since).into()),
+            fixed(widest.angle.to_degrees(), 0),
+            fixed(widest.width.to_degrees(), 0),
+            three_digits(1e6 * widest.open),
+        ];
+        cells.map(|cell| cell.render()).to_vec()
+    };
+    (!grooved.is_empty()).then(|| table(&head, grooved.iter().map(row)))
 }
 
 /// Every output of the nominal mechanism at its last checkpoint, also those without a limit state, with its stated

@@ -1,0 +1,40 @@
+//! Grooves of the worn bores that are narrower than their journals.
+//!
+//! Such a journal lies on both edges of the groove. Under `foundation` it has a patch of contact on each; `local-hertz`, whose penetration is
+//! measured along the eccentricity alone, lets it into the groove. In both cases the geometry deserves a look: more control points may
+//! smooth the groove, or the load wears it there in truth.
+
+use super::run::Run;
+use crate::contact::{FreeRegion, Surfaces};
+use common::outputs::NarrowGroove;
+
+/// Smallest distance of the journal from the ground of a groove that counts, as a share of the unworn radial clearance [1]: where a
+/// bore bends, its spline ripples by some thousandths of the depth.
+const LEAST_OPEN: f64 = 0.01;
+
+impl Run<'_> {
+    /// Looks for grooves in the bores as worn to `life` [cycles], for journals as unworn; keeps the most open one of each joint.
+    pub(crate) fn note_grooves(&mut self, life: u32) {
+        for joint in self.islands.iter().flat_map(|state| &state.island.joints).filter(|j| j.wears()) {
+            let surface = joint.contact.surface();
+            let bore = Surfaces { bore: &joint.profile, journal: None };
+            let found = FreeRegion::new(bore, surface.journal_radius, 0.0)
+                .narrow_grooves(LEAST_OPEN * surface.clearance)
+                .into_iter()
+                .max_by(|a, b| a.open.total_cmp(&b.open));
+            let Some(found) = found else { continue };
+            let now = |since| NarrowGroove {
+                joint: joint.name.clone(),
+                since,
+                angle: found.angle,
+                width: found.width,
+                open: found.open,
+            };
+            match self.grooves.iter_mut().find(|known| known.joint == joint.name) {
+                Some(known) if found.open > known.open => *known = now(known.since),
+                Some(_) => {}
+                None => self.grooves.push(now(life)),
+            }
+        }
+    }
+}
