@@ -55,9 +55,10 @@ impl Accuracy {
         Accuracy {
             step_tolerance: 5e-4,
             largest_step: 1.0 / 700.0,
-            // Ten times the steps of a cycle of the flapping-wing drive; of the extremes that succeed, the hardest, 6 r/min under
-            // `foundation`, needs more than 60 000 (`coordinator extremes`).
-            steps_bound: 100_000,
+            // Forty times the steps of a cycle of the flapping-wing drive. Of its extremes, 6 r/min under `foundation` needs more than
+            // 60 000, and stiff joints with little clearance and much friction, or without damping, more than 100 000
+            // (`coordinator extremes`).
+            steps_bound: 400_000,
             wear_samples: 300,
             cycle_jump: 4000,
             wear_tolerance: 2e-2,
@@ -72,7 +73,7 @@ impl Accuracy {
             step_tolerance: 1e-4,
             largest_step: 1.0 / 1000.0,
             // Four times that of `balanced`, for its shorter steps.
-            steps_bound: 400_000,
+            steps_bound: 1_600_000,
             wear_samples: 4000,
             cycle_jump: 500,
             wear_tolerance: 5e-3,

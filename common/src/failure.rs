@@ -50,7 +50,9 @@ pub enum SimulationFailure {
         time: f64,
     },
     /// The bushing is worn through.
-    #[error("at cycle {cycle} joint {joint} is worn through: depth {depth} m, wall {wall} m")]
+    #[error(
+        "at cycle {cycle} joint {joint} is worn through: depth {depth} m, wall {wall} m; shorten the life, or choose a thicker wall or a smaller wear_coefficient"
+    )]
     WornThrough {
         /// Cycle of the life, from 0.
         cycle: u32,
@@ -63,7 +65,7 @@ pub enum SimulationFailure {
     },
     /// The step size fell below its lower bound.
     #[error(
-        "at cycle {cycle}, t = {time} s{}, the time step fell to {step} s (error {error} times its bound)",
+        "at cycle {cycle}, t = {time} s{}, the time step fell to {step} s (error {error} times its bound); give the joint contact_damping or film_damping, or a larger friction_speed",
         at_joint(joint)
     )]
     StepTooSmall {
@@ -81,7 +83,7 @@ pub enum SimulationFailure {
     },
     /// More steps than the bound of the accuracy setting.
     #[error(
-        "at cycle {cycle}, t = {time} s{}, the bound of {bound} steps per cycle was reached",
+        "at cycle {cycle}, t = {time} s{}, the bound of {bound} steps per cycle was reached; allow more (steps-N in the accuracy), or give the joint contact_damping or film_damping, or a larger friction_speed",
         at_joint(joint)
     )]
     TooManySteps {
@@ -97,7 +99,7 @@ pub enum SimulationFailure {
     },
     /// The wear step could not reach its tolerance.
     #[error(
-        "at cycle {cycle} the wear of joint {joint} did not reach its tolerance (error {error} times its bound)"
+        "at cycle {cycle} the wear of joint {joint} did not reach its tolerance (error {error} times its bound); use smaller wear steps (jump-N in the accuracy) or more control_points"
     )]
     WearStep {
         /// Cycle of the life, from 0.
@@ -109,7 +111,7 @@ pub enum SimulationFailure {
     },
     /// A contact left the range of its law: the journal is deeper in the wall than the law admits.
     #[error(
-        "at cycle {cycle}, t = {time} s, joint {joint}: penetration {penetration} m is outside the contact law's range"
+        "at cycle {cycle}, t = {time} s, joint {joint}: penetration {penetration} m is outside the contact law's range; lower the load, or choose a stiffer material or a wider joint"
     )]
     OutOfRange {
         /// Cycle of the life, from 0.

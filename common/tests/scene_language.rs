@@ -302,6 +302,10 @@ fn outputs_and_limit_states() {
     assert_eq!(*output("blows"), OutputKind::ImpactEnergy { joints, measure });
     let (joints, measure) = (["struck", "held"].map(index).to_vec(), ImpactMeasure::Largest);
     assert_eq!(*output("hardest_blow"), OutputKind::ImpactEnergy { joints, measure });
+    let held = Some(HeldInput { body: body(&scene, "crank"), angle: PI / 6.0 });
+    assert_eq!(*output("lost_motion"), OutputKind::Backlash { body: rod, held });
+    let at = place(&scene, "slider", [0.0, 0.0]);
+    assert_eq!(*output("play"), OutputKind::PositionBacklash { at, direction: PI / 2.0, held: None });
     // Thresholds are in the kind of their output.
     let thresholds: Vec<f64> = scene.limit_states.iter().map(|limit| limit.threshold).collect();
     same(&thresholds, &[5e-6, PI / 60.0, 2000.0, 0.0005, 4.0, 1e-4, 9e-6, 900.0, 1e4, 50.0, 0.02]);

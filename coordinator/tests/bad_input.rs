@@ -188,6 +188,26 @@ fn faulty_ideal_joints_and_outputs() {
             "at = { body = \"crank\", point = \"pin\" }",
             &["outputs.slider_error.at: body \"crank\" is not free; there are: rod, slider"],
         ),
+        (
+            "type = \"driving-torque\"\nbody = \"crank\"",
+            "type = \"backlash\"\nbody = \"crank\"",
+            &["outputs.crank_torque.body: body \"crank\" is not free; there are: rod, slider"],
+        ),
+        (
+            "type = \"driving-torque\"\nbody = \"crank\"",
+            "type = \"backlash\"\nbody = \"rod\"\ninput = \"slider\"\ninput_angle = \"1 deg\"",
+            &["outputs.crank_torque.input: body \"slider\" is not driven; there are: crank"],
+        ),
+        (
+            "type = \"driving-torque\"\nbody = \"crank\"",
+            "type = \"backlash\"\nbody = \"rod\"\ninput = \"crank\"",
+            &["outputs.crank_torque.input_angle", "missing", "an angle at which the input is held"],
+        ),
+        (
+            "type = \"driving-torque\"\nbody = \"crank\"",
+            "type = \"backlash\"\nbody = \"rod\"\ninput_angle = \"1 mm\"",
+            &["outputs.crank_torque.input_angle", "angle"],
+        ),
     ] {
         assert!(slider_crank.contains(from), "{from}");
         std::fs::write(&path, slider_crank.replacen(from, to, 1)).unwrap();

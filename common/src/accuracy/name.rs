@@ -65,8 +65,8 @@ pub enum AccuracyNameError {
 
 /// List of the knobs for messages and help texts.
 pub const KNOBS: &str = "step-xF: time steps longer by the factor F; jump-N: wear steps of at most N cycles; \
-                         wear-tolerance-T; samples-N: of a cycle, for the wear; warm-up-W: cycles; dynamic: no \
-                         quasi-static tier";
+                         wear-tolerance-T; samples-N: of a cycle, for the wear; warm-up-W: cycles; steps-N: most \
+                         time steps of a cycle; dynamic: no quasi-static tier";
 
 impl FromStr for NamedAccuracy {
     type Err = AccuracyNameError;
@@ -95,7 +95,7 @@ fn with_knob(accuracy: Accuracy, part: &str) -> Result<Accuracy, AccuracyNameErr
     }
     type Turn = fn(Accuracy, f64) -> Accuracy;
     type Knob = (&'static str, &'static str, f64, f64, Turn);
-    let knobs: [Knob; 5] = [
+    let knobs: [Knob; 6] = [
         ("step-x", "0.05 to 20", 0.05, 20.0, |a, factor| a.refined(1.0 / factor)),
         ("jump-", "whole numbers from 1 to 1000000", 1.0, 1e6, |a, n| Accuracy { cycle_jump: n as u32, ..a }),
         ("wear-tolerance-", "1e-9 to 1", 1e-9, 1.0, |a, t| Accuracy { wear_tolerance: t, ..a }),
@@ -104,6 +104,10 @@ fn with_knob(accuracy: Accuracy, part: &str) -> Result<Accuracy, AccuracyNameErr
             ..a
         }),
         ("warm-up-", "0 to 10", 0.0, 10.0, |a, w| Accuracy { warm_up: w, ..a }),
+        ("steps-", "whole numbers from 1000 to 100000000", 1e3, 1e8, |a, n| Accuracy {
+            steps_bound: n as u64,
+            ..a
+        }),
     ];
     let (value, (knob, allowed, least, most, turn)) = knobs
         .into_iter()
@@ -141,6 +145,7 @@ mod tests {
         assert_eq!(read("draft+step-x0.5+jump-250"), expected);
         let all = read("reference+wear-tolerance-1e-3+samples-300+warm-up-0.2+dynamic");
         assert_eq!((all.wear_tolerance, all.wear_samples, all.warm_up), (1e-3, 300, 0.2));
+        assert_eq!(read("steps-5000000"), Accuracy { steps_bound: 5_000_000, ..Accuracy::balanced() });
         assert_eq!((all.tier, all.step_tolerance), (Tier::Dynamic, Accuracy::reference().step_tolerance));
     }
 
@@ -156,6 +161,7 @@ mod tests {
             ("jump-tolerance-3e-3", "\"jump-tolerance-3e-3\" is neither"),
             ("step-xnan", "allowed for step-x: 0.05 to 20"),
             ("step-x-1", "0.05 to 20"),
+            ("steps-10", "allowed for steps-: whole numbers from 1000"),
             ("wear-tolerance-inf", "1e-9 to 1"),
             ("draft+step-x20+step-x20+step-x20", "lead step_tolerance out of its range"),
         ] {

@@ -121,13 +121,8 @@ mod tests {
             "{text}"
         );
         assert_eq!(lines[4..], ["written: one.json"]);
-        evaluation.diagnostics.narrow_grooves = vec![NarrowGroove {
-            joint: "crank".into(),
-            since: 4000,
-            angle: 1.0,
-            width: 0.3,
-            open: 1.25e-6,
-        }];
+        evaluation.diagnostics.narrow_grooves =
+            vec![NarrowGroove { joint: "crank".into(), since: 4000, angle: 1.0, width: 0.3, open: 1.25e-6 }];
         let simulated = Simulated { scene: &scene, accuracy: "draft", evaluation: &evaluation, wall: 0.25 };
         let text = simulated.text(&[]);
         let line = "joint crank: a groove at 57 deg is narrower than the journal, which stays 1.25 µm off its ground; \

@@ -88,23 +88,50 @@ fn the_clearances_of_a_four_bar_add_up_by_the_force_in_its_coupler() {
     assert!((found / largest - 1.0).abs() < 1e-5, "{found} against {largest}");
 }
 
-#[test]
-fn a_worn_bore_adds_its_depth_along_the_coupler() {
-    // Only the hinge between crank and coupler has clearance: its bore, in the coupler, is pressed along the coupler and wears there.
+/// `four-bar` with clearance in the hinge between crank and coupler alone, worn for 2000 cycles under this law: its bore, in the coupler, is
+/// pressed along the coupler. The growth of the backlash as a play along the coupler [m], and the evaluation.
+fn worn_along_the_coupler(law: ContactLaw) -> (f64, Evaluation) {
     let mut scene = short("four-bar", &[], 2000);
     scene.joints[1].kind = JointKind::Revolute;
     scene.joints[2].kind = JointKind::Revolute;
+    crate::scenes::every_joint(&mut scene, |clearance| clearance.contact_law = law);
     let phi = 1.0;
     let outputs = vec![of_rocker(&scene, Some(phi))];
     let evaluation = run(&with_outputs(scene, outputs)).expect("simulated");
+    let history = &evaluation.histories[0];
+    assert!(history[0] < history[1], "{history:?}");
+    ((history[1] - evaluation.start[0].expect("known")) * ROCKER * transmission(phi), evaluation)
+}
+
+#[test]
+fn a_worn_bore_adds_its_depth_along_the_coupler() {
+    let (growth, evaluation) = worn_along_the_coupler(ContactLaw::Foundation);
     let depth = &evaluation.joints[0].wear_depth;
     let along = depth[0] + depth[depth.len() / 2];
-    let lever = ROCKER * transmission(phi);
-    let growth = evaluation.histories[0][1] - evaluation.start[0].expect("known");
-    println!("{growth:e} rad, worn along the coupler {:e} rad", along / lever);
+    println!("play grown by {growth:e} m, worn along the coupler {along:e} m");
     assert!(along > 1e-6, "{depth:?}");
-    assert!((growth * lever / along - 1.0).abs() < 0.01, "{growth} against {}", along / lever);
-    assert!(evaluation.histories[0][0] < evaluation.histories[0][1]);
+    assert!((growth / along - 1.0).abs() < 0.01, "{growth} against {along}");
+    assert_eq!(evaluation.diagnostics.narrow_grooves, vec![]);
+}
+
+#[test]
+fn a_groove_narrower_than_its_journal_is_reported_and_adds_less() {
+    // The arc of `local-hertz` wears evenly, without regard to the curvature of the ground: a journal of 4 mm does not fit in the groove.
+    let (growth, evaluation) = worn_along_the_coupler(ContactLaw::LocalHertz);
+    let depth = &evaluation.joints[0].wear_depth;
+    let along = depth[0] + depth[depth.len() / 2];
+    let [groove] = &evaluation.diagnostics.narrow_grooves[..] else {
+        panic!("{:?}", evaluation.diagnostics.narrow_grooves);
+    };
+    println!("play grown by {growth:e} m, worn along the coupler {along:e} m, {groove:?}");
+    let deepest = (0..depth.len()).fold(0, |best, k| if depth[k] > depth[best] { k } else { best });
+    let away = (groove.angle - TAU * deepest as f64 / depth.len() as f64).rem_euclid(TAU);
+    assert!(away.min(TAU - away) < 0.2, "{groove:?}, deepest at point {deepest}");
+    assert_eq!(groove.joint, "crank");
+    assert!(groove.since <= 2000 && groove.width > 0.1 && groove.width < 2.0, "{groove:?}");
+    assert!(groove.open > 0.01 * CLEARANCE && groove.open < along, "{groove:?}");
+    // What stays open is missing in the play.
+    assert!((along - growth - groove.open).abs() < 0.1 * groove.open, "{along} - {growth}, {groove:?}");
 }
 
 #[test]
@@ -128,6 +155,31 @@ fn the_pin_of_a_slider_crank_moves_slider_and_rod() {
     assert!((found[0] * cosine / (2.0 * clearance) - 1.0).abs() < 1e-9, "{found:?}");
     assert!(found[1] < 1e-15, "the guide is ideal: {found:?}");
     assert!((found[2] * rod * cosine / (2.0 * clearance) - 1.0).abs() < 1e-9, "{found:?}");
+}
+
+#[test]
+fn a_slider_moves_and_tilts_in_its_guide() {
+    // The published slider-crank with its crank driven: only the guide has clearance, on a slider of 100 mm.
+    let (clearance, length) = (1e-3, 0.1);
+    let mut scene = SceneSource::parse(crate::guides::PUBLISHED, "guided").expect("valid").nominal().clone();
+    let crank = body(&scene, "crank");
+    scene.joints.remove(0);
+    scene.bodies[crank].motion = Motion::Driven {
+        position: [0.0; 2],
+        drive: Drive::ConstantSpeed { start_angle: 0.0, speed: 150.0 },
+        inertia: None,
+    };
+    let held = Some(HeldInput { body: crank, angle: 0.8 });
+    let slider = body(&scene, "slider");
+    let offset = Attachment { body: slider, position: [0.0; 2] };
+    let corner = Attachment { body: slider, position: [0.5 * length, 0.0] };
+    let across = |at| OutputKind::PositionBacklash { at, direction: TAU / 4.0, held };
+    let outputs = vec![across(offset), across(corner), OutputKind::Backlash { body: slider, held }];
+    let evaluation = run(&with_outputs(scene, outputs)).expect("simulated");
+    let found: Vec<f64> = evaluation.histories.iter().map(|history| history[0]).collect();
+    for (found, exact) in found.iter().zip([2.0 * clearance, 2.0 * clearance, 4.0 * clearance / length]) {
+        assert!((found / exact - 1.0).abs() < 1e-9, "{found} against {exact}");
+    }
 }
 
 #[test]

@@ -24,11 +24,9 @@ pub(super) fn add(grooved: &mut Vec<GroovedJoint>, grooves: &[NarrowGroove]) {
                     known.widest.clone_from(groove);
                 }
             }
-            None => grooved.push(GroovedJoint {
-                evaluations: 1,
-                since: groove.since,
-                widest: groove.clone(),
-            }),
+            None => {
+                grooved.push(GroovedJoint { evaluations: 1, since: groove.since, widest: groove.clone() })
+            }
         }
     }
 }

@@ -329,4 +329,21 @@ mod tests {
         assert!(missing_digits(&rows, 1).is_empty());
         assert_eq!([whole_part("3a"), whole_part("R = 1"), whole_part("")], [None; 3]);
     }
+
+    #[test]
+    fn joints_with_grooves_narrower_than_their_journals_have_a_row() {
+        let widest = common::outputs::NarrowGroove {
+            joint: "a".into(),
+            since: 4000,
+            angle: 1.0,
+            width: 0.2,
+            open: 2e-6,
+        };
+        assert!(grooves(&[]).is_none());
+        let page =
+            grooves(&[GroovedJoint { evaluations: 3, since: 2000, widest }]).expect("one").into_string();
+        for part in ["joint a", ">3<", "2\u{a0}000", "57", "11", "2.00"] {
+            assert!(page.contains(part), "{part}: {page}");
+        }
+    }
 }
