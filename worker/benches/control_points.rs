@@ -1,5 +1,6 @@
 //! Convergence of the largest wear over the control points of the profiles, the length of the blocks and the number of contact samples,
-//! for every built-in scene that wears, under both contact laws: `cargo bench -p worker --bench control_points`.
+//! for every built-in scene that wears, under both contact laws: `cargo bench -p worker --bench control_points`, or for those named:
+//! `cargo bench -p worker --bench control_points -- four-bar`.
 //! At the nominal point and the end of life; every column but the first of each group changes one choice of `balanced` at 36 points.
 
 use common::accuracy::Accuracy;
@@ -34,7 +35,9 @@ fn largest_wear(scene: &Scene, evaluation: &Evaluation) -> Option<(f64, f64)> {
 fn main() {
     println!("| scene | law | wear at 288 points | {} |", headings().join(" | "));
     println!("|---|---|---|{}", "---|".repeat(headings().len()));
-    for name in SceneSource::builtin_names() {
+    // Cargo itself adds `--bench`.
+    let named: Vec<String> = std::env::args().skip(1).filter(|name| !name.starts_with("--")).collect();
+    for name in SceneSource::builtin_names().into_iter().filter(|name| is_named(&named, name)) {
         let source = SceneSource::builtin(name).expect("built in");
         let nominal = source.resolve_sample(&source.means()).expect("means are within bounds");
         if !nominal.outputs.iter().any(|output| matches!(output.kind, OutputKind::LargestWear { .. })) {
@@ -44,6 +47,11 @@ fn main() {
             row(name, &nominal, law);
         }
     }
+}
+
+/// True if the scene is among those named, or none is.
+fn is_named(named: &[String], scene: &str) -> bool {
+    named.is_empty() || named.iter().any(|name| name == scene)
 }
 
 fn headings() -> Vec<String> {

@@ -6,7 +6,7 @@ use common::outputs::Evaluation;
 use common::scene::{Scene, SceneSource};
 use std::fmt::Write;
 use std::time::Instant;
-use worker::simulate::{SimulateOptions, simulate};
+use worker::simulate::{LaneWidth, SimulateOptions, SimulationInput, simulate, simulate_side_by_side};
 
 const GRAVITY: f64 = 9.81;
 
@@ -198,5 +198,35 @@ fn a_mechanism_that_comes_to_rest_in_the_position_is_refused() {
             assert_eq!(joint, "foot0", "the last joint of the loop in the order of the elimination");
         }
         other => panic!("{other:?}"),
+    }
+}
+
+/// Mechanisms that pass the position at other times than their neighbours, turn away before it, or end in it, by steps of either kind.
+#[test]
+fn lanes_next_to_each_other_pass_the_position_with_the_bits_of_one_alone() {
+    let (inertia, weight) = pendulum(1);
+    let stop = FourBars { speed: (2.0 * weight / inertia).sqrt(), gravity: [-GRAVITY, 0.0], ..benchmark(1) };
+    let mechanisms = [
+        FourBars { seconds: 3.0, ..benchmark(1) },
+        FourBars { seconds: 3.0, speed: 1.3, ..benchmark(1) },
+        FourBars { seconds: 3.0, excess: 1e-3, ..benchmark(1) },
+        FourBars { seconds: 3.0, ..benchmark(2) },
+        stop,
+        FourBars { seconds: 2.5, speed: 0.8, ..benchmark(1) },
+        FourBars { seconds: 2.0, ..benchmark(40) },
+    ];
+    let (accuracy, options) = (Accuracy::balanced(), SimulateOptions::WITH_FIRST_CYCLE);
+    let scenes = mechanisms.map(|of| scene(&of));
+    let alone = scenes.each_ref().map(|scene| simulate(scene, &accuracy, options));
+    assert_eq!(alone.iter().filter(|result| result.is_err()).count(), 1, "one ends in the position");
+    for (width, most) in [(LaneWidth::Widest, 7), (LaneWidth::Holding(4), 4), (LaneWidth::Holding(1), 2)] {
+        let mut inputs =
+            scenes.iter().map(|scene| Ok(SimulationInput { scene: scene.clone(), accuracy, options }));
+        let mut compared = 0;
+        simulate_side_by_side(width, most, &mut || inputs.next(), &mut |number, result, _| {
+            assert!(result == alone[number], "mechanism {number} differs");
+            compared += 1;
+        });
+        assert_eq!(compared, scenes.len());
     }
 }
