@@ -9,7 +9,7 @@ use proptest::test_runner::RngSeed;
 use toml::Value;
 use worker::simulate::{SimulateOptions, simulate_counted};
 
-/// A third of what `draft` allows: nothing here need come to its end, but most of what is valid does.
+/// A twentieth of what `draft` allows: nothing here need come to its end, but most of what is valid does.
 const STEPS_BOUND: u64 = 20_000;
 
 /// What became of a text.

@@ -218,7 +218,7 @@ mod tests {
             let x = (psi - middle) / half;
             if x.abs() < 1.0 { depth * (1.0 - x * x).powi(2) } else { 0.0 }
         };
-        let bore = bore(144, shape);
+        let bore = bore(720, shape);
         let region = region(&bore);
         // Where the bore bends into the groove its spline ripples: the journal stays off these places by some nanometres.
         let grooves = region.narrow_grooves(0.01 * CLEARANCE);
