@@ -14,6 +14,7 @@
 //! # Source
 //! Displacement by clearances from virtual work: Innocenti (2002), J. Mech. Design 124, 52-57. Derived here for worn bores.
 
+use super::sought_backlash::SoughtBacklash;
 use super::{MotionOutput, RecordedCycle, RecordingRequest, Sampling};
 use crate::contact::FreeRegion;
 use crate::mechanism::{Coordinate, Influence, WearingJoint};
@@ -22,15 +23,6 @@ use common::scene::{Attachment, HeldInput};
 /// The outputs `backlash` [rad] and `position-backlash` [m].
 pub struct Backlash {
     sought: SoughtBacklash,
-}
-
-/// A backlash that an output asks for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SoughtBacklash {
-    /// Coordinate that is moved.
-    pub coordinate: Coordinate,
-    /// Where the drives are held; `None` for all positions of a cycle.
-    pub held: Option<HeldInput>,
 }
 
 impl Backlash {

@@ -6,7 +6,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `motion_output.rs` | the trait of the outputs |
-//! | `angle_difference.rs`, `peak_joint_force.rs`, `position_error.rs`, `angle_error.rs`, `acceleration.rs`, `impacts.rs`, `driving_torque.rs`, `backlash.rs` | the outputs |
+//! | `angle_difference.rs`, `peak_joint_force.rs`, `position_error.rs`, `angle_error.rs`, `acceleration.rs`, `impacts.rs`, `driving_torque.rs`, `backlash.rs`, `sought_backlash.rs` | the outputs |
 //! | `deviation.rs`, `wanted.rs` | size of a deviation over a cycle; wanted functions of time or of an angle |
 //! | `recording_request.rs`, `recorder.rs`, `peaks.rs` | what to record of an island, and the recording |
 //! | `contact_lanes.rs`, `motion_rows.rs` | contacts and motion of islands in lanes |
@@ -37,10 +37,10 @@ mod recorder;
 #[cfg(test)]
 mod recorder_tests;
 mod recording_request;
+mod sought_backlash;
 mod trace;
 mod wanted;
 
-pub(crate) use backlash::SoughtBacklash;
 pub(crate) use contact_lanes::ContactLanes;
 pub(crate) use energy::sum_of_islands;
 pub(crate) use full_recording::FullRecording;
@@ -50,6 +50,7 @@ pub(crate) use point_track::PointTrack;
 pub(crate) use recorded_cycle::{IdealTracks, RecordedCycle, sample_times};
 pub(crate) use recorder::Recorder;
 pub(crate) use recording_request::RecordingRequest;
+pub(crate) use sought_backlash::SoughtBacklash;
 pub(crate) use trace::{BodyTrack, ForceTrack};
 
 use acceleration::{Acceleration, AngularAcceleration};

@@ -1,8 +1,8 @@
 //! The recorded motion of one cycle, as the outputs read it.
 
-use super::backlash::SoughtBacklash;
 use super::impact_count::ImpactCount;
 use super::moment_track::MomentTrack;
+use super::sought_backlash::SoughtBacklash;
 use super::{BodyTrack, PointTrack, Recorder};
 use crate::mechanism::{Influence, Island, Prescribed};
 use common::scene::{Attachment, Scene};

@@ -1,6 +1,6 @@
 //! What to record of the motion of a cycle.
 
-use super::backlash::SoughtBacklash;
+use super::sought_backlash::SoughtBacklash;
 use common::scene::Attachment;
 
 /// Quantities to record over every measured cycle.

