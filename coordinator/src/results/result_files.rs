@@ -280,9 +280,9 @@ mod tests {
         let rpm = first[at("angular_velocity_difference_rpm@64000")].parse::<f64>().unwrap();
         assert!((rpm * std::f64::consts::PI / 30.0 - evaluation.histories[1][63]).abs() < 1e-12);
         assert_eq!(text.lines().count() - 1, campaign.count().unwrap());
-        assert!(
-            text.contains("\"at cycle 61000, t = 0.05 s, the bound of 200000 steps per cycle was reached; allow more")
-        );
+        assert!(text.contains(
+            "\"at cycle 61000, t = 0.05 s, the bound of 200000 steps per cycle was reached; allow more"
+        ));
         // Nothing of the temporary file remains.
         let parts = std::fs::read_dir(dir.path())
             .unwrap()
