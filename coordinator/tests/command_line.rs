@@ -35,11 +35,13 @@ fn simulate_prints_the_contract() {
     assert!(output.stderr.is_empty());
     let said = String::from_utf8(output.stdout).unwrap();
     let lines: Vec<&str> = said.lines().collect();
-    assert!(lines.len() == 5 && lines[0].starts_with("four-bar: 8 000 cycles, accuracy draft, "), "{said}");
+    assert!(lines.len() == 6 && lines[0].starts_with("four-bar: 8 000 cycles, accuracy draft, "), "{said}");
     assert!(
         lines[1].starts_with("max_wear_depth: 0 unworn, ") && lines[1].ends_with(" µm at the end of life"),
         "{said}"
     );
+    let groove = "joint crank: a groove at ";
+    assert!(lines[4].starts_with(groove) && lines[4].contains(" is narrower than the journal"), "{said}");
     assert!(
         lines[3].starts_with("limit state wear: ") && lines[3].contains("limit 8.00 µm, margin "),
         "{said}"
