@@ -31,7 +31,7 @@ fn life() {
     fault(
         "cycles = 2000\ncheckpoint_every = 1000",
         "cycles = 90000\ncheckpoint_every = 1",
-        "life.checkpoint_every: 90000 checkpoints of 20 outputs are more than 200000 values",
+        "life.checkpoint_every: 90000 checkpoints of 22 outputs are more than 200000 values",
     );
     // 0.15 s holds three tables of the wheel, half a turn each, and half of a turn of the crank, the cam and the lever.
     let mut found = faults(life, "\"0.1 s\"", "\"0.15 s\"");
