@@ -174,3 +174,55 @@ fn a_slider_beyond_its_guide_is_seen_and_a_pad_keeps_the_damping_of_its_impact()
     guide.follow_approach(&now);
     assert!((guide.damping[0] - factor / 0.5).abs() < 1e-12 && guide.damping[2] < least);
 }
+
+/// The halves of a face are one surface: one that begins to touch beside the other takes the damping of its own speed, but at most that of the
+/// impact under way.
+#[test]
+fn a_half_that_begins_beside_the_other_has_at_most_its_damping() {
+    let restitution = ContactDamping::Restitution {
+        law: common::scene::RestitutionLaw::LankaraniNikravesh,
+        coefficient: 0.9,
+        least_speed: 1e-3,
+    };
+    let mut guide = guide(restitution, 0.0, 0.0);
+    let factor = 0.75 * (1.0 - 0.81);
+    let mut follow = |penetration: [f64; 4], approach: [f64; 4]| {
+        guide.follow_approach(&GuideReaction { penetration, approach, ..GuideReaction::none(0.0) });
+        guide.damping.map(|damping| damping / factor)
+    };
+    let close = |found: [f64; 4], expected: [f64; 4]| {
+        assert!(
+            found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12),
+            "{found:?} {expected:?}"
+        );
+    };
+    let free = -1e-6;
+    close(follow([free; 4], [0.5, 0.4, 0.25, 0.2]), [2.0, 2.5, 4.0, 5.0]);
+    // Alone a slow half would have ten times the factor; a face across the guide is another surface.
+    close(follow([1e-7, free, free, free], [0.5, 0.1, 0.1, 0.1]), [2.0, 2.0, 10.0, 10.0]);
+    close(follow([1e-7, free, free, free], [0.5, 4.0, 0.1, 0.1]), [2.0, 0.25, 10.0, 10.0]);
+    close(follow([1e-7, 1e-7, free, 1e-7], [0.01; 4]), [2.0, 0.25, 10.0, 10.0]);
+}
+
+/// A flat face that has pressed by K u t since it began to touch at the speed u has the impulse K g^2 / (2 u), half its force times g / u; within a
+/// shorter step only that of the step is missing.
+#[test]
+fn the_impulse_of_a_contact_that_begins_is_that_of_a_force_that_grows_evenly() {
+    let guide = guide(ContactDamping::None, 0.0, 0.0);
+    let (overlap, speed) = (3e-7, 0.1);
+    let begun = |speed: f64, before: f64, h: f64| {
+        let (q, v) = frames(0.0, [0.02, CLEARANCE + overlap, 0.0], 0.0, [0.0, speed, 0.0, 0.0, 0.0, 0.0]);
+        let before = GuideReaction { penetration: [before; 4], ..GuideReaction::none(0.0) };
+        guide.begun(&[Frame::free(&q[..3], &v[..3]), Frame::free(&q[3..], &v[3..])], &before, h)
+    };
+    let stiffness = (LENGTH * 0.02).sqrt() * 207e9 / (0.95 * 2.0 * (1.0 - 0.09));
+    for (h, since) in [(1e-5, overlap / speed), (1e-6, 1e-6)] {
+        let impulse = begun(speed, -1e-6, h);
+        let expected = 0.5 * stiffness * overlap * since;
+        assert!((impulse[1] / expected - 1.0).abs() < 1e-6 && (impulse[4] / expected - 1.0).abs() < 1e-6);
+        assert!(impulse[0].abs() < 1e-9 * expected, "{impulse:?}");
+    }
+    // Where it has turned back, the whole step counts; what touched before was seen by the scheme.
+    assert!((begun(-speed, -1e-6, 1e-6)[1] / (0.5 * stiffness * overlap * 1e-6) - 1.0).abs() < 1e-6);
+    assert_eq!(begun(speed, 1e-9, 1e-5), [0.0; 6]);
+}
