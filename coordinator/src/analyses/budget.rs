@@ -31,7 +31,7 @@ pub const LADDER: [&str; 9] = [
     "jump-2000",
     "jump-1000+wear-tolerance-1e-2",
     "step-x0.71+jump-500+wear-tolerance-5e-3",
-    "step-x0.5+jump-250+wear-tolerance-2e-3+samples-1200",
+    "step-x0.5+jump-250+wear-tolerance-2e-3+samples-1000",
     "reference",
 ];
 

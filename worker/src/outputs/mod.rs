@@ -12,7 +12,7 @@
 //! | `contact_lanes.rs`, `motion_rows.rs` | contacts and motion of islands in lanes |
 //! | `recorded_cycle.rs` | the recordings of all islands of a cycle, as outputs read them |
 //! | `trace.rs`, `point_track.rs`, `moment_track.rs` | angle of a body, force of a joint, path of a point and moment on a body over time |
-//! | `full_recording.rs`, `energy.rs` | everything of a cycle that is displayed |
+//! | `full_recording.rs`, `displayed_motion.rs`, `energy.rs` | everything of a cycle that is displayed |
 
 mod acceleration;
 mod angle_difference;
@@ -20,6 +20,7 @@ mod angle_error;
 mod backlash;
 mod contact_lanes;
 mod deviation;
+mod displayed_motion;
 mod driving_torque;
 mod energy;
 mod full_recording;

@@ -135,6 +135,7 @@ impl Recorder {
                 .for_each(|(history, contact)| history.push(half, contact));
         }
         self.histories.iter_mut().for_each(ContactHistory::close_stretch);
+        self.full.iter_mut().for_each(FullRecording::finish);
     }
 }
 

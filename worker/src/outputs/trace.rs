@@ -1,4 +1,4 @@
-//! Angle of a body and force of a joint over a cycle, at the times of the integrator, with interpolation between them.
+//! Angle of a body over a cycle, at the times of the integrator, with interpolation between them; largest force of a joint.
 //!
 //! # Source
 //! Cubic Hermite interpolation: de Boor, A Practical Guide to Splines (1978), chapter IV.
@@ -71,11 +71,6 @@ impl BodyTrack {
         Spread::new(&self.time, &self.omega, &self.alpha, k)
     }
 
-    /// Angular velocity at times `at` [s], increasing and within the track, by linear interpolation [rad/s].
-    pub(crate) fn speed_at(&self, at: &[f64]) -> Vec<f64> {
-        linear(&self.time, &self.omega, at)
-    }
-
     /// Angle [rad] and angular velocity [rad/s] at times `at` [s], increasing and within the track, each by cubic Hermite
     /// interpolation.
     pub(crate) fn resample(&self, at: &[f64]) -> (Vec<f64>, Vec<f64>) {
@@ -145,15 +140,17 @@ impl Piece {
     }
 }
 
-/// Force magnitude of one joint: its peak, and what is kept of it at increasing times.
-#[derive(Debug, Clone, Default, PartialEq)]
+/// Share of `t` [s] in the span between two times [s], from 0 to 1.
+#[inline]
+pub(super) fn share_of([start, end]: [f64; 2], t: f64) -> f64 {
+    ((t - start) / (end - start)).clamp(0.0, 1.0)
+}
+
+/// Force magnitude of one joint over a cycle: its peak, and the time in free flight.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ForceTrack {
     /// Largest magnitude so far [N].
     pub peak: f64,
-    /// Time `(n,)` [s].
-    time: Vec<f64>,
-    /// Magnitude `(n,)` [N].
-    force: Vec<f64>,
     /// Time in free flight so far [s].
     pub free: f64,
     /// True if the last instant was one of free flight.
@@ -169,31 +166,6 @@ impl ForceTrack {
         }
         self.peak = self.peak.max(force);
     }
-
-    /// Keeps the force [N] at `time` [s] for the history.
-    pub(crate) fn keep(&mut self, time: f64, force: f64) {
-        self.time.push(time);
-        self.force.push(force);
-    }
-
-    /// Kept force at times `at` [s], increasing and within the track, by linear interpolation [N].
-    pub(crate) fn resample(&self, at: &[f64]) -> Vec<f64> {
-        linear(&self.time, &self.force, at)
-    }
-}
-
-/// Values at times `at` [s], increasing and within the track, by linear interpolation.
-fn linear(time: &[f64], value: &[f64], at: &[f64]) -> Vec<f64> {
-    let mut k = 0;
-    at.iter()
-        .map(|&t| {
-            while k + 2 < time.len() && time[k + 1] < t {
-                k += 1;
-            }
-            let s = ((t - time[k]) / (time[k + 1] - time[k])).clamp(0.0, 1.0);
-            value[k] + s * (value[k + 1] - value[k])
-        })
-        .collect()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::run::Run;
 use crate::mechanism::Prescribed;
-use crate::outputs::{ForceTrack, FullRecording, RecordedCycle, motion_output, sample_times, sum_of_islands};
+use crate::outputs::{FullRecording, RecordedCycle, motion_output, sample_times, sum_of_islands};
 use common::outputs::{BodyMotion, BodyTrace, CycleHistory, EnergyBalance};
 use common::scene::Motion;
 
@@ -72,11 +72,11 @@ impl Run<'_> {
             let mut joints = self.islands.iter().flat_map(|state| state.island.contacts());
             joints.any(|joint| self.scene.joints[joint].name == name)
         };
-        let mut free_flight = self.joint_values(|force| force.free / period);
+        let mut free_flight = self.joint_values(|full, joint| full.forces[joint].free / period);
         free_flight.retain(|(name, _)| has_clearance(name));
         FirstCycle {
             history: self.display.as_ref().map(|_| self.cycle_history()),
-            peaks: self.joint_values(|force| force.peak),
+            peaks: self.joint_values(|full, joint| full.forces[joint].peak),
             free_flight,
             energy: self.display.as_ref().map(|_| self.energy()),
         }
@@ -98,7 +98,7 @@ impl Run<'_> {
                 speed: speed.into_iter().map(|x| x * body.sign).collect(),
             });
         }
-        let joint_force = self.joint_values(|force| force.resample(&time));
+        let joint_force = self.joint_values(FullRecording::force_history);
         CycleHistory { bodies, motion: self.body_motions(&time), joint_force, time }
     }
 
@@ -107,7 +107,7 @@ impl Run<'_> {
         let mut found: Vec<BodyMotion> = Vec::new();
         for state in &self.islands {
             let full = state.recorder.full.iter();
-            found.extend(full.flat_map(|full| full.motion(&state.island, self.scene, time)));
+            found.extend(full.flat_map(|full| full.motion(&state.island, self.scene)));
         }
         for body in &self.scene.bodies {
             if let (Motion::Driven { position, .. }, Some(motion)) =
@@ -125,13 +125,14 @@ impl Run<'_> {
         found
     }
 
-    /// Name of every joint and a value from its force over the cycle, in the scene's order.
-    fn joint_values<T>(&self, value: impl Fn(&ForceTrack) -> T) -> Vec<(String, T)> {
+    /// Name of every joint and a value from the recording of its island, in the scene's order.
+    fn joint_values<T>(&self, value: impl Fn(&FullRecording, usize) -> T) -> Vec<(String, T)> {
         let mut all: Vec<(usize, T)> = Vec::new();
         for state in &self.islands {
             let joints = state.island.all_joints();
-            let tracks = state.recorder.full.iter().flat_map(|full| &full.forces);
-            all.extend(joints.zip(tracks).map(|(joint, track)| (joint, value(track))));
+            if let Some(full) = &state.recorder.full {
+                all.extend(joints.enumerate().map(|(k, joint)| (joint, value(full, k))));
+            }
         }
         all.sort_by_key(|(joint, _)| *joint);
         all.into_iter().map(|(joint, value)| (self.scene.joints[joint].name.clone(), value)).collect()

@@ -8,7 +8,7 @@ use super::unbounded_forces::refuse_unbounded_forces;
 use super::wall::worn_through;
 use crate::integrate::StepCounts;
 use crate::mechanism::{WearingJoint, ideal_cycle, islands, turns_per_cycle};
-use crate::outputs::{FullRecording, IdealTracks, Recorder, recording_request};
+use crate::outputs::{FullRecording, IdealTracks, Recorder, recording_request, sample_times};
 use crate::wear::{ContactHistory, WearStepStats, WornAmounts, wear_output};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -295,9 +295,9 @@ impl<'a> Run<'a> {
 
     /// Records the forces of all joints in the following cycles, and everything if cycles are displayed.
     pub(crate) fn start_full_recording(&mut self) {
-        let displayed = self.display.is_some();
+        let shown = self.display.is_some().then(|| sample_times(self.scene));
         for state in &mut self.islands {
-            state.recorder.full = Some(FullRecording::new(&state.island, displayed));
+            state.recorder.full = Some(FullRecording::new(&state.island, shown.clone()));
         }
     }
 

@@ -54,6 +54,8 @@ pub struct WearStep {
     tolerance: f64,
     /// Direction of the stiffest mode found so far.
     stiffest: Vec<f64>,
+    /// Steps of the power method towards it in the next block.
+    power_steps: usize,
     /// Wear rate at both ends of the sub-step, and the depth at its end.
     f0: Vec<f64>,
     f1: Vec<f64>,
@@ -79,6 +81,7 @@ impl WearStep {
         WearStep {
             tolerance,
             stiffest: (0..points).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect(),
+            power_steps: 2,
             f0: zero.clone(),
             f1: zero.clone(),
             end: zero,
@@ -209,7 +212,7 @@ impl WearStep {
     ) -> Result<f64, WearStepFailed> {
         let norm = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
         let mut radius = 0.0;
-        for _ in 0..2 {
+        for _ in 0..std::mem::replace(&mut self.power_steps, 1) {
             let size = norm(&self.stiffest);
             if size <= 0.0 {
                 return Ok(radius);

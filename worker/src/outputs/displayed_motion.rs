@@ -1,0 +1,164 @@
+//! Motion and joint forces of one island over a displayed cycle, interpolated to its displayed times as the states of the integrator
+//! arrive: only the last two of these are held, whatever the number of time steps.
+//!
+//! # Source
+//! Cubic Hermite interpolation: de Boor, A Practical Guide to Splines (1978), chapter IV.
+
+use super::energy::{EnergyLedger, PowerState};
+use super::trace::{Piece, share_of};
+use crate::mechanism::Island;
+use common::outputs::{BodyMotion, EnergyBalance};
+use common::scene::Scene;
+
+/// One state of the island.
+#[derive(Debug, Clone, Default)]
+struct State {
+    time: f64,
+    /// Positions and velocities `(n,)` [m, rad], [m/s, rad/s].
+    q: Vec<f64>,
+    v: Vec<f64>,
+    /// Force magnitude of each joint `(joints,)` [N].
+    force: Vec<f64>,
+}
+
+/// Motion, joint forces and energy of one island over a displayed cycle.
+#[derive(Debug, Clone)]
+pub struct DisplayedMotion {
+    /// Displayed times, increasing [s].
+    at: Vec<f64>,
+    /// The last state and the one before it.
+    last: State,
+    before: State,
+    /// Number of states so far.
+    states: usize,
+    /// Positions `(shown, n)` [m, rad], velocities `(shown, n)` [m/s, rad/s] and force magnitudes `(shown, joints)` [N] at the first displayed times.
+    q: Vec<f64>,
+    v: Vec<f64>,
+    force: Vec<f64>,
+    ledger: EnergyLedger,
+}
+
+impl DisplayedMotion {
+    /// Without states, to be displayed `at` these times [s].
+    pub(super) fn new(at: Vec<f64>) -> Self {
+        DisplayedMotion {
+            at,
+            last: State::default(),
+            before: State::default(),
+            states: 0,
+            q: Vec::new(),
+            v: Vec::new(),
+            force: Vec::new(),
+            ledger: EnergyLedger::default(),
+        }
+    }
+
+    /// Adds the state `q`, `v` `(n,)` at `time` [s] with the `forces` of the joints [N] and the powers of the island.
+    pub(super) fn push(
+        &mut self,
+        time: f64,
+        [q, v]: [&[f64]; 2],
+        forces: impl Iterator<Item = f64>,
+        powers: PowerState,
+    ) {
+        std::mem::swap(&mut self.before, &mut self.last);
+        let State { time: last, q: last_q, v: last_v, force } = &mut self.last;
+        *last = time;
+        for (to, from) in [(last_q, q), (last_v, v)] {
+            to.clear();
+            to.extend_from_slice(from);
+        }
+        force.clear();
+        force.extend(forces);
+        self.states += 1;
+        self.ledger.push(time, powers);
+        self.interpolate(time);
+    }
+
+    /// Adds the displayed times after the last state, which rounding alone can leave.
+    pub(super) fn finish(&mut self) {
+        self.interpolate(f64::INFINITY);
+    }
+
+    /// Adds the displayed times up to `end` [s], from the last two states: positions by cubics, the rest along straight lines.
+    fn interpolate(&mut self, end: f64) {
+        let DisplayedMotion { at, last, before, states, q, v, force, .. } = self;
+        let n = last.q.len();
+        if *states < 2 || n == 0 {
+            return;
+        }
+        let time = [before.time, last.time];
+        for &t in at[q.len() / n..].iter().take_while(|t| **t <= end) {
+            let share = share_of(time, t);
+            let along = |from: f64, to: f64| from + share * (to - from);
+            for k in 0..n {
+                let value = [before.q[k], last.q[k]];
+                q.push(Piece::new(&time, &value, [before.v[k], last.v[k]], 0).at(t).0);
+                v.push(along(before.v[k], last.v[k]));
+            }
+            force.extend(before.force.iter().zip(&last.force).map(|(from, to)| along(*from, *to)));
+        }
+    }
+
+    /// Energy balance of the cycle.
+    pub(super) fn balance(&self) -> EnergyBalance {
+        self.ledger.balance()
+    }
+
+    /// Force magnitude of a joint at the displayed times [N].
+    pub(super) fn force(&self, joint: usize) -> Vec<f64> {
+        column(&self.force, joint, self.last.force.len()).collect()
+    }
+
+    /// Motion of the island's bodies at the displayed times.
+    pub(super) fn bodies(&self, island: &Island, scene: &Scene) -> Vec<BodyMotion> {
+        let n = island.coordinates();
+        let motion = |(slot, &body): (usize, &usize)| {
+            let centre = scene.bodies[body].motion.base_point();
+            let [x, y, angle] = [0, 1, 2].map(|k| column(&self.q, 3 * slot + k, n));
+            let angle: Vec<f64> = angle.collect();
+            // From the centre of mass back to the body's own origin.
+            let position = x.zip(y).zip(&angle).map(|((x, y), angle)| {
+                let (s, c) = libm::sincos(*angle);
+                [x - c * centre[0] + s * centre[1], y - s * centre[0] - c * centre[1]]
+            });
+            BodyMotion {
+                body: scene.bodies[body].name.clone(),
+                position: position.collect(),
+                speed: column(&self.v, 3 * slot + 2, n).collect(),
+                angle,
+            }
+        };
+        island.bodies.iter().enumerate().map(motion).collect()
+    }
+}
+
+/// Column `k` of `rows` of the length `n`.
+fn column(rows: &[f64], k: usize, n: usize) -> impl Iterator<Item = f64> {
+    rows.iter().skip(k).step_by(n.max(1)).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_between_two_states_are_interpolated_and_the_last_ones_reached() {
+        let at: Vec<f64> = (0..=8).map(|k| 0.125 * f64::from(k)).collect();
+        let mut shown = DisplayedMotion::new(at.clone());
+        // A cubic, and a force that changes evenly; the last state falls short of the end by rounding.
+        let (x, speed) = (|t: f64| t * t * (t - 1.0), |t: f64| t * (3.0 * t - 2.0));
+        for t in [0.0, 0.0625, 0.4, 0.75, 1.0 - 1e-14] {
+            shown.push(t, [&[x(t)], &[speed(t)]], [3.0 * t].into_iter(), PowerState::default());
+        }
+        assert_eq!(shown.q.len(), 8);
+        shown.finish();
+        assert_eq!(shown.q.len(), at.len());
+        for ((q, force), t) in shown.q.iter().zip(shown.force(0)).zip(&at) {
+            assert!((q - x(*t)).abs() < 1e-12 && (force - 3.0 * t).abs() < 1e-12, "{t}: {q} {force}");
+        }
+        // Velocities lie on the line between those of the two states.
+        let expected = speed(0.4) + (0.5 - 0.4) / 0.35 * (speed(0.75) - speed(0.4));
+        assert!((shown.v[4] - expected).abs() < 1e-15);
+    }
+}
