@@ -3,7 +3,7 @@
 use crate::integrate::{IntegrationError, StepControl, Stepped, Stepper};
 use crate::mechanism::{Island, Pose};
 use crate::outputs::{Recorder, RecordingRequest};
-use crate::wear::{FinerBore, WearRate, WearStep};
+use crate::wear::{ContactHistory, FinerBore, WearRate, WearStep};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
@@ -109,10 +109,10 @@ pub struct IslandStart<'a> {
     pub turns: &'a [f64],
 }
 
-/// Stepper and recorder of an island for a cycle at another accuracy.
+/// Stepper of an island for a cycle at another accuracy, and the contact histories of that cycle.
 pub struct CycleTools {
     stepper: Stepper,
-    recorder: Recorder,
+    histories: Vec<ContactHistory>,
 }
 
 impl IslandState {
@@ -199,17 +199,16 @@ impl IslandState {
         self.time = time;
     }
 
-    /// Stepper and empty recorder for another accuracy of the time steps; `period` is the length of a cycle [s].
+    /// Stepper and empty contact histories for another accuracy of the time steps; `period` is the length of a cycle [s].
     pub(crate) fn tools_for(&self, period: f64, accuracy: &Accuracy) -> CycleTools {
-        let mut recorder = self.recorder.clone();
-        recorder.clear();
-        CycleTools { stepper: stepper(&self.island, period, accuracy), recorder }
+        let histories = self.recorder.histories.iter().map(ContactHistory::emptied).collect();
+        CycleTools { stepper: stepper(&self.island, period, accuracy), histories }
     }
 
-    /// Exchanges stepper and recorder with `tools`.
+    /// Exchanges stepper and contact histories with `tools`. The motion of the next cycle is recorded over that of the last one.
     pub(crate) fn exchange_tools(&mut self, tools: &mut CycleTools) {
         std::mem::swap(&mut self.stepper, &mut tools.stepper);
-        std::mem::swap(&mut self.recorder, &mut tools.recorder);
+        std::mem::swap(&mut self.recorder.histories, &mut tools.histories);
     }
 }
 

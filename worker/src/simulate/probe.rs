@@ -60,7 +60,7 @@ struct CycleValues {
 
 impl Run<'_> {
     /// Simulates the cycle after the one just measured, on the profile of `life` [cycles], and compares the two. The recording of
-    /// the measured cycle is kept.
+    /// contacts of the measured cycle is kept, not that of its motion.
     ///
     /// # Errors
     /// [`SimulationFailure`] if the further cycle fails.

@@ -64,6 +64,7 @@ impl<'a> SeveralMotions<'a> {
         &mut self,
         run: &mut Run<'a>,
         life: u32,
+        measured: Vec<f64>,
     ) -> Result<SeveralCycles, SimulationFailure> {
         let start = self.further.is_empty();
         if start {
@@ -81,7 +82,7 @@ impl<'a> SeveralMotions<'a> {
         for ended in join(cycles).await {
             ended?;
         }
-        let (mut motion, mut wear) = (vec![run.motion_outputs()], vec![run.wear_rates(life)?]);
+        let (mut motion, mut wear) = (vec![measured], vec![run.wear_rates(life)?]);
         for further in &mut self.further {
             motion.push(further.motion_outputs());
             wear.push(further.wear_rates(life)?);
