@@ -5,7 +5,7 @@ use common::accuracy::NamedAccuracy;
 use common::scene::{Motion, Scene};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use worker::simulate::{FirstLook, IslandModel, first_look};
+use worker::simulate::{ContactArc, FirstLook, IslandModel, first_look};
 
 /// The first cycle of a scene, or the failure of its simulation.
 pub struct Model {
@@ -30,8 +30,10 @@ impl Model {
             json!({ "bodies": i.bodies, "unknowns": i.unknowns, "constraints": i.constraints,
                     "contacts": i.contacts, "ideal_joints": i.ideal_joints })
         };
+        let arc = |a: &ContactArc| json!({ "joint": a.joint, "arc_rad": a.arc, "control_point_spacing_rad": a.spacing });
         json!({
             "islands": look.islands.iter().map(island).collect::<Vec<_>>(),
+            "contact_arcs": look.arcs.iter().map(arc).collect::<Vec<_>>(),
             "wears": look.wears,
             "tier": if look.tier.is_ok() { "quasi-static" } else { "dynamic" },
             "why": why(look),
@@ -69,6 +71,7 @@ impl Model {
                 count(i.contacts.len(), "contact")
             )?;
         }
+        look.arcs.iter().try_for_each(|arc| write_arc(out, arc))?;
         writeln!(out, "  {}.", why(look))?;
         writeln!(
             out,
@@ -80,6 +83,25 @@ impl Model {
             look.expected.as_secs_f64()
         )
     }
+}
+
+/// The contact arc of a joint against the spacing of its control points, with advice where they are too few.
+fn write_arc(out: &mut String, contact: &ContactArc) -> std::fmt::Result {
+    let ContactArc { joint, arc, spacing } = contact;
+    if *arc <= 0.0 {
+        return writeln!(out, "  joint {joint}: no contact in the first cycle");
+    }
+    let per_arc = arc / spacing;
+    write!(
+        out,
+        "  joint {joint}: contact arc {:.1} deg on unworn surfaces, control points every {:.1} deg, {per_arc:.1} per arc",
+        arc.to_degrees(),
+        spacing.to_degrees()
+    )?;
+    if per_arc < ContactArc::ENOUGH {
+        write!(out, "; control_points = {} would give {:.0}", contact.enough_points(), ContactArc::ENOUGH)?;
+    }
+    writeln!(out)
 }
 
 /// The chosen tier and the reason.

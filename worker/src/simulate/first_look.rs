@@ -2,16 +2,19 @@
 
 use super::blocks::block_ends;
 use super::conditions::condition_scenes;
+use super::island_state::IslandState;
 use super::probe::{FINER, is_probed};
 use super::quasi_static::is_measured;
 use super::run::Run;
 use super::several_cycles::MOTIONS;
 use super::side_by_side::{LaneQueue, run_alone};
-use crate::mechanism::Island;
+use crate::mechanism::{Island, WearingJoint};
 use crate::quasi_static::Unsuitable;
+use crate::wear::{ContactHistory, mean_contact_arc};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
+use std::f64::consts::TAU;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -43,11 +46,50 @@ impl IslandModel {
     }
 }
 
+/// Contact arc of a joint whose bore or journal wears, and the spacing of its control points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactArc {
+    /// Name of the joint.
+    pub joint: String,
+    /// Mean contact arc in the first cycle, on unworn surfaces, weighted with the work of friction's sliding F S [rad]; zero without contact.
+    pub arc: f64,
+    /// Angle between two control points [rad].
+    pub spacing: f64,
+}
+
+impl ContactArc {
+    /// Control points per arc with which the largest wear is within a per cent (`worker/benches/README.md`) [1].
+    pub const ENOUGH: f64 = 2.0;
+
+    /// Control points with which the arc has [`Self::ENOUGH`] of them.
+    pub fn enough_points(&self) -> usize {
+        (Self::ENOUGH * TAU / self.arc).ceil() as usize
+    }
+
+    fn of_islands(islands: &[IslandState]) -> Vec<ContactArc> {
+        let of_island = |state: &IslandState| -> Vec<ContactArc> {
+            let joints = state.island.joints.iter().zip(&state.recorder.histories);
+            let arc = |(joint, history): (&WearingJoint, &ContactHistory)| ContactArc {
+                joint: joint.name.clone(),
+                arc: mean_contact_arc(
+                    history,
+                    [joint.profile.initial_radius(), joint.contact.surface().journal_radius],
+                ),
+                spacing: TAU / joint.profile.points() as f64,
+            };
+            joints.filter(|(joint, _)| joint.wears()).map(arc).collect()
+        };
+        islands.iter().flat_map(of_island).collect()
+    }
+}
+
 /// Model and cost of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FirstLook {
     /// Islands, each integrated with its own time steps.
     pub islands: Vec<IslandModel>,
+    /// Contact arcs of the joints that wear.
+    pub arcs: Vec<ContactArc>,
     /// True if a joint wears, so that more than one cycle is simulated.
     pub wears: bool,
     /// True if an output other than wear is asked for.
@@ -85,6 +127,10 @@ impl FirstLook {
         self.dynamic_cycles += other.dynamic_cycles;
         self.quasi_static_cycles += other.quasi_static_cycles;
         self.expected += other.expected;
+        // The narrower arc decides.
+        for (arc, other) in self.arcs.iter_mut().zip(other.arcs) {
+            arc.arc = arc.arc.min(other.arc);
+        }
         self.tier = match (self.tier, other.tier) {
             (Ok(one), Ok(other)) => Ok(one.max(other)),
             (Err(reason), _) | (_, Err(reason)) => Err(reason),
@@ -116,6 +162,7 @@ async fn examine(
     let ((), cycle) = timed(run.measure()).await?;
     let mut look = FirstLook {
         islands,
+        arcs: ContactArc::of_islands(&run.islands),
         wears: run.wears(),
         asks_for_motion: run.first_motion_output().is_some(),
         tier: Err(Unsuitable::Unwanted),

@@ -65,7 +65,7 @@ use side_by_side::{LaneQueue, RunningEvaluation, join, run_alone, run_side_by_si
 use std::time::Duration;
 
 pub use crate::quasi_static::Unsuitable;
-pub use first_look::{FirstLook, IslandModel, first_look};
+pub use first_look::{ContactArc, FirstLook, IslandModel, first_look};
 pub use side_by_side::LaneWidth;
 
 /// What an evaluation returns besides its outputs; nothing by default.

@@ -4,13 +4,14 @@
 //! Order of use: `interval` and `history` record contact samples; `archard` turns them into a wear rate on the present
 //! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `condense`, `conformal` and
 //! `equilibrium`; `step` integrates that rate over a block; `finer_bore`
-//! shows what the spacing of the control points costs, `amounts` what the depths come to.
+//! shows what the spacing of the control points costs, `contact_arc` what it has to resolve, `amounts` what the depths come to.
 
 mod amounts;
 mod arc_ends;
 mod archard;
 mod condense;
 mod conformal;
+mod contact_arc;
 mod equilibrium;
 #[cfg(test)]
 mod equilibrium_tests;
@@ -32,6 +33,7 @@ mod volume_tests;
 
 pub(crate) use amounts::{WornAmounts, wear_output};
 pub(crate) use archard::WearRate;
+pub(crate) use contact_arc::mean_contact_arc;
 pub(crate) use finer_bore::FinerBore;
 pub(crate) use history::ContactHistory;
 pub(crate) use interval::{ContactInstant, ContactSample, Interval};
