@@ -101,7 +101,6 @@ impl<'a> ConditionLife<'a> {
         model: &M,
         estimate: &mut MotionEstimate,
     ) -> Result<Self, M::Error> {
-        let measured = run.motion_outputs();
         let mut motions = None;
         if model.is_probed(run, None) {
             let probe = run.probe(0).await?;
@@ -109,7 +108,7 @@ impl<'a> ConditionLife<'a> {
             motions = probe.rattles.then(SeveralMotions::default);
             estimate.add_probe(probe);
         }
-        let outputs = vec![mean_outputs(run, 0, measured, motions.as_mut(), estimate).await?];
+        let outputs = vec![mean_outputs(run, 0, motions.as_mut(), estimate).await?];
         Ok(ConditionLife { lives: vec![0], outputs, motions })
     }
 
@@ -128,8 +127,7 @@ impl<'a> ConditionLife<'a> {
             return Ok(());
         }
         self.lives.push(block.end);
-        let measured = run.motion_outputs();
-        self.outputs.push(mean_outputs(run, block.end, measured, self.motions.as_mut(), estimate).await?);
+        self.outputs.push(mean_outputs(run, block.end, self.motions.as_mut(), estimate).await?);
         if self.motions.is_none() && model.is_probed(run, Some(block)) {
             let probe = run.probe(block.end).await?;
             model.check_probe(&probe)?;
@@ -203,7 +201,7 @@ pub(crate) async fn simulate_life<M: CycleModel>(
     Ok(LifeHistory::worst(found, scene))
 }
 
-/// Outputs of the motion on the bores of `life` [cycles] `(outputs,)` [SI]: those `measured` in the last cycle, or if there are several
+/// Outputs of the motion on the bores of `life` [cycles] `(outputs,)` [SI]: those of the cycle measured last, or if there are several
 /// `motions` their means over a cycle of each, whose spread is added to the `estimate`.
 ///
 /// # Errors
@@ -211,12 +209,11 @@ pub(crate) async fn simulate_life<M: CycleModel>(
 async fn mean_outputs<'a>(
     run: &mut Run<'a>,
     life: u32,
-    measured: Vec<f64>,
     motions: Option<&mut SeveralMotions<'a>>,
     estimate: &mut MotionEstimate,
 ) -> Result<Vec<f64>, SimulationFailure> {
-    let Some(motions) = motions else { return Ok(measured) };
-    let SeveralCycles { motion, spread } = motions.measure(run, life, measured).await?;
+    let Some(motions) = motions else { return Ok(run.measured.clone()) };
+    let SeveralCycles { motion, spread } = motions.measure(run, life).await?;
     estimate.add_spread(spread);
     Ok(motion)
 }

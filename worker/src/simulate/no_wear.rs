@@ -23,11 +23,11 @@ impl Run<'_> {
     /// # Errors
     /// [`SimulationFailure`] if the second run fails.
     pub(crate) async fn life_without_wear(&mut self) -> Result<LifeHistory, SimulationFailure> {
-        let values = self.motion_outputs();
+        let values = self.measured.clone();
         let finer = self.accuracy.refined(FINER);
         self.restart_cycle(&finer);
         self.measure().await?;
-        let again = self.motion_outputs();
+        let again = self.measured.clone();
         let count = self.scene.life.checkpoints().len();
         let error = |value: f64, again: f64| (SAFETY * (value - again).abs()).max(ROUNDING * value.abs());
         let errors = values.iter().zip(again).map(|(&v, a)| vec![error(v, a); count]).collect();

@@ -65,7 +65,7 @@ impl Run<'_> {
     /// # Errors
     /// [`SimulationFailure`] if the further cycle fails.
     pub(crate) async fn probe(&mut self, life: u32) -> Result<Probe, SimulationFailure> {
-        let measured = self.cycle_values(life)?;
+        let measured = CycleValues { motion: self.measured.clone(), wear: self.wear_rates(life)? };
         let finer = self.accuracy.refined(FINER);
         let period = self.scene.life.period;
         let mut tools: Vec<CycleTools> =

@@ -43,6 +43,8 @@ pub struct Run<'a> {
     pub simulated: u64,
     /// Requested motion of the ideal mechanism.
     pub ideal: IdealTracks,
+    /// Outputs of the motion in the cycle measured last `(outputs,)` [SI].
+    pub measured: Vec<f64>,
     /// Islands on their ideal motion, if the quasi-static model drives the wear.
     pub quasi_static: Vec<QuasiStaticIsland>,
     /// Largest relative difference of the wear rates of the two models for each output, zero unless compared `(outputs,)` [1].
@@ -107,6 +109,7 @@ impl<'a> Run<'a> {
             newton,
             simulated: 0,
             ideal,
+            measured: vec![0.0; scene.outputs.len()],
             quasi_static: vec![],
             tier_difference: vec![0.0; scene.outputs.len()],
             display: None,
@@ -204,6 +207,7 @@ impl<'a> Run<'a> {
                 state.keep_warm_up_start();
             }
         }
+        self.measured = self.motion_outputs();
         self.simulated += 1;
         Ok(())
     }

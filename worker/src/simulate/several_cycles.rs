@@ -64,7 +64,6 @@ impl<'a> SeveralMotions<'a> {
         &mut self,
         run: &mut Run<'a>,
         life: u32,
-        measured: Vec<f64>,
     ) -> Result<SeveralCycles, SimulationFailure> {
         let start = self.further.is_empty();
         if start {
@@ -82,9 +81,9 @@ impl<'a> SeveralMotions<'a> {
         for ended in join(cycles).await {
             ended?;
         }
-        let (mut motion, mut wear) = (vec![measured], vec![run.wear_rates(life)?]);
+        let (mut motion, mut wear) = (vec![run.measured.clone()], vec![run.wear_rates(life)?]);
         for further in &mut self.further {
-            motion.push(further.motion_outputs());
+            motion.push(further.measured.clone());
             wear.push(further.wear_rates(life)?);
             run.add_counts(further);
             for (all, one) in run.islands.iter_mut().zip(&further.islands) {

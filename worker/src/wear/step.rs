@@ -127,7 +127,11 @@ impl WearStep {
             self.hold_worn(depth, stats);
             let last = if step == cycles - done { cycles } else { done + step };
             while marked < marks.len() && marks[marked] <= last {
-                mark(marked, &self.between(depth, (marks[marked] - done) / step, step));
+                if marks[marked] == last {
+                    mark(marked, &self.end);
+                } else {
+                    mark(marked, &self.between(depth, (marks[marked] - done) / step, step));
+                }
                 marked += 1;
             }
             depth.copy_from_slice(&self.end);
