@@ -49,7 +49,7 @@ pub enum SimulationFailure {
         /// Time within the cycle [s].
         time: f64,
     },
-    /// The bushing is worn through.
+    /// The bushing is worn through, or a slider down to its middle.
     #[error(
         "at cycle {cycle} joint {joint} is worn through: depth {depth} m, wall {wall} m; shorten the life, or choose a thicker wall or a smaller wear_coefficient"
     )]
@@ -60,7 +60,7 @@ pub enum SimulationFailure {
         joint: String,
         /// Wear depth [m].
         depth: f64,
-        /// Thickness of the wall [m].
+        /// Thickness of the wall, half the height of a slider [m].
         wall: f64,
     },
     /// The step size fell below its lower bound.

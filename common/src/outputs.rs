@@ -61,10 +61,10 @@ pub struct JointSummary {
     pub name: String,
     /// Largest contact force magnitude of the settled first cycle [N].
     pub peak_force: f64,
-    /// Wear depth at each control point of the bushing at the end of life `(control_points,)` [m]; empty for an
-    /// ideal joint.
+    /// Wear depth at each control point of the bushing at the end of life `(control_points,)` [m], of a guide on its left face along the axis, then on its
+    /// right face; empty for an ideal joint and for a guide that does not wear.
     pub wear_depth: Vec<f64>,
-    /// Wear depth at the control points of the journal; empty if the journal does not wear.
+    /// Wear depth at the control points of the journal, or of the slider on its left face, then on its right face; empty if it does not wear.
     #[serde(default)]
     pub journal_wear_depth: Vec<f64>,
 }

@@ -243,16 +243,16 @@ fn outputs_and_limit_states() {
     };
     assert_eq!(*output("wear"), OutputKind::LargestWear { joints: vec![index("worn")] });
     // By default every joint that wears: neither the ideal ones nor those with wear = false.
-    let worn = ["worn", "struck", "undamped"].map(index).to_vec();
+    let worn = ["worn", "struck", "undamped", "rail"].map(index).to_vec();
     assert_eq!(*output("all_wear"), OutputKind::LargestWear { joints: worn.clone() });
     // Of the bushings and the journals those that wear.
     let wear = |quantity, joints: &[&str]| OutputKind::Wear {
         quantity,
         joints: joints.iter().map(|name| index(name)).collect(),
     };
-    assert_eq!(*output("bushing_wear"), wear(WearQuantity::BushingDepth, &["worn", "undamped"]));
-    assert_eq!(*output("journal_wear"), wear(WearQuantity::JournalDepth, &["struck", "undamped"]));
-    let all = ["worn", "struck", "undamped"];
+    assert_eq!(*output("bushing_wear"), wear(WearQuantity::BushingDepth, &["worn", "undamped", "rail"]));
+    assert_eq!(*output("journal_wear"), wear(WearQuantity::JournalDepth, &["struck", "undamped", "rail"]));
+    let all = ["worn", "struck", "undamped", "rail"];
     assert_eq!(*output("growth"), wear(WearQuantity::ClearanceGrowth, &all));
     assert_eq!(*output("volume"), wear(WearQuantity::Volume, &all));
     let coefficients = |name: &str| match &scene.joints[index(name)].kind {

@@ -25,6 +25,7 @@
 //! | `extremum`, `interpolate`, `plane` | largest values, cubic interpolation, plane geometry |
 //! | `lanes` | numbers in SIMD lanes with the same bits at every width |
 //! | [`bore`] | worn profile of a bushing |
+//! | `rail` | worn faces of a guide and its slider |
 //! | [`contact`] | contact laws: stiffness, damping, friction, film |
 //! | [`integrate`] | time integration with error control |
 //! | `wear` | Archard wear over a cycle's contact history and over a block of cycles |
@@ -51,6 +52,7 @@ mod outputs;
 pub mod own_simulators;
 mod plane;
 mod quasi_static;
+mod rail;
 pub mod service;
 pub mod simulate;
 pub mod simulator;

@@ -59,7 +59,7 @@ pub(super) fn clearance(row: &mut Section, materials: &[MaterialRow], wears: boo
         Some(_) => row.choice("wears", "bushing, journal or both", &surfaces),
     };
     let journal_wear_coefficient = journal_wear_coefficient(row, surfaces);
-    let control_points = row.integer("control_points", CONTROL_POINTS, Some(CONTROL_POINTS_DEFAULT));
+    let control_points = control_points(row);
     let wall = match row.get("wall") {
         Some(_) => row.quantity("wall", LENGTH, Range::Positive).map(Some),
         None => Some(None),
@@ -78,9 +78,14 @@ pub(super) fn clearance(row: &mut Section, materials: &[MaterialRow], wears: boo
         wears: surfaces?,
         wear_coefficient: wear_coefficient?,
         journal_wear_coefficient: journal_wear_coefficient?.filter(|_| wears),
-        control_points: control_points? as usize,
+        control_points: control_points?,
         wall: wall?,
     })
+}
+
+/// Reads the number of control points of a wear profile.
+pub(super) fn control_points(row: &mut Section) -> Option<usize> {
+    row.integer("control_points", CONTROL_POINTS, Some(CONTROL_POINTS_DEFAULT)).map(|points| points as usize)
 }
 
 /// Reads the wear coefficient of the journal, which is that of the joint unless both surfaces wear.

@@ -3,7 +3,7 @@
 use super::conditions::ConditionRow;
 use super::context::Overrides;
 use super::faults::{Fault, FaultKind};
-use super::joint::{Clearance, ContactDamping, JointKind};
+use super::joint::{Clearance, ContactDamping, GuideClearance, GuideWear, JointKind};
 use super::model::{Condition, Fails, LimitState, Scene};
 use super::output::OutputKind;
 use super::resolve::resolve;
@@ -84,7 +84,10 @@ fn other_bore<'s>(under: &'s Scene, base: &Scene) -> Option<&'s str> {
     let mut pairs = under.joints.iter().zip(&base.joints);
     let other = pairs.find(|(own, base)| match (&own.kind, &base.kind) {
         (JointKind::Clearance(own), JointKind::Clearance(base)) => {
-            bore(own) != bore(base) || !wear_alike(own, base)
+            bore(own) != bore(base) || !wear_alike(own.wear_coefficients(), base.wear_coefficients())
+        }
+        (JointKind::Guide(own), JointKind::Guide(base)) => {
+            faces(own) != faces(base) || !wear_alike(own.wear_coefficients(), base.wear_coefficients())
         }
         _ => false,
     });
@@ -104,10 +107,22 @@ fn bore(clearance: &Clearance) -> Clearance {
     }
 }
 
+/// A guide that wears with what conditions may change set to one value; of one that does not, conditions may change everything.
+fn faces(guide: &GuideClearance) -> Option<GuideClearance> {
+    let wear = guide.wear.as_ref()?;
+    let wear = GuideWear { coefficient: 0.0, slider_coefficient: None, ..wear.clone() };
+    Some(GuideClearance {
+        contact_damping: ContactDamping::None,
+        friction: 0.0,
+        friction_speed: 1.0,
+        wear: Some(wear),
+        ..guide.clone()
+    })
+}
+
 /// True if the wear coefficients of the surfaces of two joints have the same ratio, up to rounding: one history of contacts wears both
 /// surfaces.
-fn wear_alike(own: &Clearance, base: &Clearance) -> bool {
-    let (own, base) = (own.wear_coefficients(), base.wear_coefficients());
+fn wear_alike(own: [f64; 2], base: [f64; 2]) -> bool {
     let same_wear = own.iter().zip(&base).all(|(own, base)| (*own > 0.0) == (*base > 0.0));
     let (a, b) = (own[0] / own[1], base[0] / base[1]);
     same_wear && (own.contains(&0.0) || (a - b).abs() <= RATIO * b)

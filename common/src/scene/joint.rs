@@ -87,6 +87,35 @@ pub struct GuideClearance {
     pub friction: f64,
     /// Speed at which tanh regularises the friction, v_0 [m/s].
     pub friction_speed: f64,
+    /// Wear of the guide and of the slider; `None`: neither wears.
+    pub wear: Option<GuideWear>,
+}
+
+impl GuideClearance {
+    /// Wear coefficients of guide and slider, zero for a surface that does not wear `(2,)` [1/Pa].
+    pub fn wear_coefficients(&self) -> [f64; 2] {
+        self.wear.as_ref().map_or([0.0; 2], GuideWear::coefficients)
+    }
+}
+
+/// Wear of the faces of a guide and of its slider.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GuideWear {
+    /// Surfaces that wear; the guide is in the place of the bushing, the slider in that of the journal.
+    pub wears: WearingSurfaces,
+    /// Archard wear coefficient K_H [1/Pa] of the surface that wears, of the guide if both do; zero: it does not wear.
+    pub coefficient: f64,
+    /// Wear coefficient of the slider if both surfaces wear [1/Pa]; `None`: that of the guide.
+    pub slider_coefficient: Option<f64>,
+    /// Number of control points of each face of the guide, of each face of the slider if the slider alone wears.
+    pub control_points: usize,
+}
+
+impl GuideWear {
+    /// Wear coefficients of guide and slider, zero for a surface that does not wear `(2,)` [1/Pa].
+    pub fn coefficients(&self) -> [f64; 2] {
+        self.wears.coefficients(self.coefficient, self.slider_coefficient)
+    }
 }
 
 /// A revolute joint with clearance.
@@ -132,12 +161,7 @@ impl Clearance {
 
     /// Wear coefficients of bushing and journal, zero for a surface that does not wear `(2,)` [1/Pa].
     pub fn wear_coefficients(&self) -> [f64; 2] {
-        let own = self.wear_coefficient;
-        match self.wears {
-            WearingSurfaces::Bushing => [own, 0.0],
-            WearingSurfaces::Journal => [0.0, own],
-            WearingSurfaces::Both => [own, self.journal_wear_coefficient.unwrap_or(own)],
-        }
+        self.wears.coefficients(self.wear_coefficient, self.journal_wear_coefficient)
     }
 }
 
@@ -163,6 +187,25 @@ impl WearingSurfaces {
             Self::Bushing => "bushing",
             Self::Journal => "journal",
             Self::Both => "both",
+        }
+    }
+
+    /// Word of the choice for a guide in a scene file.
+    pub fn guide_name(self) -> &'static str {
+        match self {
+            Self::Bushing => "guide",
+            Self::Journal => "slider",
+            Self::Both => "both",
+        }
+    }
+
+    /// Wear coefficients of both surfaces of a joint, the bushing's first, from that of the joint and that of a journal which wears too,
+    /// zero for a surface that does not wear `(2,)` [1/Pa].
+    pub(super) fn coefficients(self, own: f64, of_journal: Option<f64>) -> [f64; 2] {
+        match self {
+            Self::Bushing => [own, 0.0],
+            Self::Journal => [0.0, own],
+            Self::Both => [own, of_journal.unwrap_or(own)],
         }
     }
 }

@@ -73,7 +73,7 @@ fn joint(
             clearance(row, materials, wears == Some(true)).map(JointKind::Clearance)
         }
         JointWord::Guide => {
-            unworn = Some("is a guide, the wear of which is not modelled,");
+            unworn = row.peek("wears").is_none().then_some("is a guide without the key wears");
             guide(row, materials).map(JointKind::Guide)
         }
     };

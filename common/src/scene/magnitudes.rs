@@ -4,7 +4,7 @@
 //! The bounds leave out what any material or machine can have; a value beyond them is wrong by a factor of ten at least.
 
 use super::drive::Drive;
-use super::joint::{Clearance, Joint, JointKind, Material};
+use super::joint::{Clearance, GuideClearance, Joint, JointKind, Material};
 use super::model::{Body, Motion, Scene};
 use super::warnings::Warning;
 
@@ -33,8 +33,14 @@ pub(super) fn magnitudes(scene: &Scene) -> Vec<Warning> {
         }
     }
     for joint in &scene.joints {
-        let JointKind::Clearance(clearance) = &joint.kind else { continue };
-        for (key, message) in of_hinge(clearance) {
+        let found = match &joint.kind {
+            JointKind::Clearance(clearance) => of_hinge(clearance),
+            JointKind::Guide(GuideClearance { wear: Some(wear), .. }) => {
+                of_wear("wear_coefficient", wear.coefficient).into_iter().collect()
+            }
+            _ => continue,
+        };
+        for (key, message) in found {
             warn(format!("joints.{}.{key}", joint.name), message);
         }
     }
@@ -126,13 +132,15 @@ fn of_hinge(clearance: &Clearance) -> Vec<(&'static str, String)> {
             found.push((key, message));
         }
     }
-    let wear = clearance.wear_coefficient;
-    if wear > 0.0 && !within(wear, WEAR) {
-        let message =
-            format!("is {wear:.3e} 1/Pa; lubricated steel has about 1e-17 to 1e-13 1/Pa: check the unit");
-        found.push(("wear_coefficient", message));
-    }
+    found.extend(of_wear("wear_coefficient", clearance.wear_coefficient));
     found
+}
+
+/// Key and warning about a wear coefficient [1/Pa].
+fn of_wear(key: &'static str, wear: f64) -> Option<(&'static str, String)> {
+    let message =
+        || format!("is {wear:.3e} 1/Pa; lubricated steel has about 1e-17 to 1e-13 1/Pa: check the unit");
+    (wear > 0.0 && !within(wear, WEAR)).then(|| (key, message()))
 }
 
 #[cfg(test)]

@@ -9,12 +9,13 @@ use serde::{Deserialize, Serialize};
 pub enum WearQuantity {
     /// Largest wear depth of either surface of any of the joints [m].
     LargestDepth,
-    /// Largest wear depth of a bushing [m].
+    /// Largest wear depth of a bushing, or of a guide on both faces [m].
     BushingDepth,
-    /// Largest wear depth of a journal [m].
+    /// Largest wear depth of a journal, or of a slider on both faces [m].
     JournalDepth,
     /// Growth of the radial clearance of the joint where it grows most: the sum of the largest depths of its bushing and its journal,
-    /// which is the largest growth of the gap over all places and relative angles [m].
+    /// which is the largest growth of the gap over all places and relative angles [m]. For a guide, growth of the clearance on the side where it
+    /// grows most: the sum of the largest depths of guide and slider on that face.
     ClearanceGrowth,
     /// Volume worn from both surfaces of all joints [m^3].
     Volume,
@@ -33,9 +34,9 @@ impl WearQuantity {
     pub fn description(self) -> &'static str {
         match self {
             Self::LargestDepth => "largest wear depth",
-            Self::BushingDepth => "largest wear depth of the bushing",
-            Self::JournalDepth => "largest wear depth of the journal",
-            Self::ClearanceGrowth => "growth of the radial clearance",
+            Self::BushingDepth => "largest wear depth of the bushing or guide",
+            Self::JournalDepth => "largest wear depth of the journal or slider",
+            Self::ClearanceGrowth => "growth of the clearance",
             Self::Volume => "worn volume",
         }
     }
@@ -52,8 +53,8 @@ impl WearQuantity {
     /// The surface that must wear, in words.
     pub(super) fn surface(self) -> &'static str {
         match self {
-            Self::BushingDepth => "a bushing",
-            Self::JournalDepth => "a journal",
+            Self::BushingDepth => "a bushing or a guide",
+            Self::JournalDepth => "a journal or a slider",
             _ => "a joint",
         }
     }

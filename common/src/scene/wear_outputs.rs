@@ -1,6 +1,6 @@
 //! Reads outputs of the wear: the joints they refer to must wear.
 
-use super::joint::{Clearance, JointKind};
+use super::joint::{JointKind, WearingSurfaces};
 use super::joints::{JointRow, chosen_joints, listed};
 use super::output::OutputKind;
 use super::section::Section;
@@ -8,7 +8,7 @@ use super::wear_output::WearQuantity;
 
 /// Reads the joints of an output of this quantity: by default all that wear.
 pub(super) fn wear(row: &mut Section, quantity: WearQuantity, joints: &[JointRow]) -> Option<OutputKind> {
-    let has = |i: &usize| clearance(&joints[*i]).is_none_or(|clearance| quantity.is_of(clearance.wears));
+    let has = |i: &usize| wearing(&joints[*i]).is_none_or(|of| quantity.is_of(of.surfaces));
     let chosen: Vec<usize> = match row.get("joints") {
         None => (0..joints.len()).filter(|&i| joints[i].unworn.is_none()).filter(has).collect(),
         Some(_) => chosen_joints(row, joints)?,
@@ -18,18 +18,18 @@ pub(super) fn wear(row: &mut Section, quantity: WearQuantity, joints: &[JointRow
         let reason = match joint.unworn {
             Some(reason) => format!("{reason} and does not wear"),
             None if !has(&i) => {
-                let wears = clearance(joint).map_or("", |clearance| clearance.wears.name());
+                let wears = wearing(joint).map_or("", |of| of.word);
                 format!("has wears = \"{wears}\"")
             }
             None => continue,
         };
-        let wearing = (0..joints.len()).filter(|other| joints[*other].unworn.is_none() && has(other));
-        let there_are = listed(wearing.map(|other| joints[other].name.as_str()));
+        let others = (0..joints.len()).filter(|other| joints[*other].unworn.is_none() && has(other));
+        let there_are = listed(others.map(|other| joints[other].name.as_str()));
         row.inconsistent("joints", format!("joint \"{}\" {reason}{there_are}", joint.name));
     }
     // An override may set a wear coefficient to 0, to see the mechanism in its new state.
-    let no_wear = |&i: &usize| match clearance(&joints[i]) {
-        Some(clearance) => clearance.wear_coefficients() == [0.0; 2] && row.cx.as_written(),
+    let no_wear = |&i: &usize| match wearing(&joints[i]) {
+        Some(of) => of.coefficients == [0.0; 2] && row.cx.as_written(),
         None => false,
     };
     if chosen.is_empty() && joints.iter().any(|joint| joint.unworn.is_none()) {
@@ -38,7 +38,7 @@ pub(super) fn wear(row: &mut Section, quantity: WearQuantity, joints: &[JointRow
     } else if chosen.is_empty() {
         row.inconsistent(
             "joints",
-            "there is no joint that wears, i.e. with clearance and without wear = false",
+            "there is no joint that wears, i.e. a hinge with clearance and without wear = false, or a guide with the key wears",
         );
     } else if row.cx.fault_count() == faults && chosen.iter().all(no_wear) {
         row.inconsistent("joints", "every wear_coefficient of these joints is 0: they do not wear");
@@ -50,10 +50,28 @@ pub(super) fn wear(row: &mut Section, quantity: WearQuantity, joints: &[JointRow
     (row.cx.fault_count() == faults).then_some(kind)
 }
 
-/// The clearance of a joint that has one and is not faulty.
-fn clearance(joint: &JointRow) -> Option<&Clearance> {
+/// What wears of a joint.
+struct Wearing {
+    surfaces: WearingSurfaces,
+    /// Word for these surfaces in the scene.
+    word: &'static str,
+    /// Wear coefficients of both surfaces `(2,)` [1/Pa].
+    coefficients: [f64; 2],
+}
+
+/// What wears of a joint that may wear and is not faulty.
+fn wearing(joint: &JointRow) -> Option<Wearing> {
     match joint.joint.as_ref().map(|joint| &joint.kind) {
-        Some(JointKind::Clearance(clearance)) => Some(clearance),
+        Some(JointKind::Clearance(clearance)) => Some(Wearing {
+            surfaces: clearance.wears,
+            word: clearance.wears.name(),
+            coefficients: clearance.wear_coefficients(),
+        }),
+        Some(JointKind::Guide(guide)) => guide.wear.as_ref().map(|wear| Wearing {
+            surfaces: wear.wears,
+            word: wear.wears.guide_name(),
+            coefficients: wear.coefficients(),
+        }),
         _ => None,
     }
 }

@@ -176,11 +176,53 @@ fn guides() {
     assert_eq!(found.len(), 2, "{found:#?}");
     assert!(found[0].contains("joints.rail.slider: is missing, expected a place"), "{found:?}");
     assert!(found[1].contains("joints.rail.slide: unknown key, did you mean \"slider\"?"), "{found:?}");
-    assert!(!found[1].contains("wear"), "{found:?}");
+    assert!(!found[1].contains("journal_wear") && !found[1].contains("wall"), "{found:?}");
+}
+
+#[test]
+fn wear_of_guides() {
     one_fault(
         "rail",
-        "friction = 0.1",
-        "friction = 0.1\nwear_coefficient = \"1e-13 1/Pa\"",
-        "joints.rail.wear_coefficient: the wear of a guide is not modelled: leave this key out",
+        "wears = \"both\"",
+        "wears = \"bushing\"",
+        "joints.rail.wears: \"bushing\" is unknown; allowed: guide, slider, both",
     );
+    one_fault(
+        "rail",
+        "wears = \"both\"",
+        "wears = \"slider\"",
+        "joints.rail.slider_wear_coefficient: needs wears = \"both\"; a single surface",
+    );
+    one_fault(
+        "rail",
+        "wear_coefficient = \"2e-13 1/Pa\"\n",
+        "",
+        "joints.rail.wear_coefficient: is missing, expected an inverse pressure",
+    );
+    one_fault(
+        "rail",
+        "\"6e-14 1/Pa\"",
+        "\"-6e-14 1/Pa\"",
+        "joints.rail.slider_wear_coefficient: \"-6e-14 1/Pa\" is out of range, allowed: >= 0",
+    );
+    one_fault(
+        "rail",
+        "control_points = 50",
+        "control_points = 7",
+        "joints.rail.control_points: 7 is out of range",
+    );
+    let found = faults("name = \"rail\"", "wears = \"both\"\n", "");
+    assert_eq!(found.len(), 3, "{found:#?}");
+    for key in ["wear_coefficient", "slider_wear_coefficient", "control_points"] {
+        let fault = format!("joints.rail.{key}: needs wears = \"guide\", \"slider\" or \"both\"");
+        assert!(found.iter().any(|found| found.contains(&fault)), "{key}: {found:#?}");
+    }
+    for (key, value, message) in [
+        ("wall", "\"2 mm\"", "a guide is not worn through"),
+        ("wear", "true", "a guide wears where it has wears ="),
+        ("journal_wear_coefficient", "\"1e-13 1/Pa\"", "the second surface of a guide is its slider"),
+    ] {
+        let more = format!("friction = 0.1\n{key} = {value}");
+        one_fault("rail", "friction = 0.1", &more, &format!("joints.rail.{key}: {message}"));
+    }
 }

@@ -78,6 +78,7 @@ fn wear_needs_a_joint_that_wears() {
         .replace("wear_coefficient = \"1e-13 1/Pa\"\nwear = true", "wear = false")
         .replace("wear_coefficient = \"1e-13 1/Pa\"\ncontrol_points", "wear = false\ncontrol_points")
         .replace("wear_coefficient = \"1e-13 1/Pa\"\n\n", "wear = false\n\n")
+        .replace("wears = \"both\"\nwear_coefficient = \"2e-13 1/Pa\"\nslider_wear_coefficient = \"6e-14 1/Pa\"\ncontrol_points = 50\n", "")
         .replace("joints = [\"worn\"]\n", "");
     let found = SceneSource::parse(&text, "my.toml").unwrap_err();
     assert_eq!(found.0.len(), 6, "{found}");

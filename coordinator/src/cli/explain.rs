@@ -166,9 +166,10 @@ fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
             JointKind::Guide(guide) => {
                 writeln!(
                     out,
-                    "  {}: {journal} slides in a guide of {bushing}, {:.2} um of clearance on each side, does not wear",
+                    "  {}: {journal} slides in a guide of {bushing}, {:.2} um of clearance on each side, {}",
                     joint.name,
-                    guide.clearance * 1e6
+                    guide.clearance * 1e6,
+                    guide.wear.as_ref().map_or("does not wear".to_owned(), guide_wear)
                 )?;
                 writeln!(
                     out,
@@ -202,6 +203,22 @@ fn wear(clearance: &Clearance) -> String {
         }
         [bore, journal] => format!(
             "bore and journal wear (Archard, K_H = {bore:e} and {journal:e} 1/Pa, {points} control points each)"
+        ),
+    }
+}
+
+fn guide_wear(wear: &GuideWear) -> String {
+    let points = wear.control_points;
+    match wear.coefficients() {
+        [0.0, 0.0] => "does not wear".to_owned(),
+        [guide, 0.0] => {
+            format!("the guide wears (Archard, K_H = {guide:e} 1/Pa, {points} control points on each face)")
+        }
+        [0.0, slider] => {
+            format!("the slider wears (Archard, K_H = {slider:e} 1/Pa, {points} control points on each face)")
+        }
+        [guide, slider] => format!(
+            "guide and slider wear (Archard, K_H = {guide:e} and {slider:e} 1/Pa, {points} control points on each face of the guide)"
         ),
     }
 }

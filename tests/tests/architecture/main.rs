@@ -15,13 +15,14 @@ use tests::skipped;
 
 /// A later layer of the worker may use an earlier one, never the reverse. A layer is a module, or a name that a
 /// module exports with the file that defines it, where that stands lower than the rest of its module.
-const WORKER: [&str; 21] = [
+const WORKER: [&str; 22] = [
     "log",
     "extremum",
     "interpolate",
     "lanes",
     "plane",
     "bore",
+    "rail",
     "contact",
     "integrate",
     "wear",

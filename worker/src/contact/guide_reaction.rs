@@ -18,6 +18,13 @@ pub struct GuideReaction<R = f64> {
     pub approach: [R; PADS],
     /// Length by which the slider stands out of the guide, negative inside [m].
     pub beyond: R,
+    /// Moment of the normal forces on each face about the slider's middle, from their distances along the slider; zero unless the guide
+    /// wears `(2,)` [N m].
+    pub moment: [R; 2],
+    /// Power of sliding at each face, the sum of P |ds/dt|; zero unless the guide wears `(2,)` [W].
+    pub rubbing: [R; 2],
+    /// Position of the slider's middle along the guide; zero unless the guide wears [m].
+    pub position: R,
     /// Energy of the foundation [J].
     pub stored: R,
     /// Power lost to friction and damping [W].
@@ -42,6 +49,9 @@ impl<R: Real> GuideReaction<R> {
             penetration: [zero; PADS],
             approach: [zero; PADS],
             beyond: zero,
+            moment: [zero; 2],
+            rubbing: [zero; 2],
+            position: zero,
             stored: zero,
             lost: zero,
         }
@@ -62,6 +72,9 @@ impl<R: Real> GuideReaction<R> {
             penetration: self.penetration.map(|x| x.lane(k)),
             approach: self.approach.map(|x| x.lane(k)),
             beyond: self.beyond.lane(k),
+            moment: self.moment.map(|x| x.lane(k)),
+            rubbing: self.rubbing.map(|x| x.lane(k)),
+            position: self.position.lane(k),
             stored: self.stored.lane(k),
             lost: self.lost.lane(k),
         }

@@ -1,7 +1,9 @@
 //! The cases: a scene with one quantity at an extreme, or several at once.
 
 use common::accuracy::Accuracy;
-use common::scene::{Clearance, ContactDamping, ContactLaw, Curve, Drive, JointKind, Motion, Over, Scene};
+use common::scene::{
+    Clearance, ContactDamping, ContactLaw, Curve, Drive, GuideClearance, JointKind, Motion, Over, Scene,
+};
 
 /// Life of a case in checkpoints of its scene: long enough for a wear depth comparable to the clearance, short
 /// enough for a table of all cases in a minute or two.
@@ -141,6 +143,12 @@ fn wear(scene: &mut Scene, factor: f64) {
         c.wear_coefficient *= factor;
         c.journal_wear_coefficient = c.journal_wear_coefficient.map(|coefficient| factor * coefficient);
     });
+    for joint in &mut scene.joints {
+        if let JointKind::Guide(GuideClearance { wear: Some(wear), .. }) = &mut joint.kind {
+            wear.coefficient *= factor;
+            wear.slider_coefficient = wear.slider_coefficient.map(|coefficient| factor * coefficient);
+        }
+    }
 }
 
 /// Sets the length of a wear block [cycles], in a life of at least that.

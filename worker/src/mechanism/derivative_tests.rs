@@ -3,6 +3,7 @@
 
 use super::frame::End;
 use super::joint::{Blocks, PairForce, PairMotion, Touching, pair_force};
+use super::wearing_pair::WearingPair;
 use super::{Frame, Island, ideal_cycle, islands};
 use crate::bore::Profile;
 use crate::contact::{Contact, ForceSlopes, JointForce, JointMotion, Journal, Surfaces};

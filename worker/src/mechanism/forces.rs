@@ -5,7 +5,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::frame::Frame;
-use super::guide::Guide;
+use super::guide::Guiding;
 use super::joint::{Blocks, PairMotion, Touching, pair_force};
 use super::load::{IslandLoad, NO_FRAME};
 use super::piecewise_cubic::Jet;
@@ -13,9 +13,9 @@ use crate::integrate::Linearised;
 use crate::lanes::Real;
 
 /// Joints and loads that act on an island, and the frames of its bodies.
-pub(super) struct Acting<'a, R, J> {
+pub(super) struct Acting<'a, R, J, G> {
     pub joints: &'a [J],
-    pub guides: &'a [Guide<R>],
+    pub guides: &'a [G],
     pub loads: &'a [IslandLoad<R>],
     /// Weight of the free bodies `(n,)`.
     pub weight: &'a [R],
@@ -58,7 +58,7 @@ impl<R: Real, J: Touching<R>> Clone for JointSpace<R, J> {
     }
 }
 
-impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
+impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
     /// Forces of joints with clearance and of loads at time `t`, and with `JACOBIAN` their derivatives; `space`
     /// is that of the joints.
     #[inline(always)]

@@ -40,24 +40,24 @@ pub struct Guide<R = f64> {
     /// Centre of the slider on its body, point of the guide on its body.
     pub ends: [End<R>; 2],
     /// Direction of the guide in its body's frame, and of the slider's length in that of its body `(2,)` each [1].
-    axis: [R; 2],
-    along: [R; 2],
+    pub(super) axis: [R; 2],
+    pub(super) along: [R; 2],
     /// Half of the slider's length and of its height [m].
-    half_length: R,
-    half_height: R,
+    pub(super) half_length: R,
+    pub(super) half_height: R,
     /// Distance of each face of the guide from its axis [m].
-    half_gap: R,
+    pub(super) half_gap: R,
     /// Ends of the guide along its axis, from its point `(2,)` [m].
-    reach: [R; 2],
+    pub(super) reach: [R; 2],
     /// kappa l / 6 of a pad [N/m].
-    unit: R,
+    pub(super) unit: R,
     /// Damping factor in effect of each pad `(4,)` [s/m].
     pub damping: [R; PADS],
     /// How it follows from the speed of approach; `None` if it is constant.
     pub restitution: Option<Restitution<R>>,
     /// Coefficient of friction mu [1] and inverse of its regularisation speed v_0 [s/m].
-    friction: R,
-    per_friction_speed: R,
+    pub(super) friction: R,
+    pub(super) per_friction_speed: R,
 }
 
 lanewise!(Guide {
@@ -126,16 +126,29 @@ impl Guide {
     }
 }
 
+/// A guide as the forces of an island need it: with flat faces, in lanes one per lane, or with worn ones.
+pub(super) trait Guiding<R: Real> {
+    /// Ends on the bodies of slider and guide.
+    fn ends(&self) -> [End<R>; 2];
+
+    /// Generalised force on the bodies in `frames`, with `JACOBIAN` also its derivatives, and what the guide does.
+    fn force<const JACOBIAN: bool>(&self, frames: &[Frame<R>]) -> (LoadForce<R>, GuideReaction<R>);
+
+    /// Size of the generalised impulse `(6,)` [N s, N m s] of the pads that touch with the bodies in `frames` and did not where the guide
+    /// did `before`, `h` [s] earlier: the time since they began to touch, at most g / (dg/dt), times half the present force.
+    fn begun(&self, frames: &[Frame<R>], before: &GuideReaction<R>, h: R) -> [R; 6];
+}
+
 /// One end of a pad at one instant.
 #[derive(Clone, Copy)]
-struct PadEnd<R> {
+pub(super) struct PadEnd<R> {
     /// Arm on the slider's body and vector from the reference point of the guide's body, in global axes [m].
-    a: [R; 2],
-    d: [R; 2],
+    pub(super) a: [R; 2],
+    pub(super) d: [R; 2],
     /// Overlap [m], its rate and the sliding speed [m/s].
-    overlap: R,
-    rate: R,
-    sliding: R,
+    pub(super) overlap: R,
+    pub(super) rate: R,
+    pub(super) sliding: R,
 }
 
 /// Overlap and its rate at the deeper end of a pad.
@@ -147,13 +160,13 @@ fn deeper<R: Real>([a, b]: &[PadEnd<R>; 2]) -> [R; 2] {
 
 /// Gradient of u . d to the six coordinates, for a direction `u` of the guide's body in global axes.
 #[inline(always)]
-fn gradient<R: Real>(u: [R; 2], a: [R; 2], d: [R; 2]) -> [R; 6] {
+pub(super) fn gradient<R: Real>(u: [R; 2], a: [R; 2], d: [R; 2]) -> [R; 6] {
     [u[0], u[1], cross(a, u), -u[0], -u[1], -cross(d, u)]
 }
 
 /// Second derivative of u . d to the six coordinates times their rates: the gradient of its rate.
 #[inline(always)]
-fn turning<R: Real>(u: [R; 2], at: &PadEnd<R>, [fa, fb]: [&Frame<R>; 2]) -> [R; 6] {
+pub(super) fn turning<R: Real>(u: [R; 2], at: &PadEnd<R>, [fa, fb]: [&Frame<R>; 2]) -> [R; 6] {
     let (su, along) = (left(u), dot(u, at.a));
     let v = [fa.v[0] - fb.v[0], fa.v[1] - fb.v[1]];
     [
@@ -168,7 +181,7 @@ fn turning<R: Real>(u: [R; 2], at: &PadEnd<R>, [fa, fb]: [&Frame<R>; 2]) -> [R; 
 
 /// Adds `factor` times the second derivatives of u . d to `k`.
 #[inline(always)]
-fn add_second<R: Real>(k: &mut [[R; 6]; 6], factor: R, u: [R; 2], at: &PadEnd<R>) {
+pub(super) fn add_second<R: Real>(k: &mut [[R; 6]; 6], factor: R, u: [R; 2], at: &PadEnd<R>) {
     let su = left(u);
     let along = factor * dot(u, at.a);
     for r in 0..2 {
@@ -209,40 +222,6 @@ impl<R: Real> Guide<R> {
         }
     }
 
-    /// Generalised force on the bodies in `frames`, with `JACOBIAN` also its derivatives, and what the guide does.
-    #[inline(always)]
-    pub(crate) fn force<const JACOBIAN: bool>(
-        &self,
-        frames: &[Frame<R>],
-    ) -> (LoadForce<R>, GuideReaction<R>) {
-        let [i, j] = &self.ends;
-        let (fa, fb) = (&frames[i.frame], &frames[j.frame]);
-        let zero = self.unit.zero();
-        let (mut load, mut done) = (LoadForce::none([i.frame, j.frame], zero), GuideReaction::none(zero));
-        let t = fb.turn(self.axis);
-        let base = dot(self.axis, j.arm);
-        done.beyond = self.unit.like(f64::NEG_INFINITY);
-        for face in 0..2 {
-            let (n, at) = self.face(face, t, [fa, fb]);
-            for point in 0..3 {
-                let s = dot(t, at[point].d) - base;
-                done.beyond = done.beyond.larger(s - self.reach[1]).larger(self.reach[0] - s);
-            }
-            for half in 0..2 {
-                let (pad, ends) = (2 * face + half, [at[half], at[half + 1]]);
-                [done.penetration[pad], done.approach[pad]] = deeper(&ends);
-                if !R::any(zero.below(done.penetration[pad])) {
-                    continue;
-                }
-                let pressed = self.pressed(pad, &ends);
-                done.stored += pressed.stored;
-                done.lost += pressed.lost;
-                self.add_pad::<JACOBIAN>(&mut load, &mut done, face, &pressed, &ends, [n, t], [fa, fb]);
-            }
-        }
-        (load, done)
-    }
-
     /// Outward normal of a face, the one to the left of the axis `t` or that to the right, in global axes, and its corner, middle and corner.
     #[inline(always)]
     fn face(&self, face: usize, t: [R; 2], [fa, fb]: [&Frame<R>; 2]) -> ([R; 2], [PadEnd<R>; 3]) {
@@ -275,38 +254,6 @@ impl<R: Real> Guide<R> {
     fn pressed(&self, pad: usize, ends: &[PadEnd<R>; 2]) -> PadForce<R> {
         let (overlap, rate) = ([ends[0].overlap, ends[1].overlap], [ends[0].rate, ends[1].rate]);
         pad_force(self.unit, self.damping[pad], overlap, rate)
-    }
-
-    /// Size of the generalised impulse `(6,)` [N s, N m s] of the pads that touch with the bodies in `frames` and did not where the guide
-    /// did `before`, `h` [s] earlier: the time since they began to touch, at most g / (dg/dt), times half the present force.
-    #[inline(always)]
-    pub(crate) fn begun(&self, frames: &[Frame<R>], before: &GuideReaction<R>, h: R) -> [R; 6] {
-        let (fa, fb) = (&frames[self.ends[0].frame], &frames[self.ends[1].frame]);
-        let zero = h.zero();
-        let (t, mut impulse) = (fb.turn(self.axis), [zero; 6]);
-        for face in 0..2 {
-            let (n, at) = self.face(face, t, [fa, fb]);
-            for half in 0..2 {
-                let (pad, ends) = (2 * face + half, [at[half], at[half + 1]]);
-                let [overlap, rate] = deeper(&ends);
-                let begins =
-                    R::both(before.penetration[pad].below(h.like(f64::MIN_POSITIVE)), zero.below(overlap));
-                if !R::any(begins) {
-                    continue;
-                }
-                // The smaller of h and g / rate, of h alone where it does not approach.
-                let since = R::select((rate * h).below(overlap), h, overlap / rate);
-                let half_time = R::select(begins, since * 0.5, zero);
-                let pressed = self.pressed(pad, &ends);
-                for i in 0..2 {
-                    let (g, p) = (gradient(n, ends[i].a, ends[i].d), pressed.force[i] * half_time);
-                    for r in 0..6 {
-                        impulse[r] = impulse[r].plus_product(p, g[r].abs());
-                    }
-                }
-            }
-        }
-        impulse
     }
 
     /// Adds the forces of a pad at its ends, with friction, normal `n` and axis `t` in global axes.
@@ -355,5 +302,72 @@ impl<R: Real> Guide<R> {
                 add_second(&mut load.k, -p, u, end);
             }
         }
+    }
+}
+
+impl<R: Real> Guiding<R> for Guide<R> {
+    #[inline(always)]
+    fn ends(&self) -> [End<R>; 2] {
+        self.ends
+    }
+
+    #[inline(always)]
+    fn force<const JACOBIAN: bool>(&self, frames: &[Frame<R>]) -> (LoadForce<R>, GuideReaction<R>) {
+        let [i, j] = &self.ends;
+        let (fa, fb) = (&frames[i.frame], &frames[j.frame]);
+        let zero = self.unit.zero();
+        let (mut load, mut done) = (LoadForce::none([i.frame, j.frame], zero), GuideReaction::none(zero));
+        let t = fb.turn(self.axis);
+        let base = dot(self.axis, j.arm);
+        done.beyond = self.unit.like(f64::NEG_INFINITY);
+        for face in 0..2 {
+            let (n, at) = self.face(face, t, [fa, fb]);
+            for point in 0..3 {
+                let s = dot(t, at[point].d) - base;
+                done.beyond = done.beyond.larger(s - self.reach[1]).larger(self.reach[0] - s);
+            }
+            for half in 0..2 {
+                let (pad, ends) = (2 * face + half, [at[half], at[half + 1]]);
+                [done.penetration[pad], done.approach[pad]] = deeper(&ends);
+                if !R::any(zero.below(done.penetration[pad])) {
+                    continue;
+                }
+                let pressed = self.pressed(pad, &ends);
+                done.stored += pressed.stored;
+                done.lost += pressed.lost;
+                self.add_pad::<JACOBIAN>(&mut load, &mut done, face, &pressed, &ends, [n, t], [fa, fb]);
+            }
+        }
+        (load, done)
+    }
+
+    #[inline(always)]
+    fn begun(&self, frames: &[Frame<R>], before: &GuideReaction<R>, h: R) -> [R; 6] {
+        let (fa, fb) = (&frames[self.ends[0].frame], &frames[self.ends[1].frame]);
+        let zero = h.zero();
+        let (t, mut impulse) = (fb.turn(self.axis), [zero; 6]);
+        for face in 0..2 {
+            let (n, at) = self.face(face, t, [fa, fb]);
+            for half in 0..2 {
+                let (pad, ends) = (2 * face + half, [at[half], at[half + 1]]);
+                let [overlap, rate] = deeper(&ends);
+                let begins =
+                    R::both(before.penetration[pad].below(h.like(f64::MIN_POSITIVE)), zero.below(overlap));
+                if !R::any(begins) {
+                    continue;
+                }
+                // The smaller of h and g / rate, of h alone where it does not approach.
+                let since = R::select((rate * h).below(overlap), h, overlap / rate);
+                let half_time = R::select(begins, since * 0.5, zero);
+                let pressed = self.pressed(pad, &ends);
+                for i in 0..2 {
+                    let (g, p) = (gradient(n, ends[i].a, ends[i].d), pressed.force[i] * half_time);
+                    for r in 0..6 {
+                        impulse[r] = impulse[r].plus_product(p, g[r].abs());
+                    }
+                }
+            }
+        }
+        impulse
     }
 }

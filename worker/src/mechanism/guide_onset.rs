@@ -12,7 +12,7 @@
 //! impulse itself; it is 3/4 of it for a pad that begins from rest under a constant acceleration. What ideal joints couple is left out.
 
 use super::frame::Frame;
-use super::guide::Guide;
+use super::guide::Guiding;
 use crate::contact::GuideReaction;
 use crate::lanes::Real;
 
@@ -20,7 +20,7 @@ use crate::lanes::Real;
 /// `before` at its start. `mass` `(n,)` [kg, kg m^2] and `per_velocity` [s/m, s/rad] belong to the coordinates of the free bodies.
 #[inline(always)]
 pub(super) fn begun<R: Real>(
-    guides: &[Guide<R>],
+    guides: &[impl Guiding<R>],
     frames: &[Frame<R>],
     before: &[GuideReaction<R>],
     h: R,
@@ -30,7 +30,7 @@ pub(super) fn begun<R: Real>(
     let mut worst = h.zero();
     for (guide, before) in guides.iter().zip(before) {
         let impulse = guide.begun(frames, before, h);
-        for (side, end) in guide.ends.iter().enumerate().filter(|(_, end)| 3 * end.frame < mass.len()) {
+        for (side, end) in guide.ends().iter().enumerate().filter(|(_, end)| 3 * end.frame < mass.len()) {
             for k in 0..3 {
                 let row = 3 * end.frame + k;
                 worst = worst.larger(impulse[3 * side + k] / mass[row] * per_velocity(row));

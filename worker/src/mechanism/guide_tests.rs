@@ -1,7 +1,7 @@
 //! A guide with clearance by itself: derivatives, closed forms of its contacts, energy, momentum.
 
 use super::frame::{End, Frame};
-use super::guide::Guide;
+use super::guide::{Guide, Guiding};
 use crate::contact::GuideReaction;
 use common::scene::{ContactDamping, GuideClearance, Material};
 
@@ -24,6 +24,7 @@ fn guide(damping: ContactDamping, friction: f64, axis: f64) -> Guide {
         contact_damping: damping,
         friction,
         friction_speed: 0.5,
+        wear: None,
     };
     Guide::new(0, &constants, [End { frame: 0, arm: [0.004, -0.002] }, End { frame: 1, arm: [-0.02, 0.01] }])
 }

@@ -9,7 +9,8 @@
 //! position, of the difference between the centres of journal and bushing in global axes.
 //!
 //! A guide with clearance has the two closures n.d (offset) and theta (angle) of a prismatic joint. A slider of length l has play c to
-//! either side at both of its ends, which share the reaction as the forces lambda_0 / 2 +- lambda_1 / l.
+//! either side at both of its ends, which share the reaction as the forces lambda_0 / 2 +- lambda_1 / l. Between worn faces its play is that
+//! of `rail/play.rs`.
 //!
 //! Valid for gaps much smaller than the links: neglected is the change of lambda within the gap, of relative size e over a link.
 //!
@@ -40,8 +41,11 @@ pub struct Influence {
     /// For every joint of the scene with clearance its index, lambda in the axes of the bushing's body `(2,)` [rad/m or 1], and the angle of
     /// the journal's body minus that of the bushing's [rad].
     pub joints: Vec<(usize, [f64; 2], f64)>,
-    /// Range of the coordinate that the play of all guides leaves [rad or m].
+    /// Range of the coordinate that the play of all guides that do not wear leaves [rad or m].
     pub guides: f64,
+    /// For every guide of the scene that wears its index, (lambda_0, lambda_1) [rad/m or 1, 1 or m] and the position of the slider's middle along
+    /// the guide [m].
+    pub worn_guides: Vec<(usize, [f64; 2], f64)>,
 }
 
 /// Steps of the bisection by which a position of the drive is found: to rounding.
@@ -73,6 +77,16 @@ fn influence(scene: &Scene, closure: &Closure, pose: &Pose, sought: &Coordinate)
                     [joint.journal.body, joint.bushing.body].map(|body| closure.placed(body, t, &q));
                 let along = bushing.turn_back([of_joint[0], of_joint[1]]);
                 found.joints.push((index, along, journal.angle - bushing.angle));
+            }
+            JointKind::Guide(guide) if guide.wear_coefficients() != [0.0; 2] => {
+                let [slider, rail] = [&joint.journal, &joint.bushing].map(|at| {
+                    let frame = closure.placed(at.body, t, &q);
+                    (frame, frame.point(scene.arm(at)))
+                });
+                let (sin, cos) = libm::sincos(guide.axis);
+                let along = rail.0.turn([cos, sin]);
+                let s = dot(along, [0, 1].map(|k| slider.1[k] - rail.1[k]));
+                found.worn_guides.push((index, [of_joint[0], of_joint[1]], s));
             }
             JointKind::Guide(guide) => {
                 let (half, couple) = (0.5 * of_joint[0], of_joint[1] / guide.length);

@@ -6,14 +6,15 @@ use super::constraint::Constraint;
 use super::elimination::{Elimination, Existence};
 use super::forces::{Acting, JointSpace};
 use super::frame::Frame;
-use super::guide::Guide;
 use super::joint::joint_motion;
 use super::load::{IslandLoad, NO_FRAME};
 use super::passage::Passage;
 use super::piecewise_cubic::Jet;
 use super::placed::Placed;
 use super::prescribed::Prescribed;
+use super::wearing_guide::WearingGuide;
 use super::wearing_joint::WearingJoint;
+use super::wearing_pair::WearingPair;
 use crate::contact::{GuideReaction, JointMotion};
 use crate::extremum::{largest, smallest};
 use crate::integrate::{Band, Dynamics, Linearised};
@@ -41,7 +42,7 @@ pub struct Island {
     /// The island's joints with clearance.
     pub joints: Vec<WearingJoint>,
     /// The island's guides with clearance.
-    pub guides: Vec<Guide>,
+    pub guides: Vec<WearingGuide>,
     /// The island's ideal joints, eliminated.
     pub(super) ideal: Elimination,
     /// Positions in which they become dependent for an instant, if they may.
@@ -66,7 +67,7 @@ pub(super) struct Parts {
     pub(super) bodies: Vec<usize>,
     pub(super) touched: Vec<usize>,
     pub(super) joints: Vec<WearingJoint>,
-    pub(super) guides: Vec<Guide>,
+    pub(super) guides: Vec<WearingGuide>,
     pub(super) ideal: Elimination,
     pub(super) passage: Option<Box<Passage>>,
     pub(super) prescribed: Vec<Prescribed>,
@@ -128,7 +129,7 @@ impl Island {
             return Band::new(n, n);
         }
         let contacts = self.joints.iter().map(|j| j.ends.map(|end| end.frame).to_vec());
-        let guides = self.guides.iter().map(|g| g.ends.map(|end| end.frame).to_vec());
+        let guides = self.guides.iter().map(|g| g.flat.ends.map(|end| end.frame).to_vec());
         let frames = contacts.chain(guides).chain(self.loads.iter().map(IslandLoad::frames));
         let reach = |frames: Vec<usize>| {
             let free = frames.into_iter().filter(|&frame| frame < self.bodies.len());
@@ -184,7 +185,7 @@ impl Island {
         for end in ends.flatten().filter(|e| e.frame < self.bodies.len()) {
             arm[end.frame] = arm[end.frame].max(length(end.arm));
         }
-        for guide in &self.guides {
+        for guide in self.guides.iter().map(|guide| &guide.flat) {
             for (end, farthest) in
                 guide.ends.iter().zip(guide.arms()).filter(|(e, _)| e.frame < self.bodies.len())
             {
@@ -201,11 +202,11 @@ impl Island {
             let stiffest = largest(self.joints.iter().map(|j| j.contact.surface().stiffness));
             frequency = (1.5 * stiffest * position.sqrt() / lightest).sqrt();
         }
-        if let Some(least) = self.guides.iter().map(Guide::clearance).min_by(f64::total_cmp) {
+        if let Some(least) = self.guides.iter().map(|guide| guide.flat.clearance()).min_by(f64::total_cmp) {
             let own = SHARE_OF_GUIDE * least;
             position = if self.joints.is_empty() { own } else { position.min(own) };
             let lightest = smallest(self.mass.iter().step_by(3).copied());
-            let stiffest = largest(self.guides.iter().map(Guide::stiffness));
+            let stiffest = largest(self.guides.iter().map(|guide| guide.flat.stiffness()));
             frequency = frequency.max((stiffest / lightest).sqrt());
         }
         for (slot, arm) in arm.iter().enumerate() {
@@ -219,7 +220,7 @@ impl Island {
 
     /// Joints and loads of the island, at the state last set.
     #[inline(always)]
-    fn acting(&self) -> Acting<'_, f64, WearingJoint> {
+    fn acting(&self) -> Acting<'_, f64, WearingJoint, WearingGuide> {
         Acting {
             joints: &self.joints,
             guides: &self.guides,
@@ -279,13 +280,31 @@ impl Island {
     /// Largest penetration in the range of the contact laws, of the joints with clearance and then of the guides [m].
     pub(crate) fn deepest(&self) -> impl Iterator<Item = f64> + '_ {
         let joints = self.joints.iter().map(|joint| joint.contact.surface().deepest());
-        joints.chain(self.guides.iter().map(Guide::deepest))
+        joints.chain(self.guides.iter().map(|guide| guide.flat.deepest()))
+    }
+
+    /// The joints with clearance, then the guides that wear, as pairs of surfaces.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = &dyn WearingPair> {
+        let joints = self.joints.iter().map(|joint| joint as &dyn WearingPair);
+        joints.chain(self.guides.iter().filter_map(WearingGuide::pair))
+    }
+
+    /// The joints with clearance, then the guides that wear, as pairs of surfaces whose depths can be replaced.
+    pub(crate) fn pairs_mut(&mut self) -> impl Iterator<Item = &mut dyn WearingPair> {
+        let joints = self.joints.iter_mut().map(|joint| joint as &mut dyn WearingPair);
+        joints.chain(self.guides.iter_mut().filter_map(WearingGuide::pair_mut))
+    }
+
+    /// True if the island is integrated by itself and never in lanes: if it is large, or a guide of it wears, whose worn faces have no form in
+    /// lanes.
+    pub(crate) fn is_alone(&self) -> bool {
+        self.is_large() || self.guides.iter().any(WearingGuide::wears)
     }
 
     /// Index into the scene's joints of those with clearance, then of the guides, in the order of their forces.
     pub(crate) fn contacts(&self) -> impl Iterator<Item = usize> + '_ {
         let joints = self.joints.iter().map(|joint| joint.scene_joint);
-        joints.chain(self.guides.iter().map(|guide| guide.scene_joint))
+        joints.chain(self.guides.iter().map(|guide| guide.flat.scene_joint))
     }
 
     /// Index into the scene's joints of all of them: the contacts, then the ideal ones.

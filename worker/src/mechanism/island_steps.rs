@@ -186,7 +186,7 @@ impl Stepped for Island {
                 self.joints[index].accepted(&motion, &at.joints[index]);
             }
         }
-        self.guides.iter_mut().zip(&at.guides).for_each(|(guide, now)| guide.follow_approach(now));
+        self.guides.iter_mut().zip(&at.guides).for_each(|(guide, now)| guide.flat.follow_approach(now));
     }
 
     fn locked_joint(&self) -> Option<usize> {
@@ -199,7 +199,7 @@ impl Stepped for Island {
             None => at.joints[k].normal,
             Some(guide) => at.guides[guide].normal[0] + at.guides[guide].normal[1],
         };
-        let ends = self.joints.iter().map(|j| j.ends).chain(self.guides.iter().map(|g| g.ends));
+        let ends = self.joints.iter().map(|j| j.ends).chain(self.guides.iter().map(|g| g.flat.ends));
         ends.enumerate()
             .filter(|(_, ends)| ends.iter().any(|end| on(*end)))
             .map(|(k, _)| k)

@@ -81,7 +81,7 @@ pub(crate) fn same_topology(a: &Island, b: &Island) -> bool {
         && a.guides.len() == b.guides.len()
         && a.loads.len() == b.loads.len()
         && a.joints.iter().zip(&b.joints).all(|(a, b)| joint(a, b))
-        && a.guides.iter().zip(&b.guides).all(|(a, b)| a.has_same_topology(b))
+        && a.guides.iter().zip(&b.guides).all(|(a, b)| a.flat.has_same_topology(&b.flat))
         && a.loads.iter().zip(&b.loads).all(|(a, b)| a.has_same_topology(b))
         && a.ideal.has_same_topology(&b.ideal)
         && a.passage.is_some() == b.passage.is_some()
@@ -106,7 +106,7 @@ impl<R: Real> IslandLanes<R> {
         let mut lanes = IslandLanes {
             bodies: island.bodies.len(),
             joints: island.joints.iter().map(joint).collect(),
-            guides: island.guides.iter().map(|guide| guide.in_lanes(like)).collect(),
+            guides: island.guides.iter().map(|guide| guide.flat.in_lanes(like)).collect(),
             loads: island.loads.iter().map(|load| load.in_lanes(like)).collect(),
             prescribed: island.prescribed.iter().map(motion).collect(),
             ideal: island.ideal.in_lanes(like),
@@ -138,7 +138,7 @@ impl<R: Real> IslandLanes<R> {
             to.law.set(lane, &from.contact, from.surfaces());
         }
         for (to, from) in self.guides.iter_mut().zip(&island.guides) {
-            from.write_lane::<R>(lane, to);
+            from.flat.write_lane::<R>(lane, to);
         }
         for (to, from) in self.loads.iter_mut().zip(&island.loads) {
             from.write_lane::<R>(lane, to);
@@ -185,7 +185,7 @@ impl<R: Real> IslandLanes<R> {
             to.contact.restore_damping(from.law.surface().damping.lane(lane));
         }
         for (from, to) in self.guides.iter().zip(&mut island.guides) {
-            to.damping = from.damping.map(|damping| damping.lane(lane));
+            to.flat.damping = from.damping.map(|damping| damping.lane(lane));
         }
     }
 
@@ -233,7 +233,7 @@ impl<R: Real> IslandLanes<R> {
 
     /// Joints and loads of the islands, at the state last set.
     #[inline(always)]
-    fn acting(&self) -> Acting<'_, R, JointLanes<R>> {
+    fn acting(&self) -> Acting<'_, R, JointLanes<R>, Guide<R>> {
         Acting {
             joints: &self.joints,
             guides: &self.guides,

@@ -43,7 +43,12 @@ mod sliding;
 mod sparse_elimination;
 mod topology;
 mod turns;
+mod wearing_guide;
 mod wearing_joint;
+mod wearing_pair;
+mod worn_guide;
+#[cfg(test)]
+mod worn_guide_tests;
 
 pub(crate) use assembly::ideal_accelerations;
 pub use assembly::{Pose, ideal_cycle};
@@ -58,4 +63,6 @@ pub(crate) use piecewise_cubic::PiecewiseCubic;
 pub use prescribed::Prescribed;
 pub use topology::islands;
 pub use turns::turns_per_cycle;
+pub use wearing_guide::WearingGuide;
 pub use wearing_joint::WearingJoint;
+pub(crate) use wearing_pair::WearingPair;

@@ -3,11 +3,11 @@
 use super::constraint::{Constraint, first_rows};
 use super::elimination::Elimination;
 use super::frame::FrameIndices;
-use super::guide::Guide;
 use super::island::{Island, Parts};
 use super::island_frames::IslandFrames;
 use super::load::IslandLoad;
 use super::passage::Passage;
+use super::wearing_guide::WearingGuide;
 use super::wearing_joint::WearingJoint;
 use common::failure::SimulationFailure;
 use common::scene::{JointKind, Load, Motion, Scene};
@@ -74,7 +74,7 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
                 joints.push(WearingJoint::new(index, &joint.name, clearance, ends));
             }
             JointKind::Guide(guide) => {
-                guides.push(Guide::new(index, guide, ends));
+                guides.push(WearingGuide::new(index, &joint.name, guide, ends));
             }
             ideal => {
                 constraints.push(Constraint::new(index, ends, ideal).with_friction(joint.friction));

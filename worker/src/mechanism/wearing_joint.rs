@@ -2,8 +2,10 @@
 
 use super::frame::End;
 use super::joint::Touching;
+use super::wearing_pair::WearingPair;
 use crate::bore::Profile;
 use crate::contact::{Contact, ForceSlopes, JointForce, JointMotion, Journal, Surfaces};
+use crate::wear::{BoreWearRate, ContactHistory, FinerBore, WearHistory, WearRate};
 use common::scene::Clearance;
 
 /// A joint with clearance and its surfaces.
@@ -48,24 +50,41 @@ impl WearingJoint {
         }
     }
 
-    /// True if a surface of the joint wears.
-    pub(crate) fn wears(&self) -> bool {
-        self.wear_coefficients.iter().any(|coefficient| *coefficient > 0.0)
-    }
-
-    /// Number of depths: those at the control points of the bore, then those of the journal if it wears.
-    pub(crate) fn depths(&self) -> usize {
-        self.profile.points() * if self.journal.is_some() { 2 } else { 1 }
-    }
-
     /// The two surfaces as worn so far.
     #[inline(always)]
     pub(crate) fn surfaces(&self) -> Surfaces<'_> {
         Surfaces { bore: &self.profile, journal: self.journal.as_ref() }
     }
 
-    /// Replaces the wear depths by `depth` `(depths,)` [m].
-    pub(crate) fn set_depth(&mut self, depth: &[f64]) {
+    /// Called after each accepted step, see [`Contact::accepted`].
+    pub(super) fn accepted(&mut self, motion: &JointMotion, now: &JointForce) {
+        let WearingJoint { contact, profile, journal, .. } = self;
+        contact.accepted(Surfaces { bore: profile, journal: journal.as_ref() }, motion, now);
+    }
+}
+
+impl WearingPair for WearingJoint {
+    fn scene_joint(&self) -> usize {
+        self.scene_joint
+    }
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn wear_coefficients(&self) -> [f64; 2] {
+        self.wear_coefficients
+    }
+
+    fn first_depths(&self) -> usize {
+        self.profile.points()
+    }
+
+    fn depths(&self) -> usize {
+        self.profile.points() * if self.journal.is_some() { 2 } else { 1 }
+    }
+
+    fn set_depth(&mut self, depth: &[f64]) {
         let (bore, of_journal) = depth.split_at(self.profile.points());
         self.profile.set_depth(bore);
         self.contact.profile_changed(&self.profile);
@@ -74,10 +93,19 @@ impl WearingJoint {
         }
     }
 
-    /// Called after each accepted step, see [`Contact::accepted`].
-    pub(super) fn accepted(&mut self, motion: &JointMotion, now: &JointForce) {
-        let WearingJoint { contact, profile, journal, .. } = self;
-        contact.accepted(Surfaces { bore: profile, journal: journal.as_ref() }, motion, now);
+    fn empty_history(&self, period: f64, samples: usize) -> WearHistory {
+        WearHistory::Bore(ContactHistory::new(period, samples, self.journal.is_some()))
+    }
+
+    fn wear_rate(&self) -> WearRate {
+        let WearingJoint { wear_coefficients, width, contact, profile, .. } = self;
+        WearRate::Bore(Box::new(BoreWearRate::new(*wear_coefficients, *width, contact, profile)))
+    }
+
+    fn finer_copy(&self, tolerance: f64) -> FinerBore<WearRate> {
+        let WearingJoint { wear_coefficients, width, contact, profile, .. } = self;
+        FinerBore::new(*wear_coefficients, *width, contact, profile, tolerance)
+            .map(|rate| WearRate::Bore(Box::new(rate)))
     }
 }
 

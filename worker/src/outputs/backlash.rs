@@ -17,7 +17,7 @@
 use super::sought_backlash::SoughtBacklash;
 use super::{MotionOutput, RecordedCycle, RecordingRequest, Sampling};
 use crate::contact::FreeRegion;
-use crate::mechanism::{Coordinate, Influence, WearingJoint};
+use crate::mechanism::{Coordinate, Influence, WearingGuide, WearingJoint};
 use common::scene::{Attachment, HeldInput};
 
 /// The outputs `backlash` [rad] and `position-backlash` [m].
@@ -46,6 +46,8 @@ impl MotionOutput for Backlash {
     fn value(&self, cycle: &RecordedCycle) -> f64 {
         let joints: Vec<&WearingJoint> =
             cycle.islands.iter().flat_map(|(island, _)| &island.joints).collect();
+        let guides: Vec<&WearingGuide> =
+            cycle.islands.iter().flat_map(|(island, _)| &island.guides).collect();
         let mut regions: Vec<Option<FreeRegion>> = joints.iter().map(|joint| round_journal(joint)).collect();
         let mut in_pose = |influence: &Influence| {
             let play = influence.joints.iter().map(|(scene_joint, lambda, turn)| {
@@ -61,7 +63,11 @@ impl MotionOutput for Backlash {
                 }
                 width
             });
-            play.sum::<f64>() + influence.guides
+            let of_worn_guides = influence.worn_guides.iter().map(|(scene_joint, lambda, s)| {
+                let guide = guides.iter().find(|guide| guide.flat.scene_joint == *scene_joint);
+                guide.and_then(|guide| guide.play(*lambda, *s)).unwrap_or(0.0)
+            });
+            play.sum::<f64>() + influence.guides + of_worn_guides.sum::<f64>()
         };
         cycle.ideal.influences(&self.sought).iter().map(&mut in_pose).fold(0.0, f64::max)
     }

@@ -4,7 +4,7 @@ use super::Recorder;
 use super::recorder::LastContacts;
 use crate::integrate::Linearised;
 use crate::lanes::{Lanewise, Real};
-use crate::wear::{ContactInstant, ContactSample, Interval};
+use crate::wear::{ContactInstant, ContactSample, Interval, WearHistory};
 
 /// One joint with clearance per lane.
 #[derive(Debug, Clone)]
@@ -44,7 +44,8 @@ impl<R: Real> ContactLanes<R> {
 
     /// Continues the histories of `recorder` in a lane, from its last state or else from the first one, at time `start` [s].
     pub(crate) fn load(&mut self, lane: usize, recorder: &Recorder, start: f64) {
-        for (to, from) in self.joints.iter_mut().zip(&recorder.histories) {
+        let histories = recorder.histories.iter().filter_map(WearHistory::bore);
+        for (to, from) in self.joints.iter_mut().zip(histories) {
             from.interval().write_lane::<R>(lane, &mut to.interval);
         }
         let (mut time, mut half) = (start, 0.0);
@@ -84,13 +85,16 @@ impl<R: Real> ContactLanes<R> {
 
     /// Returns the histories of a lane to its recorder.
     pub(crate) fn unload(&mut self, lane: usize, recorder: &mut Recorder) {
-        for (from, to) in self.joints.iter().zip(&mut recorder.histories) {
+        let histories = recorder.histories.iter_mut().filter_map(WearHistory::bore_mut);
+        for (from, to) in self.joints.iter().zip(histories) {
             to.set_interval(from.interval.lane(lane));
         }
         recorder.last = Some(LastContacts {
             time: self.time.lane(lane),
             half: self.half.lane(lane),
             contacts: self.joints.iter().map(|joint| joint.last.lane(lane)).collect(),
+            // Islands with guides that wear are never in lanes.
+            sliders: vec![],
         });
         self.weight.set_lane(lane, 0.0);
     }

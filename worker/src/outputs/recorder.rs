@@ -9,7 +9,7 @@ use crate::contact::GuideReaction;
 use crate::integrate::{Dynamics, Linearised, StateObserver};
 use crate::lanes::Real;
 use crate::mechanism::{End, Frame, Island};
-use crate::wear::{ContactHistory, ContactInstant};
+use crate::wear::{ContactInstant, RailInstant, WearHistory};
 use common::scene::{Attachment, Scene};
 
 /// Contacts of the last state, which is added to the histories when the length of the step after it is known.
@@ -19,15 +19,16 @@ pub(super) struct LastContacts {
     pub time: f64,
     /// Half of the step before it [s].
     pub half: f64,
-    /// Contact of each joint `(joints,)`.
+    /// Contact of each joint `(joints,)`, and of each guide that wears.
     pub contacts: Vec<ContactInstant>,
+    pub sliders: Vec<RailInstant>,
 }
 
 /// Records a cycle of one island.
 #[derive(Debug, Clone)]
 pub struct Recorder {
-    /// Contact history of each joint with clearance `(joints,)`.
-    pub histories: Vec<ContactHistory>,
+    /// Contact history of each pair of surfaces, as [`Island::pairs`] has them `(pairs,)`.
+    pub histories: Vec<WearHistory>,
     /// Forces of all joints, and everything if the cycle is displayed.
     pub full: Option<FullRecording>,
     /// Requested bodies: index into the bodies of the island, moment of inertia [kg m^2], motion.
@@ -57,11 +58,7 @@ impl Recorder {
         let touched = (0..island.touched.len()).filter(|&k| requested.driven.contains(&island.touched[k]));
         let joints = island.all_joints().count();
         Recorder {
-            histories: island
-                .joints
-                .iter()
-                .map(|joint| ContactHistory::new(scene.life.period, samples, joint.journal.is_some()))
-                .collect(),
+            histories: island.pairs().map(|pair| pair.empty_history(scene.life.period, samples)).collect(),
             full: None,
             bodies: slots(&requested.bodies)
                 .into_iter()
@@ -114,7 +111,7 @@ impl Recorder {
 
     /// Removes the recording, for a new cycle.
     pub(crate) fn clear(&mut self) {
-        self.histories.iter_mut().for_each(ContactHistory::clear);
+        self.histories.iter_mut().for_each(WearHistory::clear);
         self.bodies.iter_mut().for_each(|(.., track)| track.clear());
         self.points.iter_mut().for_each(|(.., track)| track.clear());
         self.moments.iter_mut().for_each(|(_, track)| track.clear());
@@ -127,14 +124,12 @@ impl Recorder {
 
     /// Closes the recording at the end of the cycle.
     pub(crate) fn finish(&mut self) {
-        if let Some(LastContacts { half, contacts, .. }) = &mut self.last {
-            let half = std::mem::take(half);
-            self.histories
-                .iter_mut()
-                .zip(contacts)
-                .for_each(|(history, contact)| history.push(half, contact));
+        if let Some(mut last) = self.last.take() {
+            let half = std::mem::take(&mut last.half);
+            self.push_contacts(half, &last);
+            self.last = Some(last);
         }
-        self.histories.iter_mut().for_each(ContactHistory::close_stretch);
+        self.histories.iter_mut().for_each(WearHistory::close_stretch);
         self.full.iter_mut().for_each(FullRecording::finish);
     }
 }
@@ -213,20 +208,32 @@ impl Recorder {
     }
 
     /// Adds the contacts of a state to the histories.
-    pub(super) fn record_contacts(&mut self, t: f64, at: &Linearised) {
+    pub(super) fn record_contacts(&mut self, island: &Island, t: f64, at: &Linearised) {
         let turned = at.e.iter().zip(&at.joints).zip(&at.turns);
-        let now = turned.map(|((e, joint), turn)| ContactInstant::new(*e, joint).turned(*turn));
-        let Some(last) = &mut self.last else {
-            self.last = Some(LastContacts { time: t, half: 0.0, contacts: now.collect() });
+        let contacts = turned.map(|((e, joint), turn)| ContactInstant::new(*e, joint).turned(*turn));
+        let worn = island.guides.iter().zip(&at.guides).filter(|(guide, _)| guide.wears());
+        let sliders = worn.map(|(_, now)| RailInstant::new(now));
+        let Some(mut last) = self.last.take() else {
+            let (contacts, sliders) = (contacts.collect(), sliders.collect());
+            self.last = Some(LastContacts { time: t, half: 0.0, contacts, sliders });
             return;
         };
         // Trapezoidal rule: a state stands for half of the step before it and half of the one after it.
         let half = 0.5 * (t - last.time);
-        for ((history, before), now) in self.histories.iter_mut().zip(&mut last.contacts).zip(now) {
-            history.push(last.half + half, before);
-            *before = now;
-        }
+        self.push_contacts(last.half + half, &last);
+        last.contacts.iter_mut().zip(contacts).for_each(|(last, now)| *last = now);
+        last.sliders.iter_mut().zip(sliders).for_each(|(last, now)| *last = now);
         (last.time, last.half) = (t, half);
+        self.last = Some(last);
+    }
+
+    /// Adds the contacts of a state with weight `duration` [s] to the histories.
+    fn push_contacts(&mut self, duration: f64, of: &LastContacts) {
+        let (bores, rails) = self.histories.split_at_mut(of.contacts.len());
+        let bores = bores.iter_mut().filter_map(WearHistory::bore_mut);
+        bores.zip(&of.contacts).for_each(|(history, contact)| history.push(duration, contact));
+        let rails = rails.iter_mut().filter_map(WearHistory::rail_mut);
+        rails.zip(&of.sliders).for_each(|(history, slider)| history.push(duration, slider));
     }
 }
 
@@ -234,7 +241,7 @@ impl StateObserver<Island> for Recorder {
     fn observe(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
         if !self.has_recorded(t) {
             self.record_motion(island, t, q, v, at);
-            self.record_contacts(t, at);
+            self.record_contacts(island, t, at);
         }
     }
 }

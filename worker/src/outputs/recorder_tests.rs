@@ -28,10 +28,12 @@ fn contacts_in_a_lane_are_those_of_one_recorder() {
         let density = pressed * at.joints[0].sliding;
         trapezoid += 0.5 * (t - before.0) * (density + before.1);
         before = (t, density);
-        alone.record_contacts(t, &at);
+        alone.record_contacts(&island, t, &at);
         // The state is linearised again after a refused step.
         for _ in 0..=k % 2 {
-            lanes.record(t, &at, &mut |joint, _, sample| in_lane.histories[joint].add(sample));
+            lanes.record(t, &at, &mut |joint, _, sample| {
+                in_lane.histories[joint].bore_mut().expect("a bore").add(sample);
+            });
         }
         if k == 200 {
             // The second part of a cycle begins at the end of the first.
@@ -43,7 +45,7 @@ fn contacts_in_a_lane_are_those_of_one_recorder() {
     alone.finish();
     in_lane.finish();
     assert_eq!(alone.histories, in_lane.histories);
-    let history = &alone.histories[0];
+    let history = alone.histories[0].bore().expect("a bore");
     assert!(history.samples().len() > 20, "{}", history.samples().len());
     assert!((history.work() / trapezoid - 1.0).abs() < 1e-12, "{} {trapezoid}", history.work());
 }

@@ -15,8 +15,8 @@
 use super::probe::SURFACES;
 use super::run::Run;
 use super::side_by_side::LaneQueue;
-use crate::mechanism::WearingJoint;
-use crate::wear::ContactHistory;
+use crate::mechanism::WearingPair;
+use crate::wear::WearHistory;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
@@ -63,18 +63,21 @@ pub(crate) fn mix_contacts(runs: &mut [Run]) {
     first.mixed = mixed;
 }
 
-/// The wear coefficients of all joints of a run, of a surface that wears `(islands, joints)` [1/Pa].
+/// The wear coefficients of all joints of a run, of a surface that wears `(islands, pairs)` [1/Pa].
 fn wear_coefficients(run: &Run) -> Vec<Vec<f64>> {
-    let of = |joint: &WearingJoint| joint.wear_coefficients[0].max(joint.wear_coefficients[1]);
-    run.islands.iter().map(|state| state.island.joints.iter().map(of).collect()).collect()
+    let of = |pair: &dyn WearingPair| {
+        let [first, second] = pair.wear_coefficients();
+        first.max(second)
+    };
+    run.islands.iter().map(|state| state.island.pairs().map(of).collect()).collect()
 }
 
 /// The contacts of the last cycle of a run, each with its share of the work, relative to the wear coefficients `base`
-/// `(islands, joints)`.
-fn weighted_contacts(run: &Run, base: &[Vec<f64>]) -> Vec<Vec<ContactHistory>> {
+/// `(islands, pairs)`.
+fn weighted_contacts(run: &Run, base: &[Vec<f64>]) -> Vec<Vec<WearHistory>> {
     let own = wear_coefficients(run);
     let islands = run.contact_histories().zip(base.iter().zip(&own));
-    let weighted = |(history, (base, own)): (&ContactHistory, (&f64, &f64))| {
+    let weighted = |(history, (base, own)): (&WearHistory, (&f64, &f64))| {
         let mut history = history.clone();
         history.scale_work(if *base > 0.0 { run.share * (own / base) } else { 0.0 });
         history
@@ -97,9 +100,9 @@ impl Run<'_> {
     pub(crate) fn volume_per_cycle(&self) -> Vec<f64> {
         let mut volumes = vec![0.0; SURFACES * self.scene.joints.len()];
         for (state, histories) in self.islands.iter().zip(self.contact_histories()) {
-            for (joint, history) in state.island.joints.iter().zip(histories) {
-                for (k, coefficient) in joint.wear_coefficients.iter().enumerate() {
-                    volumes[SURFACES * joint.scene_joint + k] = coefficient * history.work();
+            for (pair, history) in state.island.pairs().zip(histories) {
+                for (k, coefficient) in pair.wear_coefficients().iter().enumerate() {
+                    volumes[SURFACES * pair.scene_joint() + k] = coefficient * history.work();
                 }
             }
         }

@@ -71,8 +71,8 @@ impl ErrorEstimate {
         let unknown = |&worn: &WornAmounts| WornJoint { worn, error: WornAmounts::default() };
         let mut worn: Vec<WornJoint> = amounts.iter().map(unknown).collect();
         for state in &run.islands {
-            for (joint, finer) in state.island.joints.iter().zip(&state.finer) {
-                worn[joint.scene_joint].error = finer.errors();
+            for (pair, finer) in state.island.pairs().zip(&state.finer) {
+                worn[pair.scene_joint()].error = finer.errors();
             }
         }
         self.lives.push(life);
@@ -155,7 +155,7 @@ impl ErrorEstimate {
     /// Relative errors of the depths of a joint up to `life` from the cycles that were simulated, and of the volume the larger one [1].
     fn relative_rate_errors(&self, joint: usize, life: u32) -> WornAmounts {
         let depths = [0, 1].map(|k| self.relative_rate_error(SURFACES * joint + k, life));
-        WornAmounts { depths, volume: depths[0].max(depths[1]) }
+        WornAmounts { depths: [depths; 2], volume: depths[0].max(depths[1]) }
     }
 
     /// True if several motions wear the bores under one of the conditions.
@@ -191,7 +191,7 @@ mod tests {
     }
 
     fn estimate(conditions: Vec<MotionEstimate>) -> ErrorEstimate {
-        let bore = |depth| WornAmounts { depths: [depth, 0.0], volume: 0.0 };
+        let bore = |depth| WornAmounts { depths: [[depth, 0.0], [0.0; 2]], volume: 0.0 };
         let worn = [(10.0, 0.1), (9.0, 1.3)]
             .map(|(depth, error)| WornJoint { worn: bore(depth), error: bore(error) })
             .to_vec();

@@ -8,9 +8,9 @@ use super::quasi_static::is_measured;
 use super::run::Run;
 use super::several_cycles::MOTIONS;
 use super::side_by_side::{LaneQueue, run_alone};
-use crate::mechanism::{Island, WearingJoint};
+use crate::mechanism::{Island, WearingJoint, WearingPair};
 use crate::quasi_static::Unsuitable;
-use crate::wear::{ContactHistory, mean_contact_arc};
+use crate::wear::{ContactHistory, WearHistory, mean_contact_arc};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
@@ -68,7 +68,8 @@ impl ContactArc {
 
     fn of_islands(islands: &[IslandState]) -> Vec<ContactArc> {
         let of_island = |state: &IslandState| -> Vec<ContactArc> {
-            let joints = state.island.joints.iter().zip(&state.recorder.histories);
+            let histories = state.recorder.histories.iter().filter_map(WearHistory::bore);
+            let joints = state.island.joints.iter().zip(histories);
             let arc = |(joint, history): (&WearingJoint, &ContactHistory)| ContactArc {
                 joint: joint.name.clone(),
                 arc: mean_contact_arc(

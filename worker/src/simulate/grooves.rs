@@ -6,6 +6,7 @@
 
 use super::run::Run;
 use crate::contact::{FreeRegion, Surfaces};
+use crate::mechanism::WearingPair;
 use common::outputs::NarrowGroove;
 
 /// Smallest distance of the journal from the ground of a groove that counts, as a share of the unworn radial clearance [1]: where a

@@ -1,9 +1,9 @@
 //! One island of a running evaluation: its state, and what integrates, records and wears it.
 
 use crate::integrate::{IntegrationError, StepControl, Stepped, Stepper};
-use crate::mechanism::{Island, Pose};
+use crate::mechanism::{Island, Pose, WearingPair};
 use crate::outputs::{Recorder, RecordingRequest};
-use crate::wear::{ContactHistory, FinerBore, WearRate, WearStep};
+use crate::wear::{FinerBore, WearHistory, WearRate, WearStep};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
@@ -55,13 +55,13 @@ pub struct IslandState {
     pub warm_up_start: StateSnapshot,
     /// State at the start of the cycle measured last.
     pub cycle_start: StateSnapshot,
-    /// Wear rate of each joint with clearance `(joints,)`.
+    /// Wear rate of each pair of surfaces, as [`Island::pairs`] has them `(pairs,)`.
     pub rates: Vec<WearRate>,
-    /// Wear step of each joint with clearance `(joints,)`.
+    /// Wear step of each pair `(pairs,)`.
     pub steps: Vec<WearStep>,
-    /// Bore of each joint with clearance with more control points, for the error of the wear `(joints,)`.
-    pub finer: Vec<FinerBore>,
-    /// Wear depth of each joint with clearance at the control points of its bore, then of its journal if that wears `(joints, depths)` [m].
+    /// Each pair with more control points, for the error of the wear `(pairs,)`.
+    pub finer: Vec<FinerBore<WearRate>>,
+    /// Wear depth of each pair at the control points of its first surface, then of the second if that wears `(pairs, depths)` [m].
     pub depth: Vec<Vec<f64>>,
 }
 
@@ -96,7 +96,7 @@ impl StateSnapshot {
             *damping = joint.contact.surface().damping;
         }
         for (damping, guide) in self.pad_damping.iter_mut().zip(&island.guides) {
-            *damping = guide.damping;
+            *damping = guide.flat.damping;
         }
     }
 }
@@ -112,7 +112,7 @@ pub struct IslandStart<'a> {
 /// Stepper of an island for a cycle at another accuracy, and the contact histories of that cycle.
 pub struct CycleTools {
     stepper: Stepper,
-    histories: Vec<ContactHistory>,
+    histories: Vec<WearHistory>,
 }
 
 impl IslandState {
@@ -138,21 +138,10 @@ impl IslandState {
             turns: island.bodies.iter().map(|&body| turns[body]).collect(),
             q,
             v,
-            rates: island
-                .joints
-                .iter()
-                .map(|j| WearRate::new(j.wear_coefficients, j.width, &j.contact, &j.profile))
-                .collect(),
-            steps: island.joints.iter().map(|j| WearStep::new(j.depths(), accuracy.wear_tolerance)).collect(),
-            finer: island
-                .joints
-                .iter()
-                .map(|j| {
-                    let tolerance = accuracy.wear_tolerance;
-                    FinerBore::new(j.wear_coefficients, j.width, &j.contact, &j.profile, tolerance)
-                })
-                .collect(),
-            depth: island.joints.iter().map(|j| vec![0.0; j.depths()]).collect(),
+            rates: island.pairs().map(WearingPair::wear_rate).collect(),
+            steps: island.pairs().map(|pair| WearStep::new(pair.depths(), accuracy.wear_tolerance)).collect(),
+            finer: island.pairs().map(|pair| pair.finer_copy(accuracy.wear_tolerance)).collect(),
+            depth: island.pairs().map(|pair| vec![0.0; pair.depths()]).collect(),
             island,
         }
     }
@@ -164,7 +153,7 @@ impl IslandState {
             joint.contact.restore_damping(*damping);
         }
         for (damping, guide) in pad_damping.iter().zip(&mut self.island.guides) {
-            guide.damping = *damping;
+            guide.flat.damping = *damping;
         }
         (self.time, self.q, self.v) = (time, q, v);
     }
@@ -201,7 +190,7 @@ impl IslandState {
 
     /// Stepper and empty contact histories for another accuracy of the time steps; `period` is the length of a cycle [s].
     pub(crate) fn tools_for(&self, period: f64, accuracy: &Accuracy) -> CycleTools {
-        let histories = self.recorder.histories.iter().map(ContactHistory::emptied).collect();
+        let histories = self.recorder.histories.iter().map(WearHistory::emptied).collect();
         CycleTools { stepper: stepper(&self.island, period, accuracy), histories }
     }
 
@@ -242,7 +231,7 @@ pub(crate) fn failure(
             SimulationFailure::OutOfRange { cycle, time, joint: name(joint), penetration }
         }
         IntegrationError::LeftGuide { time, guide, distance } => {
-            let joint = &scene.joints[island.guides[guide].scene_joint].name;
+            let joint = &scene.joints[island.guides[guide].flat.scene_joint].name;
             let what =
                 format!("joint {joint}: its slider stands out of its guide by {distance} m at t = {time} s");
             SimulationFailure::NotModelled { what }

@@ -9,6 +9,7 @@
 
 use super::island_state::{CycleTools, IslandState};
 use super::run::Run;
+use crate::wear::WearLaw;
 use common::failure::SimulationFailure;
 use common::scene::Life;
 use std::ops::Range;
@@ -118,18 +119,25 @@ impl Run<'_> {
         Ok(probe)
     }
 
-    /// True if the damping of a joint depends on the speed of its last impact.
+    /// True if the damping of a joint, or of a guide that wears, depends on the speed of its last impact.
     fn depends_on_last_impact(&self) -> bool {
         let mut joints = self.islands.iter().flat_map(|state| &state.island.joints);
+        let mut guides = self.islands.iter().flat_map(|state| &state.island.guides);
         joints.any(|joint| joint.contact.surface().restitution.is_some())
+            || guides.any(|guide| guide.wears() && guide.flat.restitution.is_some())
     }
 
-    /// Multiplies the damping that such joints took from their last impact.
+    /// Multiplies the damping that such joints and guides took from their last impact.
     fn scale_remembered_damping(&mut self, factor: f64) {
         for joint in self.islands.iter_mut().flat_map(|state| &mut state.island.joints) {
             if joint.contact.surface().restitution.is_some() {
                 let damping = joint.contact.surface().damping;
                 joint.contact.restore_damping(factor * damping);
+            }
+        }
+        for guide in self.islands.iter_mut().flat_map(|state| &mut state.island.guides) {
+            if guide.wears() && guide.flat.restitution.is_some() {
+                guide.flat.damping = guide.flat.damping.map(|damping| factor * damping);
             }
         }
     }
@@ -139,17 +147,17 @@ impl Run<'_> {
     pub(crate) fn wear_rates(&mut self, cycle: u32) -> Result<Vec<Vec<f64>>, SimulationFailure> {
         let mut all = vec![Vec::new(); SURFACES * self.scene.joints.len()];
         for IslandState { island, recorder, rates, depth, .. } in &mut self.islands {
-            for (k, joint) in island.joints.iter().enumerate().filter(|(_, j)| j.wears()) {
+            for (k, pair) in island.pairs().enumerate().filter(|(_, pair)| pair.wears()) {
                 let mut found = vec![0.0; depth[k].len()];
                 rates[k].freeze(&recorder.histories[k]);
                 rates[k].rate(&depth[k], &mut found).map_err(|unbalanced| SimulationFailure::WearStep {
                     cycle,
-                    joint: joint.name.clone(),
+                    joint: pair.name().to_owned(),
                     error: crate::wear::WearStepFailed::from(unbalanced).0,
                 })?;
-                let journal = found.split_off(joint.profile.points());
-                all[SURFACES * joint.scene_joint] = found;
-                all[SURFACES * joint.scene_joint + 1] = journal;
+                let second = found.split_off(pair.first_depths());
+                all[SURFACES * pair.scene_joint()] = found;
+                all[SURFACES * pair.scene_joint() + 1] = second;
             }
         }
         Ok(all)

@@ -14,6 +14,7 @@ use super::run::Run;
 use crate::contact::Pressure;
 use crate::mechanism::ideal_cycle;
 use crate::quasi_static::{QuasiStaticCounts, Unsuitable, ideal_motions, wear_rate_difference};
+use crate::wear::WearLaw;
 use common::accuracy::Tier;
 use common::scene::{Life, Output};
 use std::ops::Range;
@@ -204,18 +205,18 @@ impl Run<'_> {
         let none = || vec![vec![]; SURFACES * self.scene.joints.len()];
         let (mut quasi_static, mut dynamic) = (none(), none());
         for (state, island) in self.islands.iter_mut().zip(&self.quasi_static) {
-            for (k, joint) in state.island.joints.iter().enumerate() {
+            for (k, pair) in state.island.pairs().enumerate() {
                 for (rates, recorder) in
                     [(&mut quasi_static, &island.recorder), (&mut dynamic, &state.recorder)]
                 {
-                    let mut rate = vec![0.0; joint.depths()];
+                    let mut rate = vec![0.0; pair.depths()];
                     state.rates[k].freeze(&recorder.histories[k]);
                     state.rates[k]
                         .rate(&state.depth[k], &mut rate)
                         .map_err(|_| Unsuitable::Disagrees { share: f64::INFINITY })?;
-                    let journal = rate.split_off(joint.profile.points());
-                    rates[SURFACES * joint.scene_joint] = rate;
-                    rates[SURFACES * joint.scene_joint + 1] = journal;
+                    let second = rate.split_off(pair.first_depths());
+                    rates[SURFACES * pair.scene_joint()] = rate;
+                    rates[SURFACES * pair.scene_joint() + 1] = second;
                 }
             }
         }

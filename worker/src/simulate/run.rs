@@ -7,9 +7,9 @@ use super::side_by_side::{Integrated, LaneQueue, Span};
 use super::unbounded_forces::refuse_unbounded_forces;
 use super::wall::worn_through;
 use crate::integrate::StepCounts;
-use crate::mechanism::{WearingJoint, ideal_cycle, islands, turns_per_cycle};
+use crate::mechanism::{WearingPair, ideal_cycle, islands, turns_per_cycle};
 use crate::outputs::{FullRecording, IdealTracks, Recorder, recording_request, sample_times};
-use crate::wear::{ContactHistory, WearStepStats, WornAmounts, wear_output};
+use crate::wear::{WearHistory, WearLaw, WearStepStats, WornAmounts, wear_output};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{EnergyBalance, NarrowGroove, WornLife};
@@ -26,8 +26,8 @@ pub struct Run<'a> {
     pub accuracy: &'a Accuracy,
     /// Share of the cycles of the life [1].
     pub share: f64,
-    /// Contact histories of all conditions together, which wear the bores `(islands, joints)`; empty with one condition.
-    pub mixed: Vec<Vec<ContactHistory>>,
+    /// Contact histories of all conditions together, which wear the bores `(islands, pairs)`; empty with one condition.
+    pub mixed: Vec<Vec<WearHistory>>,
     pub islands: Vec<IslandState>,
     /// States of the islands where the ideal mechanism has them at the start `(islands,)`.
     pub starts: Vec<StateSnapshot>,
@@ -158,13 +158,13 @@ impl<'a> Run<'a> {
         self.cycle = from.cycle;
         for (to, from) in self.islands.iter_mut().zip(&from.islands) {
             to.depth.clone_from(&from.depth);
-            to.island.joints.iter_mut().zip(&from.depth).for_each(|(joint, depth)| joint.set_depth(depth));
+            to.island.pairs_mut().zip(&from.depth).for_each(|(pair, depth)| pair.set_depth(depth));
         }
     }
 
     /// True if a joint wears.
     pub(crate) fn wears(&self) -> bool {
-        self.islands.iter().any(|m| m.island.joints.iter().any(WearingJoint::wears))
+        self.islands.iter().any(|m| m.island.pairs().any(WearingPair::wears))
     }
 
     /// Integrates from the state kept of the cycle before, on the profile as it is now, to the start of a cycle.
@@ -257,7 +257,7 @@ impl<'a> Run<'a> {
         for (index, state) in self.islands.iter_mut().enumerate() {
             let IslandState { island, recorder, finer, rates, depth, .. } = state;
             let histories = wear_histories(&self.mixed, &self.quasi_static, recorder, index);
-            for (k, _) in island.joints.iter().enumerate().filter(|(_, j)| j.wears()) {
+            for (k, _) in island.pairs().enumerate().filter(|(_, pair)| pair.wears()) {
                 finer[k].advance(&histories[k], 0.0, rates[k].sizes().amounts(&depth[k]));
             }
         }
@@ -274,8 +274,8 @@ impl<'a> Run<'a> {
         worn.wear_depth.push(depths);
     }
 
-    /// Contact histories of the cycle simulated last under this condition `(islands, joints)`.
-    pub(crate) fn contact_histories(&self) -> impl Iterator<Item = &[ContactHistory]> {
+    /// Contact histories of the cycle simulated last under this condition `(islands, pairs)`.
+    pub(crate) fn contact_histories(&self) -> impl Iterator<Item = &[WearHistory]> {
         let islands = self.islands.iter().enumerate();
         islands.map(|(index, state)| wear_histories(&[], &self.quasi_static, &state.recorder, index))
     }
@@ -327,15 +327,15 @@ impl<'a> Run<'a> {
         let mut marked = vec![vec![WornAmounts::default(); self.scene.joints.len()]; marks.len()];
         for (index, state) in self.islands.iter_mut().enumerate() {
             let histories = wear_histories(&self.mixed, &self.quasi_static, &state.recorder, index);
-            for (k, joint) in state.island.joints.iter_mut().enumerate() {
-                if !joint.wears() {
+            for (k, pair) in state.island.pairs_mut().enumerate() {
+                if !pair.wears() {
                     continue;
                 }
                 let (rate, depth) = (&mut state.rates[k], &mut state.depth[k]);
                 rate.freeze(&histories[k]);
-                let sizes = rate.sizes();
+                let (sizes, scene_joint) = (rate.sizes(), pair.scene_joint());
                 let note = |mark: usize, depth: &[f64]| {
-                    marked[mark][joint.scene_joint] = sizes.amounts(depth);
+                    marked[mark][scene_joint] = sizes.amounts(depth);
                 };
                 let length = f64::from(to - from);
                 state.finer[k].advance(&histories[k], length, sizes.amounts(depth));
@@ -343,16 +343,15 @@ impl<'a> Run<'a> {
                     state.steps[k].advance(rate, depth, length, &marks, note, &mut self.wear_counts);
                 advanced.map_err(|failed| SimulationFailure::WearStep {
                     cycle: from,
-                    joint: joint.name.clone(),
+                    joint: pair.name().to_owned(),
                     error: failed.0,
                 })?;
-                if let Some((depth, wall)) =
-                    worn_through(self.scene, joint.scene_joint, &depth[..sizes.points])
-                {
-                    let joint = joint.name.clone();
+                let surfaces = depth.split_at(pair.first_depths());
+                if let Some((depth, wall)) = worn_through(self.scene, scene_joint, surfaces.into()) {
+                    let joint = pair.name().to_owned();
                     return Err(SimulationFailure::WornThrough { cycle: to, joint, depth, wall });
                 }
-                joint.set_depth(depth);
+                pair.set_depth(depth);
             }
         }
         for (output, history) in self.scene.outputs.iter().zip(wear) {
@@ -369,11 +368,11 @@ impl<'a> Run<'a> {
 /// The contact histories that wear the joints of island number `index`: those `mixed` of several conditions, or those of the last cycle,
 /// quasi-static or in the `recorder`.
 fn wear_histories<'h>(
-    mixed: &'h [Vec<ContactHistory>],
+    mixed: &'h [Vec<WearHistory>],
     quasi_static: &'h [QuasiStaticIsland],
     recorder: &'h Recorder,
     index: usize,
-) -> &'h [ContactHistory] {
+) -> &'h [WearHistory] {
     match mixed.get(index) {
         Some(histories) => histories,
         None => &quasi_static.get(index).map_or(recorder, |island| &island.recorder).histories,

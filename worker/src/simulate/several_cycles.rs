@@ -105,19 +105,20 @@ impl Run<'_> {
         let scene = self.scene;
         let less = |joint: usize| match &scene.joints[joint].kind {
             JointKind::Clearance(clearance) => narrower * clearance.radial_clearance(),
+            JointKind::Guide(guide) => narrower * guide.clearance,
             _ => 0.0,
         };
         for (state, start) in self.islands.iter_mut().zip(&self.starts) {
             state.restore(start.clone());
-            for joint in &mut state.island.joints {
-                let mut depth = vec![0.0; joint.depths()];
-                depth[..joint.profile.points()].fill(-less(joint.scene_joint));
-                joint.set_depth(&depth);
+            for pair in state.island.pairs_mut() {
+                let mut depth = vec![0.0; pair.depths()];
+                depth[..pair.first_depths()].fill(-less(pair.scene_joint()));
+                pair.set_depth(&depth);
             }
         }
         self.settling_cycle().await?;
         for IslandState { island, depth, .. } in &mut self.islands {
-            island.joints.iter_mut().zip(depth).for_each(|(joint, depth)| joint.set_depth(depth));
+            island.pairs_mut().zip(depth).for_each(|(pair, depth)| pair.set_depth(depth));
         }
         self.measure().await
     }

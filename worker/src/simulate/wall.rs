@@ -1,10 +1,15 @@
-//! Bushings that are worn through.
+//! Bushings and sliders that are worn through.
 
 use common::scene::{JointKind, Scene};
 
-/// Largest depth and thickness of the wall of a joint of the scene [m], if the depth has reached the thickness.
-pub(super) fn worn_through(scene: &Scene, joint: usize, depth: &[f64]) -> Option<(f64, f64)> {
-    let JointKind::Clearance(clearance) = &scene.joints[joint].kind else { return None };
+/// Largest depth and thickness of the wall of a joint of the scene [m], if the depth has reached the thickness: of the first surface, a
+/// bushing's wall, of the second one, half the height of a slider.
+pub(super) fn worn_through(scene: &Scene, joint: usize, [first, second]: [&[f64]; 2]) -> Option<(f64, f64)> {
+    let (depth, wall) = match &scene.joints[joint].kind {
+        JointKind::Clearance(clearance) => (first, clearance.wall?),
+        JointKind::Guide(guide) => (second, 0.5 * guide.height),
+        _ => return None,
+    };
     let largest = depth.iter().fold(0.0_f64, |a, &b| a.max(b));
-    clearance.wall.filter(|&wall| largest >= wall).map(|wall| (largest, wall))
+    (largest >= wall).then_some((largest, wall))
 }

@@ -1,17 +1,17 @@
 //! The wear of the joints of an evaluation so far.
 
 use super::run::Run;
-use crate::wear::WornAmounts;
+use crate::wear::{WearLaw, WornAmounts};
 
 impl Run<'_> {
-    /// Depth at every control point of the bore and of the journal of every joint of the scene, empty where there is none and for
-    /// journals that do not wear `(joints, 2, points)` [m].
+    /// Depth at every control point of the bore and of the journal of every joint of the scene, or of the guide and of the slider, empty where
+    /// there is none and for journals and sliders that do not wear `(joints, 2, points)` [m].
     pub(crate) fn depths(&self) -> Vec<[Vec<f64>; 2]> {
         let mut all = vec![[Vec::new(), Vec::new()]; self.scene.joints.len()];
         for state in &self.islands {
-            for (joint, depth) in state.island.joints.iter().zip(&state.depth) {
-                let (bore, journal) = depth.split_at(joint.profile.points());
-                all[joint.scene_joint] = [bore.to_vec(), journal.to_vec()];
+            for (pair, depth) in state.island.pairs().zip(&state.depth) {
+                let (first, second) = depth.split_at(pair.first_depths());
+                all[pair.scene_joint()] = [first.to_vec(), second.to_vec()];
             }
         }
         all
@@ -21,9 +21,8 @@ impl Run<'_> {
     pub(crate) fn worn_amounts(&self) -> Vec<WornAmounts> {
         let mut all = vec![WornAmounts::default(); self.scene.joints.len()];
         for state in &self.islands {
-            for (joint, (rate, depth)) in state.island.joints.iter().zip(state.rates.iter().zip(&state.depth))
-            {
-                all[joint.scene_joint] = rate.sizes().amounts(depth);
+            for (pair, (rate, depth)) in state.island.pairs().zip(state.rates.iter().zip(&state.depth)) {
+                all[pair.scene_joint()] = rate.sizes().amounts(depth);
             }
         }
         all

@@ -1,4 +1,4 @@
-//! What the depths of a joint amount to: largest depth of each surface and worn volume.
+//! What the depths of a joint amount to: largest depth of each surface, growth of the clearance and worn volume.
 //!
 //! The depths of a joint are those at the control points of its bore, then those of its journal if that wears. With the
 //! unworn radii R2 of the bore and R1 of the journal, the width L [m] and the angle s between control points [rad], the
@@ -9,12 +9,45 @@
 //! Derived here.
 
 use crate::extremum::largest;
+use crate::rail::RailLayout;
 use common::scene::WearQuantity;
 use std::f64::consts::TAU;
 
+/// Sizes of the two surfaces that wear each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SurfaceSizes {
+    /// Bushing and journal.
+    Bore(BoreSizes),
+    /// Guide and slider.
+    Rail(RailLayout),
+}
+
+impl SurfaceSizes {
+    /// Amounts of the depths `depth` `(depths,)` [m].
+    pub(crate) fn amounts(&self, depth: &[f64]) -> WornAmounts {
+        match self {
+            SurfaceSizes::Bore(sizes) => sizes.amounts(depth),
+            SurfaceSizes::Rail(layout) => rail_amounts(layout, depth),
+        }
+    }
+}
+
+/// Amounts of the depths `depth` `(depths,)` of a guide and its slider [m].
+fn rail_amounts(layout: &RailLayout, depth: &[f64]) -> WornAmounts {
+    let (of_guide, of_slider) = depth.split_at(layout.guide_depths());
+    let of_face = |depth: &[f64], points: usize, face: usize| {
+        depth.chunks_exact(points).nth(face).map_or(0.0, |depth| largest(depth.iter().copied()))
+    };
+    WornAmounts {
+        depths: [0, 1]
+            .map(|face| [of_face(of_guide, layout.points, face), of_face(of_slider, layout.nodes(), face)]),
+        volume: depth.iter().enumerate().map(|(k, h)| h * layout.area(k)).sum(),
+    }
+}
+
 /// Sizes of the two surfaces of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfaceSizes {
+pub struct BoreSizes {
     /// Number of control points of each.
     pub points: usize,
     /// Unworn radii of bore and journal `(2,)` [m].
@@ -26,13 +59,14 @@ pub struct SurfaceSizes {
 /// What the wear of a joint amounts to, or an error of that.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct WornAmounts {
-    /// Largest depth of bore and journal `(2,)` [m].
-    pub depths: [f64; 2],
+    /// Largest depths of both surfaces that face each other: of bore and journal in the first row, the second one being zero, or of guide and
+    /// slider on either face `(2, 2)` [m].
+    pub depths: [[f64; 2]; 2],
     /// Volume worn from both [m^3].
     pub volume: f64,
 }
 
-impl SurfaceSizes {
+impl BoreSizes {
     /// Amounts of the depths `depth` of a joint [m].
     pub(crate) fn amounts(&self, depth: &[f64]) -> WornAmounts {
         let (bore, journal) = depth.split_at(self.points);
@@ -41,17 +75,22 @@ impl SurfaceSizes {
         let sum = bore.iter().map(sector(of_bore, 1.0)).sum::<f64>()
             + journal.iter().map(sector(of_journal, -1.0)).sum::<f64>();
         WornAmounts {
-            depths: [bore, journal].map(|depth| largest(depth.iter().copied())),
+            depths: [[bore, journal].map(|depth| largest(depth.iter().copied())), [0.0; 2]],
             volume: sum * TAU / self.points as f64 * self.width,
         }
     }
 }
 
 impl WornAmounts {
+    /// Largest depth of one of the two surfaces [m].
+    pub(crate) fn depth(&self, surface: usize) -> f64 {
+        self.depths[0][surface].max(self.depths[1][surface])
+    }
+
     /// These amounts with `f` of each and its namesake of `other`.
     pub(crate) fn with(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
         WornAmounts {
-            depths: [0, 1].map(|k| f(self.depths[k], other.depths[k])),
+            depths: [0, 1].map(|face| [0, 1].map(|k| f(self.depths[face][k], other.depths[face][k]))),
             volume: f(self.volume, other.volume),
         }
     }
@@ -59,12 +98,15 @@ impl WornAmounts {
 
 /// The value of an output of the wear for joints with these amounts [m or m^3].
 pub(crate) fn wear_output(quantity: WearQuantity, joints: impl Iterator<Item = WornAmounts>) -> f64 {
-    let value = |WornAmounts { depths: [bore, journal], volume }: WornAmounts| match quantity {
-        WearQuantity::LargestDepth => bore.max(journal),
-        WearQuantity::BushingDepth => bore,
-        WearQuantity::JournalDepth => journal,
-        WearQuantity::ClearanceGrowth => bore + journal,
-        WearQuantity::Volume => volume,
+    let value = |worn: WornAmounts| match quantity {
+        WearQuantity::LargestDepth => worn.depth(0).max(worn.depth(1)),
+        WearQuantity::BushingDepth => worn.depth(0),
+        WearQuantity::JournalDepth => worn.depth(1),
+        WearQuantity::ClearanceGrowth => {
+            let [first, second] = worn.depths.map(|[one, other]| one + other);
+            first.max(second)
+        }
+        WearQuantity::Volume => worn.volume,
     };
     let values = joints.map(value);
     if quantity == WearQuantity::Volume { values.sum() } else { values.fold(0.0, f64::max) }
@@ -77,10 +119,10 @@ mod tests {
     #[test]
     fn amounts_are_those_of_rings() {
         // A bore bored out by 10 um and a journal turned down by 4 um all round.
-        let sizes = SurfaceSizes { points: 36, radii: [1.5e-3, 1.48e-3], width: 4e-3 };
+        let sizes = BoreSizes { points: 36, radii: [1.5e-3, 1.48e-3], width: 4e-3 };
         let depth: Vec<f64> = (0..72).map(|i| if i < 36 { 10e-6 } else { 4e-6 }).collect();
         let WornAmounts { depths, volume } = sizes.amounts(&depth);
-        assert_eq!(depths, [10e-6, 4e-6]);
+        assert_eq!(depths, [[10e-6, 4e-6], [0.0; 2]]);
         let ring = |a: f64, b: f64| 0.5 * TAU * (b * b - a * a) * 4e-3;
         let expected = ring(1.5e-3, 1.51e-3) + ring(1.476e-3, 1.48e-3);
         assert!((volume / expected - 1.0).abs() < 1e-12, "{volume:e} against {expected:e}");
@@ -90,5 +132,29 @@ mod tests {
         assert_eq!(value(WearQuantity::JournalDepth), 4e-6);
         assert_eq!(value(WearQuantity::ClearanceGrowth), 10e-6 + 4e-6);
         assert!(value(WearQuantity::Volume) > volume);
+    }
+
+    #[test]
+    fn the_clearance_of_a_guide_grows_where_one_face_and_its_slider_have_worn_most() {
+        let layout = RailLayout {
+            points: 3,
+            reach: [0.0, 0.2],
+            elements: 4,
+            half_length: 0.02,
+            width: 0.01,
+            slider_wears: true,
+        };
+        let mut depth = vec![0.0; layout.depths()];
+        // Guide 5 and 4 um deep on its faces, slider 1 and 3 um.
+        (depth[1], depth[5], depth[6], depth[15 + 4]) = (5e-6, 4e-6, 1e-6, 3e-6);
+        let value =
+            |quantity| wear_output(quantity, [SurfaceSizes::Rail(layout).amounts(&depth)].into_iter());
+        assert_eq!(value(WearQuantity::LargestDepth), 5e-6);
+        assert_eq!(value(WearQuantity::BushingDepth), 5e-6);
+        assert_eq!(value(WearQuantity::JournalDepth), 3e-6);
+        assert_eq!(value(WearQuantity::ClearanceGrowth), 4e-6 + 3e-6);
+        // Half of 100 mm at the ends of the guide, 5 mm between nodes of the slider and half of it at their ends.
+        let volume = 0.01 * (0.1 * 5e-6 + 0.05 * 4e-6 + 0.0025 * 1e-6 + 0.005 * 3e-6);
+        assert!((value(WearQuantity::Volume) / volume - 1.0).abs() < 1e-12);
     }
 }

@@ -23,11 +23,12 @@
 //! Archard (1953), J. Appl. Phys. 24, 981-988. Arc rule of the local law: the seed paper, Cui et al., China
 //! Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020.
 
-use super::amounts::SurfaceSizes;
+use super::amounts::{BoreSizes, SurfaceSizes};
 use super::conformal::ConformalContacts;
 use super::equilibrium::NoEquilibrium;
 use super::history::ContactHistory;
 use super::local_arcs::LocalArcs;
+use super::wear_law::WearLaw;
 use crate::bore::Profile;
 use crate::contact::{Contact, Pressure};
 use std::f64::consts::TAU;
@@ -51,10 +52,10 @@ impl From<[f64; 2]> for WearCoefficients {
 
 /// Wear rate of one joint under a frozen contact history.
 #[derive(Debug, Clone)]
-pub struct WearRate {
+pub struct BoreWearRate {
     /// Wear coefficients K_H of bushing and journal [1/Pa].
     coefficients: [f64; 2],
-    sizes: SurfaceSizes,
+    sizes: BoreSizes,
     profile: Profile,
     contacts: FrozenContacts,
 }
@@ -66,7 +67,7 @@ enum FrozenContacts {
     Foundation(ConformalContacts),
 }
 
-impl WearRate {
+impl BoreWearRate {
     /// Rate of a joint with these wear coefficients, width `width` [m] and this contact law.
     pub(crate) fn new(
         coefficients: impl Into<WearCoefficients>,
@@ -77,9 +78,9 @@ impl WearRate {
         let (surface, points) = (*contact.surface(), profile.points());
         let WearCoefficients(coefficients) = coefficients.into();
         let wears = coefficients[1] > 0.0;
-        WearRate {
+        BoreWearRate {
             coefficients,
-            sizes: SurfaceSizes { points, radii: [profile.initial_radius(), surface.journal_radius], width },
+            sizes: BoreSizes { points, radii: [profile.initial_radius(), surface.journal_radius], width },
             profile: profile.clone(),
             contacts: match contact.pressure() {
                 Pressure::UniformOverArc => {
@@ -93,7 +94,8 @@ impl WearRate {
     }
 
     /// Sizes of the surfaces.
-    pub(crate) fn sizes(&self) -> SurfaceSizes {
+    #[cfg(test)]
+    pub(crate) fn sizes(&self) -> BoreSizes {
         self.sizes
     }
 
@@ -120,7 +122,7 @@ impl WearRate {
     /// # Errors
     /// [`NoEquilibrium`] if a frozen force has no equilibrium on that bore.
     pub(crate) fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), NoEquilibrium> {
-        let SurfaceSizes { points, radii, width } = self.sizes;
+        let BoreSizes { points, radii, width } = self.sizes;
         let (bore, of_journal) = depth.split_at(points);
         self.profile.set_depth(bore);
         let spacing = TAU / points as f64;
@@ -138,5 +140,21 @@ impl WearRate {
             rate.iter_mut().for_each(|r| *r *= coefficient / per);
         }
         Ok(())
+    }
+}
+
+impl WearLaw for BoreWearRate {
+    type History = ContactHistory;
+
+    fn freeze(&mut self, history: &ContactHistory) {
+        BoreWearRate::freeze(self, history);
+    }
+
+    fn sizes(&self) -> SurfaceSizes {
+        SurfaceSizes::Bore(self.sizes)
+    }
+
+    fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), NoEquilibrium> {
+        BoreWearRate::rate(self, depth, rate)
     }
 }

@@ -14,16 +14,17 @@
 //! too, and were they added up, they would state ten and more times the true error. A bore with fewer control points
 //! would cost less, but its difference depends on how its points happen to lie to the arc.
 //!
-//! A journal that wears has its copy too, in that of its bore; the same estimate is made of its largest depth and of the worn volume.
+//! A journal that wears has its copy too, in that of its bore; the same estimate is made of its largest depth and of the worn volume. So have the
+//! faces of guides and of their sliders.
 //!
 //! # Source
 //! Comparison with a finer grid, without the extrapolation of Richardson (1911), Phil. Trans. R. Soc. A 210,
 //! 307-357; `stated_wear_errors_of_random_loads` compares with a converged bore.
 
 use super::amounts::WornAmounts;
-use super::archard::{WearCoefficients, WearRate};
-use super::history::ContactHistory;
+use super::archard::{BoreWearRate, WearCoefficients};
 use super::step::{WearStep, WearStepStats};
+use super::wear_law::WearLaw;
 use crate::bore::Profile;
 use crate::contact::Contact;
 
@@ -37,10 +38,10 @@ const RECENT: f64 = 0.75;
 const TIGHTER: f64 = 0.5;
 const TIGHTEST: f64 = 0.01;
 
-/// The bore of one joint, worn more exactly.
+/// The bore of one joint, or the faces of one guide, worn more exactly.
 #[derive(Debug, Clone)]
-pub struct FinerBore {
-    rate: WearRate,
+pub struct FinerBore<L> {
+    rate: L,
     step: WearStep,
     /// Depths of the copy `(depths,)` [m], up to the middle of the last block.
     depth: Vec<f64>,
@@ -58,7 +59,7 @@ pub struct FinerBore {
     differences: Vec<(f64, WornAmounts)>,
 }
 
-impl FinerBore {
+impl FinerBore<BoreWearRate> {
     /// Copy of the unworn bore `profile` of a joint with these wear coefficients, this width [m] and contact,
     /// whose wear steps have the tolerance `tolerance` [1].
     pub(crate) fn new(
@@ -72,8 +73,21 @@ impl FinerBore {
         let finer = Profile::round(profile.initial_radius(), points);
         let coefficients = coefficients.into();
         let depths = points * if coefficients.0[1] > 0.0 { 2 } else { 1 };
+        FinerBore::with_rate(BoreWearRate::new(coefficients, width, contact, &finer), depths, tolerance)
+    }
+
+    /// This copy with its rate inside another one.
+    pub(crate) fn map<L>(self, rate: impl FnOnce(BoreWearRate) -> L) -> FinerBore<L> {
+        let FinerBore { rate: of_bore, step, depth, behind, life, worn, failed, missed, differences } = self;
+        FinerBore { rate: rate(of_bore), step, depth, behind, life, worn, failed, missed, differences }
+    }
+}
+
+impl<L: WearLaw> FinerBore<L> {
+    /// An unworn copy with this many `depths` and this `rate`, of surfaces whose wear steps have the tolerance `tolerance` [1].
+    pub(crate) fn with_rate(rate: L, depths: usize, tolerance: f64) -> Self {
         FinerBore {
-            rate: WearRate::new(coefficients, width, contact, &finer),
+            rate,
             step: WearStep::new(depths, (TIGHTER * tolerance).max(TIGHTEST)),
             depth: vec![0.0; depths],
             behind: 0.0,
@@ -88,7 +102,7 @@ impl FinerBore {
     /// Compares the copy with the bore at the end of the block behind, where the joint is `worn`
     /// and the contact history was measured, and wears it to the middle of the next block of `cycles`, which is
     /// zero at the end of life.
-    pub(crate) fn advance(&mut self, history: &ContactHistory, cycles: f64, worn: WornAmounts) {
+    pub(crate) fn advance(&mut self, history: &L::History, cycles: f64, worn: WornAmounts) {
         self.rate.freeze(history);
         let mut uncounted = WearStepStats::default();
         let sizes = self.rate.sizes();

@@ -1,7 +1,7 @@
 //! Wear of a journal beside that of its bushing: even wear of a journal that turns, volumes, and mirror images.
 
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH};
-use super::{ContactHistory, ContactInstant, FinerBore, WearRate, WearStep, WearStepStats, WornAmounts};
+use super::{BoreWearRate, ContactHistory, ContactInstant, FinerBore, WearStep, WearStepStats, WornAmounts};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
 use std::f64::consts::TAU;
@@ -48,7 +48,7 @@ fn worn(
     (points, blocks): (usize, usize),
 ) -> (Vec<f64>, Vec<f64>, WornAmounts, WornAmounts) {
     let profile = Profile::round(R2, points);
-    let mut rate = WearRate::new(coefficients, WIDTH, contact, &profile);
+    let mut rate = BoreWearRate::new(coefficients, WIDTH, contact, &profile);
     rate.freeze(history);
     let mut depth = vec![0.0; 2 * points];
     let mut step = WearStep::new(2 * points, 1e-3);
@@ -150,7 +150,7 @@ fn stated_errors_cover_both_surfaces() {
         let [coarse, fine] = [POINTS, 4 * POINTS]
             .map(|points| worn(&laws(points)[law], [COEFFICIENT, 0.5 * COEFFICIENT], &history, (points, 4)));
         for k in 0..2 {
-            let (found, truth, stated) = (coarse.2.depths[k], fine.2.depths[k], coarse.3.depths[k]);
+            let (found, truth, stated) = (coarse.2.depth(k), fine.2.depth(k), coarse.3.depth(k));
             println!("{found:e} of {truth:e}, stated {stated:e}");
             assert!((found - truth).abs() < stated + 2e-3 * truth, "{found:e}, {truth:e}, {stated:e}");
         }

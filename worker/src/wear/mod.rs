@@ -1,9 +1,10 @@
-//! Wear of a bore, and of the journal in it: Archard's law over the contact history of a cycle, and the wear step over a block of
-//! cycles.
+//! Wear of a bore and of the journal in it, or of a guide and of its slider: Archard's law over the contact history of a cycle, and the wear step
+//! over a block of cycles.
 //!
 //! Order of use: `interval` and `history` record contact samples; `archard` turns them into a wear rate on the present
 //! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `condense`, `conformal` and
-//! `equilibrium`; `step` integrates that rate over a block; `finer_bore`
+//! `equilibrium`, for guides by `rail_history`, `rail_rate` and `rail_equilibrium`. `wear_law` is what these rates have in common, `wear_rate` any
+//! of them; `step` integrates that rate over a block; `finer_bore`
 //! shows what the spacing of the control points costs, `contact_arc` what it has to resolve, `amounts` what the depths come to.
 
 mod amounts;
@@ -23,6 +24,11 @@ mod journal_tests;
 mod local_arcs;
 #[cfg(test)]
 mod local_arcs_tests;
+mod rail_equilibrium;
+mod rail_history;
+mod rail_rate;
+#[cfg(test)]
+mod rail_tests;
 #[cfg(test)]
 mod random_load_tests;
 mod step;
@@ -30,11 +36,17 @@ mod step;
 mod step_tests;
 #[cfg(test)]
 mod volume_tests;
+mod wear_law;
+mod wear_rate;
 
 pub(crate) use amounts::{WornAmounts, wear_output};
-pub(crate) use archard::WearRate;
+pub(crate) use archard::BoreWearRate;
 pub(crate) use contact_arc::mean_contact_arc;
 pub(crate) use finer_bore::FinerBore;
 pub(crate) use history::ContactHistory;
 pub(crate) use interval::{ContactInstant, ContactSample, Interval};
+pub(crate) use rail_history::{RailHistory, RailInstant};
+pub(crate) use rail_rate::RailWearRate;
 pub(crate) use step::{WearStep, WearStepFailed, WearStepStats};
+pub(crate) use wear_law::WearLaw;
+pub(crate) use wear_rate::{WearHistory, WearRate};

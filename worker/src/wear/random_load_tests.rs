@@ -2,7 +2,7 @@
 //! at random.
 
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH};
-use super::{ContactHistory, ContactInstant, FinerBore, WearRate, WearStep, WearStepStats, WornAmounts};
+use super::{BoreWearRate, ContactHistory, ContactInstant, FinerBore, WearStep, WearStepStats, WornAmounts};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
 use crate::extremum::largest;
@@ -86,7 +86,7 @@ fn contact(law: &str, points: usize) -> Contact {
 fn worn(law: &str, case: &Case, points: usize) -> (Vec<f64>, Vec<f64>) {
     let profile = Profile::round(SURFACE.journal_radius + SURFACE.clearance, points);
     let contact = contact(law, points);
-    let mut rate = WearRate::new(COEFFICIENT, WIDTH, &contact, &profile);
+    let mut rate = BoreWearRate::new(COEFFICIENT, WIDTH, &contact, &profile);
     let mut step = WearStep::new(points, case.tolerance);
     let mut copy = FinerBore::new(COEFFICIENT, WIDTH, &contact, &profile, case.tolerance);
     let mut depth = vec![0.0; points];
@@ -95,15 +95,15 @@ fn worn(law: &str, case: &Case, points: usize) -> (Vec<f64>, Vec<f64>) {
         let history = history(case, block[0]);
         let cycles = case.block * (block[1] - block[0]);
         copy.advance(&history, cycles, amounts);
-        stated.push(copy.errors().depths[0]);
+        stated.push(copy.errors().depth(0));
         rate.freeze(&history);
         step.advance(&mut rate, &mut depth, cycles, &[], |_, _| {}, &mut WearStepStats::default())
             .unwrap_or_else(|failed| panic!("{points} points: {failed:?}"));
         amounts = rate.sizes().amounts(&depth);
-        depths.push(amounts.depths[0]);
+        depths.push(amounts.depth(0));
     }
     copy.advance(&history(case, LIFE), 0.0, amounts);
-    stated.push(copy.errors().depths[0]);
+    stated.push(copy.errors().depth(0));
     stated.remove(0);
     (depths, stated)
 }
@@ -111,7 +111,7 @@ fn worn(law: &str, case: &Case, points: usize) -> (Vec<f64>, Vec<f64>) {
 /// The same depths under histories renewed [`PARTS`] times a block, each taken in its middle, at `points` control points.
 fn converged(law: &str, case: &Case, points: usize) -> Vec<f64> {
     let profile = Profile::round(SURFACE.journal_radius + SURFACE.clearance, points);
-    let mut rate = WearRate::new(COEFFICIENT, WIDTH, &contact(law, points), &profile);
+    let mut rate = BoreWearRate::new(COEFFICIENT, WIDTH, &contact(law, points), &profile);
     let mut step = WearStep::new(points, 1e-2);
     let mut depth = vec![0.0; points];
     let mut depths = vec![];

@@ -14,8 +14,8 @@
 //! 315-326; van der Houwen, Sommeijer (1980), ZAMM 60, 479-485. Blocks of cycles under a frozen history: Cui
 //! et al. as cited in `archard.rs`.
 
-use super::archard::WearRate;
 use super::equilibrium::NoEquilibrium;
+use super::wear_law::WearLaw;
 use crate::extremum::largest;
 use crate::interpolate::Cubic;
 
@@ -97,7 +97,7 @@ impl WearStep {
     /// still misses the tolerance.
     pub(crate) fn advance(
         &mut self,
-        rate: &mut WearRate,
+        rate: &mut impl WearLaw,
         depth: &mut [f64],
         cycles: f64,
         marks: &[f64],
@@ -147,7 +147,7 @@ impl WearStep {
     /// share.
     fn attempt(
         &mut self,
-        rate: &mut WearRate,
+        rate: &mut impl WearLaw,
         depth: &[f64],
         step: f64,
         radius: f64,
@@ -210,7 +210,7 @@ impl WearStep {
     /// start.
     fn spectral_radius(
         &mut self,
-        rate: &mut WearRate,
+        rate: &mut impl WearLaw,
         depth: &[f64],
         stats: &mut WearStepStats,
     ) -> Result<f64, WearStepFailed> {
@@ -237,7 +237,7 @@ impl WearStep {
 
 /// One step of the second-order Runge-Kutta-Chebyshev method with `s` >= 2 stages.
 fn chebyshev(
-    rate: &mut WearRate,
+    rate: &mut impl WearLaw,
     y0: &[f64],
     f0: &[f64],
     h: f64,

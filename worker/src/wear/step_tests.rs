@@ -1,7 +1,7 @@
 //! The wear step under a frozen contact history: its order, its agreement with many small steps, and that it
 //! does not zig-zag however long its blocks are.
 
-use super::{ContactHistory, ContactInstant, WearRate, WearStep, WearStepStats};
+use super::{BoreWearRate, ContactHistory, ContactInstant, WearStep, WearStepStats};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz, Surface};
 use std::f64::consts::TAU;
@@ -44,8 +44,8 @@ fn cycle() -> ContactHistory {
     history
 }
 
-fn rate(contact: &Contact) -> WearRate {
-    let mut rate = WearRate::new(
+fn rate(contact: &Contact) -> BoreWearRate {
+    let mut rate = BoreWearRate::new(
         COEFFICIENT,
         WIDTH,
         contact,

@@ -1,7 +1,7 @@
 //! Archard's volume K_H F S and the wear step, under contact histories made for the purpose.
 
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH, foundation};
-use super::{ContactHistory, ContactInstant, FinerBore, WearRate, WearStep, WearStepStats, WornAmounts};
+use super::{BoreWearRate, ContactHistory, ContactInstant, FinerBore, WearStep, WearStepStats, WornAmounts};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
 use std::f64::consts::TAU;
@@ -46,13 +46,13 @@ fn history(directions: &[f64]) -> ContactHistory {
     history
 }
 
-fn rate(contact: &Contact, history: &ContactHistory) -> WearRate {
-    let mut rate = WearRate::new(COEFFICIENT, WIDTH, contact, &round());
+fn rate(contact: &Contact, history: &ContactHistory) -> BoreWearRate {
+    let mut rate = BoreWearRate::new(COEFFICIENT, WIDTH, contact, &round());
     rate.freeze(history);
     rate
 }
 
-fn wear(rate: &mut WearRate, depth: &mut [f64], cycles: f64, tolerance: f64) {
+fn wear(rate: &mut BoreWearRate, depth: &mut [f64], cycles: f64, tolerance: f64) {
     WearStep::new(POINTS, tolerance)
         .advance(rate, depth, cycles, &[], |_, _| {}, &mut WearStepStats::default())
         .expect("the wear step reaches its tolerance");
@@ -188,7 +188,7 @@ fn wear_does_not_depend_on_how_a_block_is_cut() {
 /// stated error of their spacing [m].
 fn scar(contact: &Contact, history: &ContactHistory, points: usize) -> (f64, f64) {
     let profile = Profile::round(SURFACE.journal_radius + SURFACE.clearance, points);
-    let mut rate = WearRate::new(COEFFICIENT, WIDTH, contact, &profile);
+    let mut rate = BoreWearRate::new(COEFFICIENT, WIDTH, contact, &profile);
     rate.freeze(history);
     let mut step = WearStep::new(points, 5e-3);
     let mut copy = FinerBore::new(COEFFICIENT, WIDTH, contact, &profile, 5e-3);
@@ -200,7 +200,7 @@ fn scar(contact: &Contact, history: &ContactHistory, points: usize) -> (f64, f64
         worn = rate.sizes().amounts(&depth);
     }
     copy.advance(history, 0.0, worn);
-    (worn.depths[0], copy.errors().depths[0])
+    (worn.depth(0), copy.errors().depth(0))
 }
 
 #[test]

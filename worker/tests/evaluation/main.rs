@@ -26,3 +26,4 @@ mod restitution;
 mod scenes;
 mod side_by_side;
 mod single_cycle;
+mod worn_guides;

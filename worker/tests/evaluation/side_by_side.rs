@@ -2,6 +2,7 @@
 
 use crate::guides::PUBLISHED;
 use crate::scenes::{RPM, every_joint, short};
+use crate::worn_guides::pressed;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
@@ -63,6 +64,11 @@ fn mixed() -> Vec<SimulationInput> {
     };
     // A slider with clearance in its guide: contacts with memory at four pads.
     let guided = SceneSource::parse(PUBLISHED, "guided").expect("valid").nominal().clone();
+    let worn = |friction: f64| {
+        let mut scene = pressed(|guide| guide.friction = friction);
+        scene.life.cycles = 3000;
+        scene
+    };
     let mut few = Accuracy::draft();
     few.steps_bound = 2000;
     vec![
@@ -85,6 +91,9 @@ fn mixed() -> Vec<SimulationInput> {
         input(rubbing(short("slider-crank", &[], 1000)), Accuracy::draft(), PLAIN),
         input(guided.clone(), Accuracy::draft(), SHOWN),
         input(guided, Accuracy::balanced(), PLAIN),
+        // Guides that wear, which are integrated by themselves.
+        input(worn(0.05), Accuracy::draft(), SHOWN),
+        input(worn(0.0), Accuracy::draft(), PLAIN),
     ]
 }
 
@@ -93,7 +102,7 @@ fn an_evaluation_does_not_depend_on_those_next_to_it() {
     let inputs = mixed();
     let alone: Vec<Outcome> = inputs.iter().map(|o| simulate(&o.scene, &o.accuracy, o.options)).collect();
     assert!(matches!(alone[4], Err(SimulationFailure::TooManySteps { .. })), "{:?}", alone[4]);
-    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 18);
+    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 20);
     let mut inputs: Vec<_> = inputs.into_iter().map(Ok).collect();
     assert_eq!(together(LaneWidth::Widest, 8, &inputs), alone);
     // In another order and next to other evaluations.

@@ -64,7 +64,7 @@ impl LanePool {
     /// integrated by themselves; their number.
     fn load_queued(&mut self, queue: &LaneQueue) -> usize {
         let mut alone = 0;
-        while let Some(pending) = queue.take(|span| span.state.island.is_large()) {
+        while let Some(pending) = queue.take(|span| span.state.island.is_alone()) {
             let (cpu_time, begun, start) = (pending.cpu_time(), Instant::now(), pending.span.time.start);
             pending.integrate_alone(start, StepCounts::default());
             cpu_time.set(cpu_time.get() + begun.elapsed());
@@ -141,7 +141,8 @@ impl<S: Simd> Vectorised for Rounds<'_, S> {
             stepper.try_steps(island_lanes);
             contacts.record(stepper.time(), &stepper.at, &mut |joint, lane, sample| {
                 if let Some(pending) = &mut occupants[lane] {
-                    pending.span.state.recorder.histories[joint].add(sample);
+                    let history = pending.span.state.recorder.histories[joint].bore_mut();
+                    history.into_iter().for_each(|history| history.add(sample));
                 }
             });
             if !group.watched.is_empty() {

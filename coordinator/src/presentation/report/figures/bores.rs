@@ -7,6 +7,7 @@ use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::polar::{Polar, Stroke, freest, full_scale};
 use crate::results::csv_table::number;
+use common::scene::JointKind;
 
 /// Radius of the unworn bore, as a share of the outermost ring's.
 const BORE: f64 = 0.5;
@@ -18,9 +19,15 @@ const LIVES: u32 = 6;
 pub fn bores(input: &ReportInput) -> Vec<Figure> {
     let Some(nominal) = &input.nominal else { return vec![] };
     let deepest = |wear: &[f64]| wear.iter().copied().fold(0.0, f64::max);
-    let largest = nominal.joints.iter().map(|joint| deepest(&joint.wear_depth)).fold(0.0, f64::max);
+    // The faces of guides are in a table.
+    let is_bore = |index: usize| {
+        let kind = input.scene.joints.get(index).map(|joint| &joint.kind);
+        !matches!(kind, Some(JointKind::Guide(_)))
+    };
+    let bores = || nominal.joints.iter().enumerate().filter(|(index, _)| is_bore(*index));
+    let largest = bores().map(|(_, joint)| deepest(&joint.wear_depth)).fold(0.0, f64::max);
     let full = full_scale(largest, 1e-6);
-    let worn = nominal.joints.iter().enumerate().filter(|(_, joint)| !joint.wear_depth.is_empty());
+    let worn = bores().filter(|(_, joint)| !joint.wear_depth.is_empty());
     worn.map(|(index, joint)| {
         let end = (nominal.cycles.last().copied().unwrap_or(0), joint.wear_depth.as_slice());
         let mut lives = through_life(input, index);

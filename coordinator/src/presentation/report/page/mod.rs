@@ -6,6 +6,7 @@ mod head;
 pub mod numbered;
 mod parts;
 mod points;
+mod worn_guides;
 
 pub use numbered::FigureFiles;
 pub use parts::{captioned, details, figures, standalone, wrapped};
@@ -218,8 +219,9 @@ pub fn mechanism(input: &ReportInput, sections: &Sections) -> Markup {
                  joints; angles are in the frame of the bushing's body."
             },
             figures(&sections.bores, "many"),
-            html! { "There is no nominal evaluation with worn joints." },
+            html! { "There is no nominal evaluation with worn bores." },
         ))
+        (worn_guides::worn_guides(input))
         (section(
             "Journal orbits",
             html! {

@@ -25,7 +25,7 @@ use super::page::{captioned, figures, numbered};
 use super::written::WrittenScene;
 use super::{tables, words};
 use crate::results::scene_summary::limit_rows;
-use common::scene::{ContactLaw, JointKind, Scene, SimulatorKind};
+use common::scene::{ContactLaw, Joint, JointKind, Scene, SimulatorKind, WearingSurfaces};
 use maud::{Markup, html};
 
 /// Random variables beyond this number are listed in the appendix.
@@ -118,19 +118,29 @@ fn assumptions(input: &ReportInput) -> Vec<String> {
                 _ => None,
             })
             .collect();
+        let guide_wears =
+            |joint: &Joint| matches!(&joint.kind, JointKind::Guide(guide) if guide.wear.is_some());
+        let has_worn_guides = scene.joints.iter().any(guide_wears);
+        if !clearances.is_empty() || has_worn_guides {
+            let journals = clearances.iter().any(|clearance| clearance.wears != WearingSurfaces::Bushing);
+            let surfaces = if journals || has_worn_guides {
+                "The surfaces with a wear coefficient wear"
+            } else {
+                "Only bushings wear"
+            };
+            text.push(format!(
+                "{surfaces}, by Archard's law with a constant coefficient, evenly over their width. Temperature, debris and running-in \
+                 are not modelled."
+            ));
+        }
         if !clearances.is_empty() {
-            text.push(
-                "Only bushings wear, by Archard's law with a constant coefficient, evenly over their width. Temperature, \
-                 debris and running-in are not modelled."
-                    .to_owned(),
-            );
             for law in ContactLaw::ALL {
                 if clearances.iter().any(|clearance| clearance.contact_law == law) {
                     text.push(format!("Contact by the law {}: {}.", law.name(), law.explanation()));
                 }
             }
         }
-        if clearances.len() < scene.joints.len() {
+        if scene.joints.iter().any(|joint| !joint.kind.has_clearance()) {
             text.push("Ideal joints have neither clearance nor friction nor wear.".to_owned());
         }
     }

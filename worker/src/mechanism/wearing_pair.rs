@@ -1,0 +1,38 @@
+//! Two surfaces of a joint that wear each other: bushing and journal, or guide and slider.
+
+use crate::wear::{FinerBore, WearHistory, WearRate};
+
+/// A pair of surfaces with their wear depths: those of the first surface, then those of the second if it wears.
+pub(crate) trait WearingPair {
+    /// Index into the scene's joints.
+    fn scene_joint(&self) -> usize;
+
+    /// Name of the joint in the scene.
+    fn name(&self) -> &str;
+
+    /// Wear coefficients K_H, zero for a surface that does not wear `(2,)` [1/Pa].
+    fn wear_coefficients(&self) -> [f64; 2];
+
+    /// Number of depths of the first surface.
+    fn first_depths(&self) -> usize;
+
+    /// Number of all depths.
+    fn depths(&self) -> usize;
+
+    /// Replaces the wear depths by `depth` `(depths,)` [m].
+    fn set_depth(&mut self, depth: &[f64]);
+
+    /// An empty history of its contacts, which cuts a cycle of `period` [s] into about `samples` intervals.
+    fn empty_history(&self, period: f64, samples: usize) -> WearHistory;
+
+    /// Wear rate of the surfaces, as worn so far.
+    fn wear_rate(&self) -> WearRate;
+
+    /// Unworn copy with twice as many control points, whose wear steps follow from the relative `tolerance` [1] of this pair.
+    fn finer_copy(&self, tolerance: f64) -> FinerBore<WearRate>;
+
+    /// True if one of the surfaces wears.
+    fn wears(&self) -> bool {
+        self.wear_coefficients().iter().any(|coefficient| *coefficient > 0.0)
+    }
+}

@@ -1,0 +1,248 @@
+//! Worn faces of a straight guide and of the slider in it: wear depths of control points along both.
+//!
+//! Each of the two faces of the guide has N control points at equal distances D = (s_1 - s_0) / (N - 1) over its reach [s_0, s_1] [m]. Between
+//! them the depth w(s) is the monotone cubic of Fritsch and Butland, level beyond both ends: continuous with its slope, and without a dip or a
+//! hump that the control points do not have.
+//!
+//! Each face of the slider, of the length l [m], has a node at the middle and m elements of the length l / (2 m) on either side of it, whose
+//! nodes are its control points; its depth is linear in between, as is the overlap of both faces. Where the guide wears, m is the smallest number
+//! whose elements are no longer than D.
+//!
+//! Depths of a pair are stored as (left face of the guide, right face, left face of the slider, right face), without the latter two unless the
+//! slider wears.
+//!
+//! # Source
+//! Fritsch, Butland (1984), SIAM J. Sci. Stat. Comput. 5, 300-304.
+
+use crate::interpolate::Cubic;
+use common::scene::monotone::fritsch_butland;
+use common::scene::{GuideClearance, GuideWear};
+
+/// Fewest and most elements of half a face of a slider. The fewest show a facet at a corner at all; with the most a control point lies at each
+/// hundredth of the slider.
+const ELEMENTS: (usize, usize) = (4, 64);
+/// Most nodes of half a face of a slider.
+pub const MOST_NODES: usize = ELEMENTS.1 + 1;
+
+/// Where the control points of both faces of a guide and of its slider are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RailLayout {
+    /// Control points N of each face of the guide.
+    pub points: usize,
+    /// Ends of the guide along its axis `(2,)` [m].
+    pub reach: [f64; 2],
+    /// Elements m of each half of a face of the slider.
+    pub elements: usize,
+    /// Half of the slider's length [m].
+    pub half_length: f64,
+    /// Width of the contact [m].
+    pub width: f64,
+    /// True if the slider has depths.
+    pub slider_wears: bool,
+}
+
+impl RailLayout {
+    /// Control points of a checked guide that wears.
+    pub(crate) fn new(guide: &GuideClearance, wear: &GuideWear) -> Self {
+        let [of_guide, of_slider] = wear.coefficients();
+        let points = wear.control_points;
+        let spacing = (guide.reach[1] - guide.reach[0]) / (points - 1) as f64;
+        let half_length = 0.5 * guide.length;
+        let elements =
+            if of_guide > 0.0 { (half_length / spacing).ceil() as usize } else { points.div_ceil(2) };
+        RailLayout {
+            points,
+            reach: guide.reach,
+            elements: elements.clamp(ELEMENTS.0, ELEMENTS.1),
+            half_length,
+            width: guide.width,
+            slider_wears: of_slider > 0.0,
+        }
+    }
+
+    /// A layout of this guide with half the distance between control points.
+    pub(crate) fn finer(&self) -> Self {
+        RailLayout { points: 2 * self.points - 1, elements: 2 * self.elements, ..*self }
+    }
+
+    /// Distance D between the control points of the guide [m].
+    pub(crate) fn spacing(&self) -> f64 {
+        (self.reach[1] - self.reach[0]) / (self.points - 1) as f64
+    }
+
+    /// Length of an element of the slider [m].
+    pub(crate) fn element(&self) -> f64 {
+        self.half_length / self.elements as f64
+    }
+
+    /// Nodes of a face of the slider.
+    pub(crate) fn nodes(&self) -> usize {
+        2 * self.elements + 1
+    }
+
+    /// Distance of a node from the slider's middle, along it [m].
+    #[inline(always)]
+    pub(crate) fn node(&self, node: usize) -> f64 {
+        self.half_length * (node as f64 / self.elements as f64 - 1.0)
+    }
+
+    /// Number of depths of the guide.
+    pub(crate) fn guide_depths(&self) -> usize {
+        2 * self.points
+    }
+
+    /// Number of all depths.
+    pub(crate) fn depths(&self) -> usize {
+        self.guide_depths() + if self.slider_wears { 2 * self.nodes() } else { 0 }
+    }
+
+    /// Area of the control point with this index among the depths: half at the ends of a face [m^2].
+    pub(crate) fn area(&self, depth: usize) -> f64 {
+        let (within, points, length) = match depth.checked_sub(self.guide_depths()) {
+            None => (depth % self.points, self.points, self.spacing()),
+            Some(of_slider) => (of_slider % self.nodes(), self.nodes(), self.element()),
+        };
+        let share = if within == 0 || within + 1 == points { 0.5 } else { 1.0 };
+        share * length * self.width
+    }
+
+    /// Index of a control point before the place `s` along the guide [m], and the fraction of the distance to the next one, in [0, 1].
+    #[inline(always)]
+    pub(crate) fn place(&self, s: f64) -> (usize, f64) {
+        let intervals = (self.points - 1) as f64;
+        let u = ((s - self.reach[0]) / (self.reach[1] - self.reach[0]) * intervals).clamp(0.0, intervals);
+        let k = (u as usize).min(self.points - 2);
+        (k, u - k as f64)
+    }
+}
+
+/// Depth of a face of the guide and its derivatives along it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Depth {
+    /// Depth w [m].
+    pub w: f64,
+    /// First derivative dw/ds [1].
+    pub slope: f64,
+    /// Second derivative [1/m].
+    pub bend: f64,
+}
+
+/// The faces of a guide and of its slider as worn so far.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RailFaces {
+    layout: RailLayout,
+    /// Cubics between the control points of both faces of the guide `(2, points - 1)` [m].
+    guide: [Vec<Cubic>; 2],
+    /// Depth at the nodes of both faces of the slider `(2, nodes)` [m].
+    slider: [Vec<f64>; 2],
+}
+
+impl RailFaces {
+    /// Faces without any wear.
+    pub(crate) fn new(layout: RailLayout) -> Self {
+        let guide = vec![Cubic([0.0; 4]); layout.points - 1];
+        let slider = vec![0.0; layout.nodes()];
+        RailFaces { layout, guide: [guide.clone(), guide], slider: [slider.clone(), slider] }
+    }
+
+    /// Where the control points are.
+    pub(crate) fn layout(&self) -> &RailLayout {
+        &self.layout
+    }
+
+    /// Replaces the depths `(depths,)` [m].
+    pub(crate) fn set_depth(&mut self, depth: &[f64]) {
+        let (of_guide, of_slider) = depth.split_at(self.layout.guide_depths());
+        for (cubics, depth) in self.guide.iter_mut().zip(of_guide.chunks_exact(self.layout.points)) {
+            let last = depth.len() - 1;
+            let slope = |k: usize| {
+                if k == 0 || k == last {
+                    return 0.0;
+                }
+                fritsch_butland([1.0; 2], [depth[k] - depth[k - 1], depth[k + 1] - depth[k]])
+            };
+            for (k, cubic) in cubics.iter_mut().enumerate() {
+                *cubic = Cubic::hermite([depth[k], depth[k + 1]], [slope(k), slope(k + 1)]);
+            }
+        }
+        for (to, from) in self.slider.iter_mut().zip(of_slider.chunks_exact(self.layout.nodes())) {
+            to.copy_from_slice(from);
+        }
+    }
+
+    /// Depth of a face of the guide at the place `s` along it [m].
+    #[inline(always)]
+    pub(crate) fn guide_depth(&self, face: usize, s: f64) -> Depth {
+        let (k, fraction) = self.layout.place(s);
+        let cubic = &self.guide[face][k];
+        let per_spacing = 1.0 / self.layout.spacing();
+        let inside = s > self.layout.reach[0] && s < self.layout.reach[1];
+        let per_spacing = if inside { per_spacing } else { 0.0 };
+        Depth {
+            w: cubic.value(fraction),
+            slope: cubic.slope(fraction) * per_spacing,
+            bend: cubic.curvature(fraction) * per_spacing * per_spacing,
+        }
+    }
+
+    /// Depth at a node of a face of the slider [m].
+    #[inline(always)]
+    pub(crate) fn slider_depth(&self, face: usize, node: usize) -> f64 {
+        self.slider[face][node]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layout() -> RailLayout {
+        RailLayout {
+            points: 11,
+            reach: [-0.1, 0.15],
+            elements: 4,
+            half_length: 0.025,
+            width: 0.02,
+            slider_wears: true,
+        }
+    }
+
+    #[test]
+    fn a_trough_has_its_depths_at_the_control_points_and_neither_dips_nor_humps() {
+        let layout = layout();
+        let mut faces = RailFaces::new(layout);
+        let mut depth = vec![0.0; layout.depths()];
+        depth[3..8].copy_from_slice(&[2e-6, 5e-6, 5e-6, 4e-6, 1e-6]);
+        depth[layout.guide_depths() + 2] = 7e-6;
+        faces.set_depth(&depth);
+        assert_eq!((faces.slider_depth(0, 2), faces.slider_depth(1, 2)), (7e-6, 0.0));
+        for (k, depth) in depth[..11].iter().enumerate() {
+            let s = -0.1 + 0.025 * k as f64;
+            assert!((faces.guide_depth(0, s).w - depth).abs() < 1e-18, "{k}");
+            assert_eq!(faces.guide_depth(1, s).w, 0.0);
+        }
+        let h = 1e-6;
+        for i in 0..2600 {
+            let s = -0.105 + 1e-4 * f64::from(i) + 3.7e-5;
+            let Depth { w, slope, bend } = faces.guide_depth(0, s);
+            let (k, fraction) = layout.place(s);
+            let (low, high) = (depth[k].min(depth[k + 1]), depth[k].max(depth[k + 1]));
+            assert!(w >= low - 1e-18 && w <= high + 1e-18, "{s} {fraction}");
+            let (before, after) = (faces.guide_depth(0, s - h), faces.guide_depth(0, s + h));
+            assert!((slope - (after.w - before.w) / (2.0 * h)).abs() < 1e-8, "{s}: {slope}");
+            if (layout.place(s - h).0, layout.place(s + h).0) == (k, k) {
+                assert!((bend - (after.slope - before.slope) / (2.0 * h)).abs() < 1e-6, "{s}: {bend}");
+            }
+        }
+    }
+
+    #[test]
+    fn areas_are_those_of_the_faces() {
+        let layout = layout();
+        let of_guide: f64 = (0..layout.guide_depths()).map(|k| layout.area(k)).sum();
+        let of_slider: f64 = (layout.guide_depths()..layout.depths()).map(|k| layout.area(k)).sum();
+        assert!((of_guide / (2.0 * 0.25 * 0.02) - 1.0).abs() < 1e-14);
+        assert!((of_slider / (2.0 * 0.05 * 0.02) - 1.0).abs() < 1e-14);
+        assert_eq!((layout.node(0), layout.node(4), layout.node(8)), (-0.025, 0.0, 0.025));
+    }
+}
