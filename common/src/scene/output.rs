@@ -78,7 +78,7 @@ pub enum OutputKind {
         /// Index of a free body.
         body: usize,
     },
-    /// Number of impacts in these joints with clearance over a cycle [1].
+    /// Number of impacts in these joints and guides with clearance over a cycle [1].
     Impacts {
         /// Indices into [`super::Scene::joints`].
         joints: Vec<usize>,

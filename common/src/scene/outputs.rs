@@ -3,7 +3,7 @@
 use super::body_row::{BodyRow, MotionWord, body};
 use super::context::Range;
 use super::drive::Curve;
-use super::joint::{Joint, JointKind};
+use super::joint::JointKind;
 use super::joints::{JointRow, chosen_joints, listed};
 use super::output::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
 use super::output_bodies::{free_body, free_place, held_input, moves};
@@ -167,11 +167,12 @@ fn error_measure(row: &mut Section) -> Option<ErrorMeasure> {
     row.word_or("measure", &words, ErrorMeasure::Largest)
 }
 
-/// Reads joints with clearance, by default all of them.
+/// Reads joints and guides with clearance, by default all of them.
 fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
     let has_clearance = |joint: &JointRow| {
         // The kind of a faulty joint may be unknown; that fault has been recorded.
-        joint.joint.as_ref().is_none_or(|joint| matches!(joint.kind, JointKind::Clearance(_)))
+        let joint = joint.joint.as_ref();
+        joint.is_none_or(|joint| matches!(joint.kind, JointKind::Clearance(_) | JointKind::Guide(_)))
     };
     let with_clearance =
         || joints.iter().filter(|joint| has_clearance(joint)).map(|joint| joint.name.as_str());
@@ -185,12 +186,7 @@ fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
     }
     if let Some(ideal) = chosen.iter().map(|&k| &joints[k]).find(|joint| !has_clearance(joint)) {
         let there_are = listed(with_clearance());
-        let guides = |joint: &Joint| matches!(joint.kind, JointKind::Guide(_));
-        let reason = match ideal.joint.as_ref().is_some_and(guides) {
-            true => "is a guide, the impacts of which are not counted",
-            false => "has no clearance",
-        };
-        row.inconsistent("joints", format!("joint \"{}\" {reason}{there_are}", ideal.name));
+        row.inconsistent("joints", format!("joint \"{}\" has no clearance{there_are}", ideal.name));
         return None;
     }
     Some(chosen)

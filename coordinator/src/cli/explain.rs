@@ -311,7 +311,7 @@ mod tests {
             "stroke_error: r.m.s. distance of a point of slider from its wanted position",
             "rod_error: largest difference of the angle of rod from that with ideal joints",
             "jolt: largest acceleration of a point of rod",
-            "strokes: number of impacts per cycle in 5 joints",
+            "strokes: number of impacts per cycle in 6 joints",
             "hardest_blow: energy of the hardest impact in 2 joints",
             "torque: largest torque that drives crank",
             "limit state too_weak: failed from 0.1000 mJ down",

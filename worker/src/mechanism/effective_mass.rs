@@ -52,7 +52,12 @@ impl Island {
                 impulse[k + 2] += sign * cross(arm, normal);
             }
         }
-        let Some(change) = self.with_reactions(&impulse, t, q, v) else { return 0.0 };
+        self.mass_against(&impulse, t, q, v)
+    }
+
+    /// Effective mass against the generalised impulse W = `impulse` `(n,)` in the state (`t`, `q`, `v`) [kg], zero as above.
+    pub(super) fn mass_against(&self, impulse: &[f64], t: f64, q: &[f64], v: &[f64]) -> f64 {
+        let Some(change) = self.with_reactions(impulse, t, q, v) else { return 0.0 };
         let flexibility: f64 = impulse.iter().zip(&change).zip(&self.mass).map(|((w, c), m)| w * c / m).sum();
         if flexibility > 0.0 { 1.0 / flexibility } else { 0.0 }
     }
@@ -75,7 +80,7 @@ impl Island {
     }
 
     /// Frame of a body of the island in a state.
-    fn frame_at(&self, index: usize, t: f64, q: &[f64], v: &[f64]) -> Frame {
+    pub(super) fn frame_at(&self, index: usize, t: f64, q: &[f64], v: &[f64]) -> Frame {
         match index.checked_sub(self.bodies.len()) {
             None => Frame::free(&q[3 * index..3 * index + 3], &v[3 * index..3 * index + 3]),
             Some(prescribed) => self.prescribed[prescribed].frame(t),

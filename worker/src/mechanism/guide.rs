@@ -224,7 +224,7 @@ impl<R: Real> Guide<R> {
 
     /// Outward normal of a face, the one to the left of the axis `t` or that to the right, in global axes, and its corner, middle and corner.
     #[inline(always)]
-    fn face(&self, face: usize, t: [R; 2], [fa, fb]: [&Frame<R>; 2]) -> ([R; 2], [PadEnd<R>; 3]) {
+    pub(super) fn face(&self, face: usize, t: [R; 2], [fa, fb]: [&Frame<R>; 2]) -> ([R; 2], [PadEnd<R>; 3]) {
         let ([i, j], zero) = (&self.ends, self.unit.zero());
         let side = if face == 0 { self.unit.like(1.0) } else { self.unit.like(-1.0) };
         let n = left(t).map(|x| x * side);

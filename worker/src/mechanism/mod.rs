@@ -21,6 +21,7 @@ mod friction_balance;
 #[cfg(test)]
 mod friction_tests;
 mod guide;
+mod guide_corner;
 mod guide_onset;
 #[cfg(test)]
 mod guide_tests;

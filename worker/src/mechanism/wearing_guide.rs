@@ -64,6 +64,16 @@ impl WearingGuide {
         self.worn.as_ref().map(|worn| play(&worn.faces, worn.clearance, lambda, s))
     }
 
+    /// Depth of guide and slider together at the first or the `last` corner of the slider's `face`, which lies at `s` [m] along the guide [m], and its
+    /// slope along the guide [1]; zero if no surface wears.
+    pub(super) fn corner_depth(&self, face: usize, last: bool, s: f64) -> (f64, f64) {
+        self.worn.as_ref().map_or((0.0, 0.0), |worn| {
+            let node = if last { worn.faces.layout().nodes() - 1 } else { 0 };
+            let depth = worn.faces.guide_depth(face, s);
+            (depth.w + worn.faces.slider_depth(face, node), depth.slope)
+        })
+    }
+
     /// The two surfaces, if one of them wears.
     pub(super) fn pair(&self) -> Option<&dyn WearingPair> {
         self.worn.as_deref().map(|worn| worn as &dyn WearingPair)

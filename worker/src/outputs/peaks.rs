@@ -2,30 +2,33 @@
 
 use super::RecordingRequest;
 use super::impact_count::ImpactCount;
+use crate::contact::PADS;
 use crate::integrate::{Dynamics, Linearised};
 use crate::mechanism::{End, Frame, Island};
 use crate::plane::length;
 use common::scene::{Attachment, Scene};
 
-/// Peaks of the requested accelerations, and the impacts of the joints with clearance if they are requested.
+/// Peaks of the requested accelerations, and the impacts of the joints with clearance and the guides if they are requested.
 #[derive(Debug, Clone, Default)]
 pub struct Peaks {
     /// Requested points with their place on the island, and their largest acceleration so far [m/s^2].
     accelerations: Vec<(Attachment, End, f64)>,
     /// Requested bodies of the scene, their index in the island, and their largest angular acceleration so far [rad/s^2].
     angular: Vec<(usize, usize, f64)>,
-    /// Impacts of the joints with clearance.
+    /// Impacts of the joints with clearance and of the guides.
     impacts: Option<ImpactRecording>,
 }
 
-/// Impacts of every joint with clearance.
+/// Impacts of every joint with clearance, then of every guide.
 #[derive(Debug, Clone, Default)]
 struct ImpactRecording {
-    /// Impacts so far `(joints,)`.
+    /// Impacts so far `(joints + guides,)`.
     counts: Vec<ImpactCount>,
     /// Velocity of the journal's centre against the bushing's in the bushing's frame at the last state, if that was one of free flight
     /// `(joints,)` [m/s].
     flight: Vec<Option<[f64; 2]>>,
+    /// Speed at which each corner of a slider approached its guide at the last state, if that was one of free flight `(guides, 4)` [m/s].
+    corners: Vec<[Option<f64>; PADS]>,
 }
 
 impl Peaks {
@@ -35,13 +38,14 @@ impl Peaks {
         let point =
             |place: &Attachment| Some((*place, End { frame: slot(place.body)?, arm: scene.arm(place) }, 0.0));
         let angular = |&body: &usize| Some((body, slot(body)?, 0.0));
-        let joints = island.joints.len();
+        let (joints, guides) = (island.joints.len(), island.guides.len());
         Peaks {
             accelerations: requested.accelerations.iter().filter_map(point).collect(),
             angular: requested.angular_accelerations.iter().filter_map(angular).collect(),
             impacts: requested.impacts.then(|| ImpactRecording {
-                counts: vec![ImpactCount::default(); joints],
+                counts: vec![ImpactCount::default(); joints + guides],
                 flight: vec![None; joints],
+                corners: vec![[None; PADS]; guides],
             }),
         }
     }
@@ -53,6 +57,7 @@ impl Peaks {
         if let Some(impacts) = &mut self.impacts {
             impacts.counts.fill(ImpactCount::default());
             impacts.flight.fill(None);
+            impacts.corners.fill([None; PADS]);
         }
     }
 
@@ -98,7 +103,7 @@ impl Peaks {
 
     /// Impacts of a joint of the scene, if it is in this island and they are requested.
     pub(crate) fn impacts(&self, island: &Island, joint: usize) -> Option<ImpactCount> {
-        let place = island.joints.iter().position(|j| j.scene_joint == joint)?;
+        let place = island.contacts().position(|scene_joint| scene_joint == joint)?;
         self.impacts.as_ref().map(|impacts| impacts.counts[place])
     }
 }
@@ -117,6 +122,29 @@ impl ImpactRecording {
                 let speed = before[0] * direction[0] + before[1] * direction[1];
                 let mass = island.effective_mass(joint, direction, t, q, v);
                 self.counts[joint].add(0.5 * mass * speed * speed);
+            }
+        }
+        for guide in 0..island.guides.len() {
+            let corners = island.guide_corners(guide, t, q, v);
+            let flights = &mut self.corners[guide];
+            let faces = corners.chunks(PADS / 2).zip(flights.chunks_mut(PADS / 2));
+            for (corners, flights) in faces {
+                // Both corners of a face that strike within a step are one impact, of its middle.
+                let (mut struck, mut approach, mut gradient) = (0.0, 0.0, [0.0; 6]);
+                for (corner, flight) in corners.iter().zip(flights) {
+                    if corner.overlap <= 0.0 {
+                        *flight = Some(corner.rate);
+                    } else if let Some(speed) = flight.take() {
+                        struck += 1.0;
+                        approach += speed;
+                        gradient.iter_mut().zip(corner.gradient).for_each(|(sum, part)| *sum += part);
+                    }
+                }
+                if struck > 0.0 {
+                    let (speed, along) = (approach / struck, gradient.map(|sum| sum / struck));
+                    let mass = island.guide_mass(guide, along, t, q, v);
+                    self.counts[island.joints.len() + guide].add(0.5 * mass * speed * speed);
+                }
             }
         }
     }

@@ -10,7 +10,7 @@ use super::several_cycles::MOTIONS;
 use super::side_by_side::{LaneQueue, run_alone};
 use crate::mechanism::{Island, WearingJoint, WearingPair};
 use crate::quasi_static::Unsuitable;
-use crate::wear::{ContactHistory, WearHistory, mean_contact_arc};
+use crate::wear::{WearHistory, mean_contact_arc};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
@@ -68,17 +68,14 @@ impl ContactArc {
 
     fn of_islands(islands: &[IslandState]) -> Vec<ContactArc> {
         let of_island = |state: &IslandState| -> Vec<ContactArc> {
-            let histories = state.recorder.histories.iter().filter_map(WearHistory::bore);
-            let joints = state.island.joints.iter().zip(histories);
-            let arc = |(joint, history): (&WearingJoint, &ContactHistory)| ContactArc {
-                joint: joint.name.clone(),
-                arc: mean_contact_arc(
-                    history,
-                    [joint.profile.initial_radius(), joint.contact.surface().journal_radius],
-                ),
-                spacing: TAU / joint.profile.points() as f64,
+            let joints = state.island.joints.iter().zip(&state.recorder.histories);
+            let arc = |(joint, history): (&WearingJoint, &WearHistory)| {
+                let radii = [joint.profile.initial_radius(), joint.contact.surface().journal_radius];
+                let arc = mean_contact_arc(history.bore()?, radii);
+                let spacing = TAU / joint.profile.points() as f64;
+                Some(ContactArc { joint: joint.name.clone(), arc, spacing })
             };
-            joints.filter(|(joint, _)| joint.wears()).map(arc).collect()
+            joints.filter(|(joint, _)| joint.wears()).filter_map(arc).collect()
         };
         islands.iter().flat_map(of_island).collect()
     }

@@ -190,7 +190,8 @@ impl IslandState {
 
     /// Stepper and empty contact histories for another accuracy of the time steps; `period` is the length of a cycle [s].
     pub(crate) fn tools_for(&self, period: f64, accuracy: &Accuracy) -> CycleTools {
-        let histories = self.recorder.histories.iter().map(WearHistory::emptied).collect();
+        let mut histories = self.recorder.histories.clone();
+        histories.iter_mut().for_each(WearHistory::clear);
         CycleTools { stepper: stepper(&self.island, period, accuracy), histories }
     }
 

@@ -27,15 +27,6 @@ impl ContactHistory {
         ContactHistory { samples: Vec::with_capacity(2 * samples), interval: empty, empty }
     }
 
-    /// An empty history that is cut like this one.
-    pub(crate) fn emptied(&self) -> Self {
-        ContactHistory {
-            samples: Vec::with_capacity(self.samples.len()),
-            interval: self.empty,
-            empty: self.empty,
-        }
-    }
-
     /// Removes all samples, for a new cycle.
     pub(crate) fn clear(&mut self) {
         self.samples.clear();

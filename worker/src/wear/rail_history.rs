@@ -124,11 +124,6 @@ impl RailHistory {
         }
     }
 
-    /// An empty history that cuts a cycle like this one.
-    pub(crate) fn emptied(&self) -> Self {
-        RailHistory { samples: Vec::new(), interval: RailInterval::default(), ..*self }
-    }
-
     /// Removes all samples, for a new cycle.
     pub(crate) fn clear(&mut self) {
         self.samples.clear();

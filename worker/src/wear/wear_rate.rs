@@ -55,14 +55,6 @@ impl WearHistory {
         }
     }
 
-    /// An empty history that cuts a cycle like this one.
-    pub(crate) fn emptied(&self) -> Self {
-        match self {
-            WearHistory::Bore(history) => WearHistory::Bore(history.emptied()),
-            WearHistory::Rail(history) => WearHistory::Rail(history.emptied()),
-        }
-    }
-
     /// Removes all samples, for a new cycle.
     pub(crate) fn clear(&mut self) {
         with_history!(self, history => history.clear());

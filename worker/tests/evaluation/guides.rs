@@ -57,6 +57,14 @@ friction_speed = "1 mm/s"
 name = "force"
 type = "peak-joint-force"
 
+[[outputs]]
+name = "impacts"
+type = "impacts"
+
+[[outputs]]
+name = "blow"
+type = "impact-energy"
+
 [life]
 period = "0.1 s"
 cycles = 1
@@ -89,6 +97,14 @@ fn history(evaluation: &Evaluation) -> (&[f64], &[[f64; 2]]) {
     (&cycle.time, &cycle.motion[0].position)
 }
 
+/// The cycle has one impact of this energy [J].
+fn assert_impact(evaluation: &Evaluation, energy: f64) {
+    let [number, found] = [1, 2].map(|output| evaluation.histories[output][0]);
+    println!("{number} impacts, {found:e} J, closed form {energy:e} J");
+    assert_eq!(number, 1.0);
+    assert!((found / energy - 1.0).abs() < 0.01, "{found:e} J against {energy:e} J");
+}
+
 /// Restitution of an impact with the factor D v0 = `factor`: the root x of factor (1 + x) = ln[(1 + factor) / (1 - x factor)].
 fn restitution(factor: f64) -> f64 {
     let off = |x: f64| factor * (1.0 + x) - ((1.0 + factor) / (1.0 - x * factor)).ln();
@@ -119,6 +135,7 @@ fn a_slider_that_falls_on_its_face_returns_by_its_restitution() {
         println!("restitution {coefficient}: {e}, apex {apex:e}, closed form {closed:e}");
         assert!((apex - closed).abs() < 2e-3 * CLEARANCE, "{coefficient}: {apex:e} against {closed:e}");
         assert!(position.iter().all(|at| at[0].abs() < 1e-9), "it falls straight");
+        assert_impact(&evaluation, MASS * 9.81 * CLEARANCE);
         let energy = evaluation.diagnostics.energy.expect("asked for");
         assert!(energy.residual().abs() < 2e-3 * energy.turnover, "{energy:?}");
         assert_eq!(energy.unphysical, 0.0);
@@ -169,6 +186,8 @@ fn a_slider_that_strikes_with_a_corner_returns_by_its_restitution() {
             println!("restitution {coefficient}: {returned}, closed form {e}; pressed at {arm:e} m");
             assert!((returned - e).abs() < 0.005, "{coefficient}: {returned} against {e}");
             assert!(arm > 0.98 * CORNER && arm < CORNER, "{arm}");
+            let approach = accelerated(CORNER) * strikes;
+            assert_impact(&evaluation, 0.5 * approach * approach / (1.0 / MASS + CORNER * CORNER / INERTIA));
             let energy = evaluation.diagnostics.energy.expect("asked for");
             assert!(energy.residual().abs() < 2e-3 * energy.turnover, "{energy:?}");
             assert_eq!(energy.unphysical, 0.0);
