@@ -99,7 +99,7 @@ fn write_arc(out: &mut String, contact: &ContactArc) -> std::fmt::Result {
         spacing.to_degrees()
     )?;
     if per_arc < ContactArc::ENOUGH {
-        write!(out, "; control_points = {} would give {:.0}", contact.enough_points(), ContactArc::ENOUGH)?;
+        write!(out, "; control_points = {} would give {:.1}", contact.enough_points(), ContactArc::ENOUGH)?;
     }
     writeln!(out)
 }

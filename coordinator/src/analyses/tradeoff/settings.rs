@@ -32,7 +32,7 @@ const MORE: [&str; 24] = [
     "wear-tolerance-1e-2",
     "wear-tolerance-5e-2",
     "samples-50",
-    "samples-200",
+    "samples-100",
     "samples-400",
     "samples-1000",
     "warm-up-0.02",
