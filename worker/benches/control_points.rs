@@ -13,7 +13,7 @@ const POINTS: [usize; 5] = [18, 36, 72, 144, 288];
 /// Lengths of the blocks [cycles].
 const BLOCKS: [u32; 3] = [500, 1000, 4000];
 /// Contact samples of a cycle.
-const SAMPLES: [usize; 2] = [50, 1000];
+const SAMPLES: [usize; 2] = [150, 1200];
 
 fn with(scene: &Scene, law: ContactLaw, points: usize) -> Scene {
     let mut scene = scene.clone();
