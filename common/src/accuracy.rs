@@ -66,7 +66,7 @@ impl Accuracy {
             // (`coordinator extremes`).
             steps_bound: 400_000,
             // The wear needs no more than 50, since intervals end also where the contact has turned. The asymmetry of the drive, once its
-            // vibration has set in, is higher by 0.6 r/min with 100 than with 1000, by 0.1 with 200 (`worker/benches/README.md`).
+            // vibration has set in, is higher by 0.6 r/min with 100 than with 1000, by 0.2 with 200 (`coordinator/doc/tradeoff.md`).
             wear_samples: 200,
             cycle_jump: 4000,
             wear_tolerance: 2e-2,

@@ -296,7 +296,7 @@ fn outputs_and_limit_states() {
     let at = place(&scene, "rod", [0.02, 0.0]);
     assert_eq!(*output("jolt"), OutputKind::Acceleration { at });
     assert_eq!(*output("jerk_of_rod"), OutputKind::AngularAcceleration { body: rod });
-    let with_clearance = ["worn", "unworn", "struck", "held", "undamped"].map(index).to_vec();
+    let with_clearance = ["worn", "unworn", "struck", "held", "undamped", "rail"].map(index).to_vec();
     assert_eq!(*output("strokes"), OutputKind::Impacts { joints: with_clearance });
     let (joints, measure) = (vec![index("struck")], ImpactMeasure::Total);
     assert_eq!(*output("blows"), OutputKind::ImpactEnergy { joints, measure });
