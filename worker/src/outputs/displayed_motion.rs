@@ -12,7 +12,7 @@ use common::scene::Scene;
 
 /// One state of the island.
 #[derive(Debug, Clone, Default)]
-struct State {
+struct DisplayedState {
     time: f64,
     /// Positions and velocities `(n,)` [m, rad], [m/s, rad/s].
     q: Vec<f64>,
@@ -27,8 +27,8 @@ pub struct DisplayedMotion {
     /// Displayed times, increasing [s].
     at: Vec<f64>,
     /// The last state and the one before it.
-    last: State,
-    before: State,
+    last: DisplayedState,
+    before: DisplayedState,
     /// Number of states so far.
     states: usize,
     /// Positions `(shown, n)` [m, rad], velocities `(shown, n)` [m/s, rad/s] and force magnitudes `(shown, joints)` [N] at the first displayed times.
@@ -43,8 +43,8 @@ impl DisplayedMotion {
     pub(super) fn new(at: Vec<f64>) -> Self {
         DisplayedMotion {
             at,
-            last: State::default(),
-            before: State::default(),
+            last: DisplayedState::default(),
+            before: DisplayedState::default(),
             states: 0,
             q: Vec::new(),
             v: Vec::new(),
@@ -62,7 +62,7 @@ impl DisplayedMotion {
         powers: PowerState,
     ) {
         std::mem::swap(&mut self.before, &mut self.last);
-        let State { time: last, q: last_q, v: last_v, force } = &mut self.last;
+        let DisplayedState { time: last, q: last_q, v: last_v, force } = &mut self.last;
         *last = time;
         for (to, from) in [(last_q, q), (last_v, v)] {
             to.clear();
