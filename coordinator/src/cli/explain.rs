@@ -304,7 +304,7 @@ mod tests {
              angle of crank, repeated",
             "plain_fan: drag of 0.0001 N m s/rad and 0 N m s^2/rad^2 on slider",
             "wear: largest wear depth of joint worn",
-            "all_wear: largest wear depth of 3 joints",
+            "all_wear: largest wear depth of 4 joints",
             "angle: largest difference of angle, rod against slider",
             "hinge_force: largest force in 2 joints",
             "error: largest distance of a point of slider from its position with ideal joints",
