@@ -15,7 +15,7 @@ pub enum WearQuantity {
     JournalDepth,
     /// Growth of the radial clearance of the joint where it grows most: the sum of the largest depths of its bushing and its journal,
     /// which is the largest growth of the gap over all places and relative angles [m]. For a guide, growth of the clearance on the side where it
-    /// grows most: the sum of the largest depths of guide and slider on that face.
+    /// grows most: the sum of the largest depths of guide and slider on that face, the largest growth of the gap if they pass each other.
     ClearanceGrowth,
     /// Volume worn from both surfaces of all joints [m^3].
     Volume,
