@@ -87,7 +87,7 @@ impl Model {
 
 /// The contact arc of a joint against the spacing of its control points, with advice where they are too few.
 fn write_arc(out: &mut String, contact: &ContactArc) -> std::fmt::Result {
-    let ContactArc { joint, arc, spacing } = contact;
+    let ContactArc { joint, arc, spacing, .. } = contact;
     if *arc <= 0.0 {
         return writeln!(out, "  joint {joint}: no contact in the first cycle");
     }

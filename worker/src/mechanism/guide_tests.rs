@@ -2,6 +2,7 @@
 
 use super::frame::{End, Frame};
 use super::guide::{Guide, Guiding};
+use super::guide_differences::assert_derivatives;
 use crate::contact::GuideReaction;
 use common::scene::{ContactDamping, GuideClearance, Material};
 
@@ -63,31 +64,8 @@ fn derivatives_agree_with_differences() {
     for off in CONTACTS {
         let v = [0.2, -0.1, 3.0, 0.05, 0.1, -2.0];
         let guide = guide(ContactDamping::HuntCrossley { factor: 0.8 }, 0.12, axis);
-        let state = frames(axis, off, turned, v);
-        let (q, v) = &state;
-        let exact = guide.force::<true>(&[Frame::free(&q[..3], &v[..3]), Frame::free(&q[3..], &v[3..])]).0;
-        assert!(exact.f.iter().any(|f| f.abs() > 1.0), "{off:?}: nothing touches");
-        let scale = |rows: &[[f64; 6]; 6], r: usize| rows[r].iter().fold(1.0_f64, |a, b| a.max(b.abs()));
-        for c in 0..6 {
-            let moved = |h: f64, rates: bool| {
-                let mut state = state;
-                if rates {
-                    state.1[c] += h
-                } else {
-                    state.0[c] += h
-                }
-                at(&guide, &state).0
-            };
-            let h = if c % 3 == 2 { 2e-9 } else { 1e-10 };
-            let (low, high) = (moved(-h, false), moved(h, false));
-            let (slow, fast) = (moved(-1e-6, true), moved(1e-6, true));
-            for r in 0..6 {
-                let (k, d) = ((high[r] - low[r]) / (2.0 * h), (fast[r] - slow[r]) / 2e-6);
-                let (k_off, d_off) = ((exact.k[r][c] - k).abs(), (exact.d[r][c] - d).abs());
-                assert!(k_off < 1e-4 * scale(&exact.k, r), "{off:?} k {r} {c}: {} {k}", exact.k[r][c]);
-                assert!(d_off < 1e-5 * scale(&exact.d, r), "{off:?} d {r} {c}: {} {d}", exact.d[r][c]);
-            }
-        }
+        let (q, v) = frames(axis, off, turned, v);
+        assert_derivatives(&guide, &q, &v, &format!("{off:?}"));
     }
 }
 

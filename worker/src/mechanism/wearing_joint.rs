@@ -99,13 +99,12 @@ impl WearingPair for WearingJoint {
 
     fn wear_rate(&self) -> WearRate {
         let WearingJoint { wear_coefficients, width, contact, profile, .. } = self;
-        WearRate::Bore(Box::new(BoreWearRate::new(*wear_coefficients, *width, contact, profile)))
+        BoreWearRate::new(*wear_coefficients, *width, contact, profile).into()
     }
 
     fn finer_copy(&self, tolerance: f64) -> FinerBore<WearRate> {
         let WearingJoint { wear_coefficients, width, contact, profile, .. } = self;
         FinerBore::new(*wear_coefficients, *width, contact, profile, tolerance)
-            .map(|rate| WearRate::Bore(Box::new(rate)))
     }
 }
 

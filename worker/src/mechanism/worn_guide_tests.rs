@@ -2,6 +2,7 @@
 
 use super::frame::{End, Frame};
 use super::guide::Guiding;
+use super::guide_differences::assert_derivatives;
 use super::wearing_guide::WearingGuide;
 use crate::contact::GuideReaction;
 use common::scene::{ContactDamping, GuideClearance, GuideWear, Material, WearingSurfaces};
@@ -115,31 +116,7 @@ fn unworn_faces_have_the_force_of_a_flat_guide() {
 fn derivatives_on_worn_faces_agree_with_differences() {
     let guide = worn(0.8, 0.12);
     for off in CONTACTS.map(deeper) {
-        let q = state(off);
-        let exact =
-            guide.force::<true>(&[Frame::free(&q[..3], &RATES[..3]), Frame::free(&q[3..], &RATES[3..])]).0;
-        assert!(exact.f.iter().any(|f| f.abs() > 1.0), "{off:?}: nothing touches");
-        let scale = |rows: &[[f64; 6]; 6], r: usize| rows[r].iter().fold(1.0_f64, |a, b| a.max(b.abs()));
-        for c in 0..6 {
-            let h = if c % 3 == 2 { 2e-9 } else { 1e-10 };
-            let moved = |h: f64| {
-                let mut q = q;
-                q[c] += h;
-                at(&guide, &q, &RATES).0
-            };
-            let faster = |h: f64| {
-                let mut v = RATES;
-                v[c] += h;
-                at(&guide, &q, &v).0
-            };
-            let (low, high, slow, fast) = (moved(-h), moved(h), faster(-1e-6), faster(1e-6));
-            for r in 0..6 {
-                let (k, d) = ((high[r] - low[r]) / (2.0 * h), (fast[r] - slow[r]) / 2e-6);
-                let (k_off, d_off) = ((exact.k[r][c] - k).abs(), (exact.d[r][c] - d).abs());
-                assert!(k_off < 1e-4 * scale(&exact.k, r), "{off:?} k {r} {c}: {} {k}", exact.k[r][c]);
-                assert!(d_off < 1e-5 * scale(&exact.d, r), "{off:?} d {r} {c}: {} {d}", exact.d[r][c]);
-            }
-        }
+        assert_derivatives(&guide, &state(off), &RATES, &format!("{off:?}"));
     }
 }
 

@@ -2,19 +2,17 @@
 
 use super::blocks::block_ends;
 use super::conditions::condition_scenes;
-use super::island_state::IslandState;
+use super::contact_arcs::{ContactArc, contact_arcs};
 use super::probe::{FINER, is_probed};
 use super::quasi_static::is_measured;
 use super::run::Run;
 use super::several_cycles::MOTIONS;
 use super::side_by_side::{LaneQueue, run_alone};
-use crate::mechanism::{Island, WearingJoint, WearingPair};
+use crate::mechanism::Island;
 use crate::quasi_static::Unsuitable;
-use crate::wear::{WearHistory, mean_contact_arc};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
-use std::f64::consts::TAU;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -43,42 +41,6 @@ impl IslandModel {
             unknowns: island.coordinates(),
             constraints: island.constraint_rows(),
         }
-    }
-}
-
-/// Contact arc of a joint whose bore or journal wears, and the spacing of its control points.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ContactArc {
-    /// Name of the joint.
-    pub joint: String,
-    /// Mean contact arc in the first cycle, on unworn surfaces, weighted with the work of friction's sliding F S [rad]; zero without contact.
-    pub arc: f64,
-    /// Angle between two control points [rad].
-    pub spacing: f64,
-}
-
-impl ContactArc {
-    /// Control points per arc with which the largest wear is within about a per cent [1]: 36 points are 1.6 to 1.8 per arc in the drive and the
-    /// four-bar and leave 0.1 to 1.0 %, 18 points up to 3.3 % (`worker/benches/README.md`).
-    pub const ENOUGH: f64 = 1.5;
-
-    /// Control points with which the arc has [`Self::ENOUGH`] of them.
-    pub fn enough_points(&self) -> usize {
-        (Self::ENOUGH * TAU / self.arc).ceil() as usize
-    }
-
-    fn of_islands(islands: &[IslandState]) -> Vec<ContactArc> {
-        let of_island = |state: &IslandState| -> Vec<ContactArc> {
-            let joints = state.island.joints.iter().zip(&state.recorder.histories);
-            let arc = |(joint, history): (&WearingJoint, &WearHistory)| {
-                let radii = [joint.profile.initial_radius(), joint.contact.surface().journal_radius];
-                let arc = mean_contact_arc(history.bore()?, radii);
-                let spacing = TAU / joint.profile.points() as f64;
-                Some(ContactArc { joint: joint.name.clone(), arc, spacing })
-            };
-            joints.filter(|(joint, _)| joint.wears()).filter_map(arc).collect()
-        };
-        islands.iter().flat_map(of_island).collect()
     }
 }
 
@@ -126,10 +88,7 @@ impl FirstLook {
         self.dynamic_cycles += other.dynamic_cycles;
         self.quasi_static_cycles += other.quasi_static_cycles;
         self.expected += other.expected;
-        // The narrower arc decides.
-        for (arc, other) in self.arcs.iter_mut().zip(other.arcs) {
-            arc.arc = arc.arc.min(other.arc);
-        }
+        self.arcs.iter_mut().zip(&other.arcs).for_each(|(arc, other)| arc.join(other));
         self.tier = match (self.tier, other.tier) {
             (Ok(one), Ok(other)) => Ok(one.max(other)),
             (Err(reason), _) | (_, Err(reason)) => Err(reason),
@@ -161,7 +120,7 @@ async fn examine(
     let ((), cycle) = timed(run.measure()).await?;
     let mut look = FirstLook {
         islands,
-        arcs: ContactArc::of_islands(&run.islands),
+        arcs: contact_arcs(&run.islands),
         wears: run.wears(),
         asks_for_motion: run.first_motion_output().is_some(),
         tier: Err(Unsuitable::Unwanted),

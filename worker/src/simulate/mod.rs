@@ -24,10 +24,11 @@
 //! | `grooves.rs` | grooves narrower than their journals |
 //! | `unbounded_forces.rs` | outputs that have no value where ideal joints become dependent |
 //! | `side_by_side/` | several evaluations in the SIMD lanes of one core |
-//! | `first_look.rs` | model and cost of an evaluation beforehand |
+//! | `first_look.rs`, `contact_arcs.rs` | model and cost of an evaluation beforehand |
 
 mod blocks;
 mod conditions;
+mod contact_arcs;
 mod cycle_history;
 mod error_estimate;
 mod finish;
@@ -65,7 +66,8 @@ use side_by_side::{LaneQueue, RunningEvaluation, join, run_alone, run_side_by_si
 use std::time::Duration;
 
 pub use crate::quasi_static::Unsuitable;
-pub use first_look::{ContactArc, FirstLook, IslandModel, first_look};
+pub use contact_arcs::ContactArc;
+pub use first_look::{FirstLook, IslandModel, first_look};
 pub use side_by_side::LaneWidth;
 
 /// What an evaluation returns besides its outputs; nothing by default.

@@ -59,7 +59,7 @@ pub struct FinerBore<L> {
     differences: Vec<(f64, WornAmounts)>,
 }
 
-impl FinerBore<BoreWearRate> {
+impl<L: WearLaw + From<BoreWearRate>> FinerBore<L> {
     /// Copy of the unworn bore `profile` of a joint with these wear coefficients, this width [m] and contact,
     /// whose wear steps have the tolerance `tolerance` [1].
     pub(crate) fn new(
@@ -73,13 +73,8 @@ impl FinerBore<BoreWearRate> {
         let finer = Profile::round(profile.initial_radius(), points);
         let coefficients = coefficients.into();
         let depths = points * if coefficients.0[1] > 0.0 { 2 } else { 1 };
-        FinerBore::with_rate(BoreWearRate::new(coefficients, width, contact, &finer), depths, tolerance)
-    }
-
-    /// This copy with its rate inside another one.
-    pub(crate) fn map<L>(self, rate: impl FnOnce(BoreWearRate) -> L) -> FinerBore<L> {
-        let FinerBore { rate: of_bore, step, depth, behind, life, worn, failed, missed, differences } = self;
-        FinerBore { rate: rate(of_bore), step, depth, behind, life, worn, failed, missed, differences }
+        let rate = BoreWearRate::new(coefficients, width, contact, &finer);
+        FinerBore::with_rate(rate.into(), depths, tolerance)
     }
 }
 

@@ -62,7 +62,7 @@ struct Carried {
 /// A slider in equilibrium.
 #[derive(Debug, Clone, Copy)]
 pub struct RailEquilibrium {
-    /// SliderPose of the slider.
+    /// Where the slider is.
     pub pose: SliderPose,
     /// The load that is carried over the one wanted, one but for the lightest loads [1].
     pub heavier: f64,
