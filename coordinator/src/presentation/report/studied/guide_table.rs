@@ -1,4 +1,4 @@
-//! Table of the guides with clearance of a mechanism.
+//! Tables of the guides with clearance of a mechanism, and of their wear.
 
 use super::exact::ExactTexts;
 use super::mechanism_tables::damping;
@@ -27,7 +27,6 @@ pub(super) fn guides(scene: &Scene, written: &WrittenScene) -> Markup {
             texts.number(&key("friction"), guide.friction),
             texts.value(&key("friction_speed"), guide.friction_speed, "mm/s"),
             damping(&guide.contact_damping, &texts, &key("contact_damping")),
-            wear(guide, &texts, &key),
         ])
     });
     let rows: Vec<_> = rows.collect();
@@ -46,27 +45,40 @@ pub(super) fn guides(scene: &Scene, written: &WrittenScene) -> Markup {
         "friction",
         "friction speed",
         "damping of the contact",
-        "wear coefficient",
     ];
     let rows = rows.into_iter().map(super::mechanism_tables::cells);
     captioned(
         "guides",
         "Guides with clearance: length and height of the slider, width of the contact, clearance on each side; ends of the guide from its \
-         place; Archard's coefficient of the surfaces that wear, with the number of control points",
+         place",
         table_of_text(&head, rows),
     )
 }
 
-/// Wear coefficients of guide and slider, and the number of control points.
-fn wear(guide: &GuideClearance, texts: &ExactTexts, key: &dyn Fn(&str) -> String) -> String {
-    let Some(wear) = &guide.wear else { return "does not wear".to_owned() };
-    let own = texts.value(&key("wear_coefficient"), wear.coefficient, "1/Pa");
-    let slider = |value: f64| texts.value(&key("slider_wear_coefficient"), value, "1/Pa");
-    let surfaces = match (wear.wears, wear.slider_coefficient) {
-        (WearingSurfaces::Bushing, _) => format!("guide {own}"),
-        (WearingSurfaces::Journal, _) => format!("slider {own}"),
-        (WearingSurfaces::Both, None) => format!("guide and slider {own}"),
-        (WearingSurfaces::Both, Some(value)) => format!("guide {own}; slider {}", slider(value)),
-    };
-    format!("{surfaces}; {} points", wear.control_points)
+/// Wear coefficients of the guides with clearance that wear and of their sliders, and their control points; nothing without any.
+pub(super) fn guide_wear(scene: &Scene, written: &WrittenScene) -> Markup {
+    let texts = ExactTexts(written);
+    let rows = scene.joints.iter().filter_map(|joint| {
+        let JointKind::Guide(GuideClearance { wear: Some(wear), .. }) = &joint.kind else { return None };
+        let value =
+            |last: &str, value: f64| texts.value(&format!("joints.{}.{last}", joint.name), value, "1/Pa");
+        let own = value("wear_coefficient", wear.coefficient);
+        let of_slider = wear.slider_coefficient.map(|of_slider| value("slider_wear_coefficient", of_slider));
+        let [guide, slider] = match wear.wears {
+            WearingSurfaces::Bushing => [own, "does not wear".to_owned()],
+            WearingSurfaces::Journal => ["does not wear".to_owned(), own],
+            WearingSurfaces::Both => [own.clone(), of_slider.unwrap_or(own)],
+        };
+        Some([joint.name.clone(), guide, slider, wear.control_points.to_string()])
+    });
+    let rows: Vec<_> = rows.collect();
+    if rows.is_empty() {
+        return html! {};
+    }
+    let head = ["guide", "coefficient of the guide", "coefficient of the slider", "control points of a face"];
+    captioned(
+        "guide-wear",
+        "Wear of these guides and of their sliders by Archard's law, with the control points of each face",
+        table_of_text(&head, rows.into_iter().map(super::mechanism_tables::cells)),
+    )
 }

@@ -4,7 +4,7 @@
 //! | file | content |
 //! |---|---|
 //! | `mechanism_tables` | bodies, drives, joints, hinges with clearance, materials |
-//! | `guide_table` | guides with clearance |
+//! | `guide_table` | guides with clearance, and their wear |
 //! | `load_tables` | loads, gravity, curves |
 //! | `formula_tables` | parameters, and the quantities that depend on them |
 //! | `variable_tables` | random variables, correlations, outputs, limit states, life, settings |
@@ -67,6 +67,7 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
         } @else {
             (mechanism_tables::tables(scene, &input.written))
             (guide_table::guides(scene, &input.written))
+            (guide_table::guide_wear(scene, &input.written))
             (load_tables::tables(scene, &input.written))
         }
         @if many {
@@ -88,6 +89,7 @@ pub fn mechanism(scene: &Scene, source: &str) -> Markup {
         @if scene.simulator.is_none() {
             (mechanism_tables::tables(scene, &written))
             (guide_table::guides(scene, &written))
+            (guide_table::guide_wear(scene, &written))
             (load_tables::tables(scene, &written))
         }
         (variable_tables::limits(scene, &limit_rows(scene), &written))
