@@ -15,7 +15,7 @@
 /// # Source
 /// Argument reduction with ln 2 in two parts: Cody, Waite (1980), Software Manual for the Elementary
 /// Functions.
-#[inline]
+#[inline(always)]
 pub(super) fn exp_nonpositive(x: f64) -> f64 {
     // Adding 1.5 * 2^52 rounds to an integer, which is then in the lowest bits.
     const ROUND: f64 = 6_755_399_441_055_744.0;

@@ -9,11 +9,14 @@
 //! matrix is one matrix product and one pass over its entries, and the derivative with respect to ln theta_k
 //! is dR/dr2 theta_k (x_k - x'_k)^2: one further matrix serves all d derivatives.
 //!
+//! Both passes are compiled for the widest vectors of the processor; products and sums are not fused, so that their bits do not depend on it.
+//!
 //! # Source
 //! Rasmussen, Williams (2006), Gaussian Processes for Machine Learning, eqs. 4.9 and 4.17.
 
 use super::exponential::exp_nonpositive;
 use crate::statistics::named::named;
+use pulp::{Arch, NullaryFnOnce};
 
 /// Correlation function, by the smoothness it assumes of the response.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -34,35 +37,67 @@ impl Kernel {
     /// Overwrites scaled squared distances `(n,)` [1] with correlations [1]. Negative distances, which only
     /// rounding can give, count as zero.
     pub(crate) fn correlate(self, squares: &mut [f64]) {
-        match self {
-            Self::Gaussian => squares.iter_mut().for_each(|r2| *r2 = exp_nonpositive(-*r2)),
-            Self::Matern52 => squares.iter_mut().for_each(|r2| {
-                let s = (10.0 * r2.max(0.0)).sqrt();
-                *r2 = (1.0 + s + s * s * (1.0 / 3.0)) * exp_nonpositive(-s);
-            }),
-            Self::Matern32 => squares.iter_mut().for_each(|r2| {
-                let s = (6.0 * r2.max(0.0)).sqrt();
-                *r2 = (1.0 + s) * exp_nonpositive(-s);
-            }),
-        }
+        Arch::new().dispatch(Correlations { kernel: self, squares });
     }
 
     /// Overwrites scaled squared distances `(n,)` [1] with correlations [1] and writes -dR/dr2 [1] to
     /// `slopes` `(n,)`: R itself, 5/3 (1 + s) exp(-s), 3 exp(-s).
     pub(crate) fn correlate_with_slopes(self, squares: &mut [f64], slopes: &mut [f64]) {
-        let pairs = squares.iter_mut().zip(slopes);
-        match self {
-            Self::Gaussian => pairs.for_each(|(r2, slope)| {
+        Arch::new().dispatch(CorrelationsAndSlopes { kernel: self, squares, slopes });
+    }
+}
+
+/// The pass of [`Kernel::correlate`].
+struct Correlations<'a> {
+    kernel: Kernel,
+    squares: &'a mut [f64],
+}
+
+impl NullaryFnOnce for Correlations<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let squares = self.squares.iter_mut();
+        match self.kernel {
+            Kernel::Gaussian => squares.for_each(|r2| *r2 = exp_nonpositive(-*r2)),
+            Kernel::Matern52 => squares.for_each(|r2| {
+                let s = (10.0 * r2.max(0.0)).sqrt();
+                *r2 = (1.0 + s + s * s * (1.0 / 3.0)) * exp_nonpositive(-s);
+            }),
+            Kernel::Matern32 => squares.for_each(|r2| {
+                let s = (6.0 * r2.max(0.0)).sqrt();
+                *r2 = (1.0 + s) * exp_nonpositive(-s);
+            }),
+        }
+    }
+}
+
+/// The pass of [`Kernel::correlate_with_slopes`].
+struct CorrelationsAndSlopes<'a> {
+    kernel: Kernel,
+    squares: &'a mut [f64],
+    slopes: &'a mut [f64],
+}
+
+impl NullaryFnOnce for CorrelationsAndSlopes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let pairs = self.squares.iter_mut().zip(self.slopes);
+        match self.kernel {
+            Kernel::Gaussian => pairs.for_each(|(r2, slope)| {
                 *r2 = exp_nonpositive(-*r2);
                 *slope = *r2;
             }),
-            Self::Matern52 => pairs.for_each(|(r2, slope)| {
+            Kernel::Matern52 => pairs.for_each(|(r2, slope)| {
                 let s = (10.0 * r2.max(0.0)).sqrt();
                 let e = exp_nonpositive(-s);
                 *slope = (5.0 / 3.0) * (1.0 + s) * e;
                 *r2 = (1.0 + s + s * s * (1.0 / 3.0)) * e;
             }),
-            Self::Matern32 => pairs.for_each(|(r2, slope)| {
+            Kernel::Matern32 => pairs.for_each(|(r2, slope)| {
                 let s = (6.0 * r2.max(0.0)).sqrt();
                 let e = exp_nonpositive(-s);
                 *slope = 3.0 * e;
@@ -115,6 +150,23 @@ mod tests {
             let expected = [1.0, 5.0 / 3.0, 3.0][kernel as usize];
             assert_eq!(value_and_slope(kernel, 0.0), (1.0, expected));
             assert_eq!(value_and_slope(kernel, -1e-17), (1.0, expected));
+        }
+    }
+
+    #[test]
+    fn the_vectors_of_the_processor_do_not_change_a_bit() {
+        let distances: Vec<f64> = (0..1003).map(|i| 1e-3 * f64::from(i).powi(2) - 1e-12).collect();
+        for kernel in Kernel::ALL {
+            let (mut wide, mut wide_slopes) = (distances.clone(), distances.clone());
+            let (mut narrow, mut narrow_slopes) = (distances.clone(), distances.clone());
+            kernel.correlate(&mut wide);
+            Correlations { kernel, squares: &mut narrow }.call();
+            assert_eq!(wide, narrow, "{kernel:?}");
+            let mut wide = distances.clone();
+            kernel.correlate_with_slopes(&mut wide, &mut wide_slopes);
+            narrow.copy_from_slice(&distances);
+            CorrelationsAndSlopes { kernel, squares: &mut narrow, slopes: &mut narrow_slopes }.call();
+            assert_eq!((wide, wide_slopes), (narrow, narrow_slopes), "{kernel:?}");
         }
     }
 }
