@@ -1,7 +1,7 @@
 //! The stated error against the true one, which `reference` shows.
 
-use crate::scenes::{every_joint, scene};
-use common::accuracy::Accuracy;
+use crate::scenes::{RPM, every_joint, scene, short};
+use common::accuracy::{Accuracy, NamedAccuracy};
 use common::scene::SceneSource;
 use worker::simulate::{SimulateOptions, simulate};
 
@@ -42,4 +42,21 @@ fn what_does_not_wear_has_no_error_of_its_wear() {
     let e = simulate(&scene, &Accuracy::draft(), SimulateOptions::default()).expect("simulated");
     assert_eq!((&e.histories[0][..], &e.errors[0][..]), (&[0.0][..], &[0.0][..]));
     assert!(e.errors[1][0] > 0.0);
+}
+
+#[test]
+fn the_asymmetry_of_a_slow_drive_is_known_with_half_the_time_step() {
+    // At 6 r/min; 0.2570 +- 0.00003 r/min with `reference+step-x0.25`.
+    let scene = short("flapping-wing", &[("parameters.crank_speed", 6.0 * RPM)], 1000);
+    let asymmetry =
+        scene.outputs.iter().position(|o| o.name == "angular_velocity_difference").expect("there");
+    let [wide, narrow] = ["balanced", "balanced+step-x0.5"].map(|accuracy| {
+        let NamedAccuracy { accuracy, .. } = accuracy.parse().expect("an accuracy");
+        let e = simulate(&scene, &accuracy, SimulateOptions::default()).expect("simulated");
+        let (value, stated) = (e.histories[asymmetry][0] / RPM, e.errors[asymmetry][0] / RPM);
+        println!("{value} +- {stated} r/min");
+        assert!((value - 0.2570).abs() < stated, "{value} +- {stated}");
+        stated
+    });
+    assert!(wide > 0.2570 && narrow < 0.02 * 0.2570, "{wide}, {narrow}");
 }
