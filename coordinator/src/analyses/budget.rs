@@ -73,7 +73,7 @@ pub enum BudgetError {
     /// No setting keeps the budget.
     #[error(
         "no accuracy keeps the stated error below {budget}: the best setting, {setting}, gives {output} to {best} of its limit; \
-         allow at least {best}"
+         allow at least {best}{advice}"
     )]
     OutOfReach {
         /// The budget in percent.
@@ -84,6 +84,8 @@ pub enum BudgetError {
         best: String,
         /// Name of the setting.
         setting: String,
+        /// What else may help; empty if finer settings do.
+        advice: &'static str,
     },
     /// No setting gives a result.
     #[error("no accuracy gives a result at every point; with {setting}: {failure}")]
@@ -230,15 +232,26 @@ pub fn shares(scene: &Scene, evaluation: &Evaluation) -> Vec<OutputShare> {
     limits.map(|limit| share(limit.output, limit.scale(), passed(limit))).collect()
 }
 
+/// Share of the error of the coarsest setting above which the finer ones count as of little use [1].
+const LITTLE: f64 = 0.5;
+
 fn refusal(budget: f64, attempts: Vec<TriedSetting>) -> BudgetError {
-    let results = attempts.iter().filter_map(|a| Some((a.worst.as_ref().ok()?, &a.setting.name)));
-    let best = results.min_by(|a, b| a.0.error.total_cmp(&b.0.error));
+    let results: Vec<_> =
+        attempts.iter().filter_map(|a| Some((a.worst.as_ref().ok()?, &a.setting.name))).collect();
+    let best = results.iter().min_by(|a, b| a.0.error.total_cmp(&b.0.error));
     if let Some((worst, setting)) = best {
+        let coarsest = results.iter().filter(|(of, _)| of.output == worst.output).map(|(of, _)| of.error);
+        let flat = worst.error > LITTLE * coarsest.fold(0.0, f64::max);
         return BudgetError::OutOfReach {
             budget: short_percent(budget),
             output: worst.output.clone(),
             best: short_percent(worst.error),
-            setting: setting.clone(),
+            setting: (*setting).clone(),
+            advice: if flat {
+                "; finer settings hardly lessen this error: if it is of the wear, raise `control_points`, which no accuracy changes"
+            } else {
+                ""
+            },
         };
     }
     match attempts.into_iter().next_back() {

@@ -123,7 +123,7 @@ pub enum CommandError {
     },
     /// Extreme cases outside of their stated error.
     #[error(
-        "{origin}: {unsound} of {cases} extremes differ from half the step by more than their stated error"
+        "{origin}: {unsound} of {cases} extremes differ from half the step by more than their stated error, or fail with it"
     )]
     Disagreement {
         /// File or name of the scene.

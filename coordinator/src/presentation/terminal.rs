@@ -139,8 +139,9 @@ fn current_reliability(round: &Round) -> String {
 
 /// A finished round in one line.
 fn round_line(round: &Round) -> String {
-    let change =
-        round.change_of_r.map_or(String::new(), |change| format!(", changed by {}", percent(change)));
+    let change = round
+        .change_of_r
+        .map_or(String::new(), |change| format!(", largest change of any R {}", percent(change)));
     format!(
         "round {}: {} evaluations, {}{change}{}",
         round.round,
@@ -289,7 +290,7 @@ mod tests {
         assert_eq!(lines.len(), 9);
         assert_eq!(
             lines[1],
-            "round 1: 132 evaluations, R(66 000) = 0.299 ± 0.044 (95 %), changed by 6.0 %, uncertain 18.6 %, min U 0.180"
+            "round 1: 132 evaluations, R(66 000) = 0.299 ± 0.044 (95 %), largest change of any R 6.0 %, uncertain 18.6 %, min U 0.180"
         );
         assert!(text.state(seconds(5)).ends_with("± 0.0078 (95 %), round 3"), "{}", text.state(seconds(5)));
     }

@@ -352,8 +352,20 @@ impl Convergence {
     /// The command that goes on with the study in the folder `dir`, if a larger budget would help.
     pub fn command_to_go_on(&self, dir: &Path) -> Option<String> {
         let budget = self.larger_budget?;
-        Some(format!("coordinator resume {} --max-evaluations {budget}", dir.display()))
+        Some(format!(
+            "coordinator resume {} --max-evaluations {budget}",
+            shell_word(&dir.display().to_string())
+        ))
     }
+}
+
+/// A word as a shell takes it: in quotes if it has other characters than those of plain file names.
+fn shell_word(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:@".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
 }
 
 impl Round {

@@ -1,23 +1,25 @@
 //! Failed simulations: when they end a campaign, and which region the next samples avoid.
 //!
-//! The probability of failure of a simulation is estimated by Kriging of an indicator,
+//! The probability that a simulation fails at a point z is estimated from the squared distances f^2 to the nearest failed
+//! simulation and s^2 to the nearest result, in standardised inputs [1]:
 //!
-//!   P(failed at z) = trend + r(z)' C^-1 (i - trend),   i_j = 1 for a failed simulation, 0 for a successful one,
+//!   P(failed at z) = s^2 / (f^2 + s^2),
 //!
-//! with the correlation r of the first limit state's surrogate and a nugget of 0.05 (symbols as in
-//! [`crate::statistics::surrogate`]). A candidate's score is multiplied by 1 - P, clamped to [0, 1], so that
-//! a region without results is not sampled again and again. The estimate is rough: the lengths are those of
-//! the response, and nothing bounds the Kriging mean to [0, 1] before the clamp.
+//! one at a failure, zero at a result, and one half where both are equally near. A candidate's score is multiplied by 1 - P, so that
+//! a region without results is not sampled again and again, and the share of the population nearer to a failure than to any result is
+//! that which cannot be simulated. Where failures were simulated more often than elsewhere does not count: more of them divide the same region among
+//! themselves. (Indicator Kriging with the lengths of the response was tried and dropped: a response that is nearly linear has lengths far beyond the region, and its
+//! trend is the share of failures among the simulations, which learning changes.) With few simulations the estimate is rough.
 //!
 //! # Source
-//! Journel (1983), Nonparametric estimation of spatial distributions (indicator Kriging).
+//! Cover, Hart (1967), Nearest neighbor pattern classification, IEEE Trans. Inf. Theory 13(1), 21-27; weights by inverse squares: Shepard (1968),
+//! Proc. 23rd ACM National Conference, 517-524.
 
 use super::CampaignError;
 use super::settings::SMALLEST_DESIGN;
 use crate::statistics::design::Population;
-use crate::statistics::surrogate::{Correlation, Kriging};
 use common::failure::SimulationFailure;
-use faer::{Mat, MatRef};
+use faer::{ColRef, Mat, MatRef};
 use rayon::prelude::*;
 use std::mem::discriminant;
 
@@ -25,9 +27,7 @@ use std::mem::discriminant;
 const FAILED_AFTER: usize = 10;
 /// Probability of failure above which a point counts as barred [1].
 const BARRED: f64 = 0.5;
-/// Noise of the indicator over its variance [1]: one failure alone does not bar its neighbourhood.
-const NUGGET: f64 = 0.05;
-/// Number of points predicted together.
+/// Number of points estimated together.
 const BLOCK: usize = 512;
 
 /// A simulation that failed for good.
@@ -111,39 +111,37 @@ impl<'a> MostFrequent<'a> {
 /// Estimated probability that a simulation gives a result.
 #[derive(Debug)]
 pub struct Feasibility {
-    /// Kriging of the failure indicator; `None` without failures.
-    model: Option<Kriging>,
+    /// Points with results `(d, n)`.
+    results: Mat<f64>,
+    /// Failed points `(d, k)`.
+    failed: Mat<f64>,
 }
 
 impl Feasibility {
-    /// From the points with results `(d, n)`, the failed simulations, and the correlation of the indicator.
-    pub fn new(points: MatRef<'_, f64>, failed: &[Failed], correlation: &Correlation) -> Self {
-        if failed.is_empty() {
-            return Self { model: None };
+    /// From the points with results `(d, n)` and the failed simulations.
+    pub fn new(points: MatRef<'_, f64>, failed: &[Failed]) -> Self {
+        Self {
+            results: points.to_owned(),
+            failed: Mat::from_fn(points.nrows(), failed.len(), |k, i| failed[i].z[k]),
         }
-        let (d, n) = (points.nrows(), points.ncols());
-        let all =
-            Mat::from_fn(d, n + failed.len(), |k, i| if i < n { points[(k, i)] } else { failed[i - n].z[k] });
-        let indicator = Mat::from_fn(n + failed.len(), 1, |i, _| if i < n { 0.0 } else { 1.0 });
-        let correlation = Correlation { nugget: NUGGET, stated: 0.0, ..correlation.clone() };
-        // Without a Cholesky factor the region is unknown, and nothing is barred.
-        Self { model: Kriging::condition(all.as_ref(), indicator.as_ref(), &correlation).ok() }
     }
 
     /// Estimated probability of a result `(b,)` [1] at points `(d, b)`; 1 everywhere without failures.
     pub fn probability(&self, points: MatRef<'_, f64>) -> Vec<f64> {
-        match &self.model {
-            None => vec![1.0; points.ncols()],
-            Some(model) => {
-                let mean = model.predict_means(points, &model.dual(), 0..1);
-                (0..points.ncols()).map(|j| (1.0 - mean[(0, j)]).clamp(0.0, 1.0)).collect()
-            }
+        if self.failed.ncols() == 0 {
+            return vec![1.0; points.ncols()];
         }
+        let probability = |point: ColRef<'_, f64>| {
+            let (f, s) = (nearest(point, &self.failed), nearest(point, &self.results));
+            // A point that failed before and gave a result later has a result.
+            if s > 0.0 { f / (f + s) } else { 1.0 }
+        };
+        points.col_iter().map(probability).collect()
     }
 
     /// Share of the population [1] where a simulation is more likely to fail than to succeed.
     pub fn barred_share(&self, population: &Population) -> f64 {
-        if self.model.is_none() {
+        if self.failed.ncols() == 0 {
             return 0.0;
         }
         let starts: Vec<usize> = (0..population.len()).step_by(BLOCK).collect();
@@ -159,10 +157,16 @@ impl Feasibility {
     }
 }
 
+/// Squared distance of a point `(d,)` to the nearest of some `(d, n)` [1]; infinite without any.
+fn nearest(point: ColRef<'_, f64>, of: &Mat<f64>) -> f64 {
+    let square =
+        |other: ColRef<'_, f64>| point.iter().zip(other.iter()).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+    of.col_iter().map(square).fold(f64::INFINITY, f64::min)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::surrogate::Kernel;
     use common::random::Distribution;
 
     #[test]
@@ -181,15 +185,21 @@ mod tests {
             }
         }
         let points = MatRef::from_column_major_slice(&points, 2, points.len() / 2);
-        let theta = vec![0.5, 0.01];
-        let correlation = Correlation { kernel: Kernel::Gaussian, theta, nugget: 1e-8, stated: 0.0 };
-        let feasibility = Feasibility::new(points, &failed, &correlation);
+        let feasibility = Feasibility::new(points, &failed);
         let share = feasibility.barred_share(&population);
         assert!((share - 0.159).abs() < 0.03, "{share}");
         let at = Mat::from_fn(2, 2, |k, j| if k == 0 { [-0.5, 1.8][j] } else { 0.3 });
         let probability = feasibility.probability(at.as_ref());
         assert!(probability[0] > 0.9 && probability[1] < 0.1, "{probability:?}");
-        let none = Feasibility::new(points, &[], &correlation);
+        // Fifty more failures in the same region, as learning may ask for them, leave its share as it is.
+        let beyond = (0..population.len()).map(|j| population.standardised(j)).filter(|z| z[0] > 1.0);
+        failed.extend(beyond.skip(100).take(50).map(|z| {
+            let cause = SimulationFailure::NotModelled { what: "beyond".into() };
+            Failed { z: z.to_vec(), cause, expected: false }
+        }));
+        let share = Feasibility::new(points, &failed).barred_share(&population);
+        assert!((share - 0.159).abs() < 0.03, "{share}");
+        let none = Feasibility::new(points, &[]);
         assert_eq!((none.barred_share(&population), none.probability(at.as_ref())), (0.0, vec![1.0; 2]));
     }
 }

@@ -191,7 +191,7 @@ pub(super) fn assess(
     let figures = figures_of_round(input, &curves, &coupled, &errors, (governing, on_grid));
     let uncertain = open_points(input, &coupled).filter(|c| c.system < UNCERTAIN).count();
     let weights: Vec<f64> = pool.members().iter().filter_map(|j| dominance(&modes, *j, on_grid)).collect();
-    let feasibility = Feasibility::new(points.as_ref(), input.failed, surrogates[0].model.correlation());
+    let feasibility = Feasibility::new(points.as_ref(), input.failed);
     let options = SelectionOptions {
         feasible: feasibility.probability(pool.points()),
         governing: on_grid,

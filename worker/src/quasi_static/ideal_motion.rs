@@ -110,7 +110,8 @@ pub(crate) fn ideal_motions(
     poses: &[Pose],
 ) -> Result<Vec<IdealMotion>, Unsuitable> {
     if let Some(joint) = scene.joints.iter().find(|j| !matches!(j.kind, JointKind::Clearance(_))) {
-        return Err(Unsuitable::IdealJoint { joint: joint.name.clone() });
+        let (is_guide, joint) = (matches!(joint.kind, JointKind::Guide(_)), joint.name.clone());
+        return Err(if is_guide { Unsuitable::Guide { joint } } else { Unsuitable::IdealJoint { joint } });
     }
     let accelerations = ideal_accelerations(scene, poses).ok_or(Unsuitable::Undetermined)?;
     islands

@@ -32,6 +32,12 @@ pub enum Unsuitable {
         /// Name of the joint.
         joint: String,
     },
+    /// A joint is a guide with clearance: its contacts are not those of a journal.
+    #[error("joint {joint} is a guide with clearance")]
+    Guide {
+        /// Name of the joint.
+        joint: String,
+    },
     /// The drives do not determine the motion of the ideal mechanism.
     #[error("the drives do not determine the motion of the ideal mechanism")]
     Undetermined,

@@ -16,7 +16,7 @@
 //! No value has a relative error below 1e-10, rounding.
 //!
 //! Where no cycle repeats the one before, several motions wear the bores (`several_cycles.rs`). Of such a motion y is the mean,
-//! and its estimate is `SCATTER` times the standard deviation of single cycles plus s |y|; for a wear depth as many times the standard
+//! and its estimate is `SCATTER` times the standard deviation of single cycles plus s |y|, and |dy/dN| e(N) N if it follows from the bores alone; for a wear depth as many times the standard
 //! error of the mean of what the motions have worn takes the place of the change in the probes.
 //!
 //! Under several operating conditions each has its own estimate of y, and the value of the evaluation is the worst of them

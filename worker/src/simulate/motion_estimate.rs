@@ -28,6 +28,9 @@ const WORN_MOTION: f64 = 1e-4;
 /// are within their stated errors, at every checkpoint (`worker/tests/evaluation/rattling.rs`).
 const SCATTER: f64 = 2.0;
 
+/// Scatter below which an output counts as the same in all cycles, over its value: rounding [1].
+const SAME: f64 = 1e-9;
+
 /// Outputs measured in the simulated cycles of a life.
 pub struct MeasuredLives<'a> {
     /// Lives at which a cycle was simulated `(k,)` [cycles].
@@ -108,11 +111,22 @@ impl MotionEstimate {
         missed_peak: f64,
         behind: impl Fn(u32) -> f64,
     ) -> Vec<f64> {
+        let values = measured.of_output(k);
         if self.has_several_motions() {
             let scatter = SCATTER * self.largest_variance(k).sqrt();
-            return history.iter().map(|value| scatter + missed_peak * value.abs()).collect();
+            // All motions see the same bores: what follows from these alone does not scatter, and has the error of the wear.
+            let of_wear = |life: u32, value: f64| {
+                if scatter > SAME * value.abs() || measured.lives.len() < 2 {
+                    return 0.0;
+                }
+                let (_, slope) = neighbours(measured.lives, &values, life);
+                slope * behind(life) * f64::from(life)
+            };
+            let checkpoints = checkpoints.iter().zip(history);
+            return checkpoints
+                .map(|(&life, &value)| scatter + missed_peak * value.abs() + of_wear(life, value))
+                .collect();
         }
-        let values = measured.of_output(k);
         let irregular = self.irregularity(measured.lives, &values);
         let checkpoints = checkpoints.iter().zip(history);
         checkpoints

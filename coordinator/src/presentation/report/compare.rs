@@ -147,7 +147,7 @@ pub fn html(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> R
             }
         }
         @if studies.iter().any(|study| states_numerical_errors(&study.summary)) {
-            p.none { "The intervals contain the stated numerical errors of the simulations." }
+            p.none { "The intervals of the lives contain the stated numerical errors of the simulations." }
         }
         @for study in studies {
             @if let Some(note) = unresolved_fall(&study.summary) {

@@ -21,8 +21,14 @@ pub fn whole(life: f64) -> String {
     count(life.round().max(0.0) as u64)
 }
 
+/// Width of an interval of lives below which decimals are shown [cycles].
+const FRACTIONAL: f64 = 3.0;
+
 /// A life in cycles with two digits of the half-width of its interval, e.g. `63 220` for 63 215 within 264 cycles.
 pub fn rounded_cycles(life: f64, width: f64) -> String {
+    if width > 0.0 && width < FRACTIONAL {
+        return fixed(life, (1 - width.log10().floor() as i32).clamp(1, 3) as usize);
+    }
     let step = if width > 100.0 { 10f64.powf(width.log10().floor() - 1.0) } else { 1.0 };
     whole((life / step).round() * step)
 }

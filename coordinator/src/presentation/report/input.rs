@@ -283,8 +283,9 @@ fn rough(summary: &StudySummary) -> Vec<String> {
         return vec![];
     }
     vec![
-        "The accuracy draft is meant for a first look: the errors of its time and wear steps exceed the standard errors \
-         shown. Base decisions on balanced or reference."
+        "The accuracy draft is meant for a first look: the errors of its time and wear steps can exceed the standard errors \
+         shown. Compare with balanced or reference before decisions; where their stated errors are as large, more control points \
+         are needed."
             .to_string(),
     ]
 }

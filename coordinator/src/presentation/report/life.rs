@@ -111,9 +111,10 @@ pub fn life_and_limits(life: LifeAt) -> (String, String) {
 /// The interval between two checkpoints that contains too much of the fall of R, in words with what resolves it.
 pub fn unresolved_fall(summary: &StudySummary) -> Option<String> {
     let fall = summary.unresolved_fall?;
+    let unworn = if fall.from == 0 { ", unless limits are exceeded unworn, in the first cycle" } else { "" };
     Some(format!(
         "The checkpoints do not resolve the fall of R between {} and {} cycles: lives there are interpolated or bounded. \
-         `checkpoint_every = {}` resolves it.",
+         `checkpoint_every = {}` resolves it{unworn}.",
         count(fall.from.into()),
         count(fall.to.into()),
         fall.checkpoint_every

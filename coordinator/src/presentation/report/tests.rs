@@ -121,7 +121,7 @@ fn a_whole_study_has_every_figure_and_its_lives() {
         "<td>0.8 %</td>",
         "<th>under numerical errors</th>",
         "if in addition every response is off by its stated error in the same direction",
-        "numerical error included",
+        "widened by the stated numerical error",
         "<th>R wear (95 %)</th>",
         "<td>0.100 r/min</td>",
         "1 of 216 simulations gave no result and are excluded; an estimated 0.4 % of the population cannot be simulated",

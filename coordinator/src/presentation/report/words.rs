@@ -17,7 +17,7 @@ pub fn life(summary: &StudySummary, level: f64) -> (String, String) {
     let (life, limits) = life_and_limits(found);
     let below = match found {
         LifeAt::Cycles { .. } if states_numerical_errors(summary) => {
-            format!("95 % interval {limits}, numerical error included")
+            format!("95 % interval {limits}, widened by the stated numerical error")
         }
         LifeAt::Cycles { .. } => format!("95 % interval {limits}"),
         LifeAt::Between { .. } => "95 % bound; not resolved by the checkpoints".into(),
@@ -131,8 +131,11 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
         }
         [(from, first), rest @ ..] => {
             let always = if rest.is_empty() { ", over the whole life studied" } else { "" };
+            let until = rest.first().map_or("cycles on".to_string(), |(next, _)| {
+                format!("cycles until another leads from {}", count((*next).into()))
+            });
             text.push(format!(
-                "Most frequent failure: {}, ahead of any other by more than 0.1 % of the {}s from {} cycles on{always}.",
+                "Most frequent failure: {}, ahead of any other by more than 0.1 % of the {}s from {} {until}{always}.",
                 named(first),
                 input.subject(),
                 count((*from).into())
@@ -178,7 +181,9 @@ fn failed_runs(summary: &StudySummary) -> Option<String> {
             "the intervals of R contain both extremes, that all or none of these {share} of the samples have failed"
         )
     } else {
-        format!("an estimated {share} of the population cannot be simulated")
+        format!(
+            "an estimated {share} of the population, nearer to these than to any result, cannot be simulated, and R is extrapolated there"
+        )
     };
     Some(format!(
         "{} of {} simulations gave no result and are excluded; {meaning}. First cause: {}.",

@@ -1,11 +1,11 @@
 //! The summary printed at the end of a study.
 
-use crate::presentation::report::format::{count, duration};
+use crate::presentation::report::format::{count, duration, fixed};
 use crate::presentation::report::life::{
     Included, LEVELS, life_and_limits, life_at, rows_that_matter, states_numerical_errors, unresolved_fall,
 };
 use crate::presentation::report::{failure_probability, reliability};
-use crate::results::summary::StudySummary;
+use crate::results::summary::{ReliabilityRange, StudySummary};
 use std::path::Path;
 
 /// The summary printed at the end of a study: R around its fall, lives, stopping reason, effort, files.
@@ -87,17 +87,35 @@ fn over_life(summary: &StudySummary, names: &[&str]) -> String {
     }
     if states_numerical_errors(summary) {
         let (_, without) = life_and_limits(life_at(summary, "total", 0.5, Included::Statistical));
-        text += "intervals contain the stated numerical errors, all in the same direction";
+        text += "intervals of lives contain the stated numerical errors, all in the same direction";
         text += &if without.is_empty() {
             "\n".to_owned()
         } else {
             format!("; without them R = 0.5: {without}\n")
         };
+        text += &widest_numerical_range(summary);
     }
     if let Some(note) = unresolved_fall(summary) {
         text += &format!("caution: {note}\n");
     }
     text
+}
+
+/// Where the stated numerical errors move R of the system most, against the interval shown; empty where they move it less.
+fn widest_numerical_range(summary: &StudySummary) -> String {
+    let width = |range: &ReliabilityRange| range.upper - range.lower;
+    let rows = summary.reliability.iter().filter_map(|row| {
+        let (numerical, shown) = (row.numerical.get("total")?, row.interval_of("total")?);
+        (width(numerical) > width(&shown)).then_some((row, numerical))
+    });
+    rows.max_by(|a, b| width(a.1).total_cmp(&width(b.1))).map_or(String::new(), |(row, range)| {
+        format!(
+            "those of R do not: with these errors R total({}) is {} to {}\n",
+            count(row.cycles.into()),
+            fixed(range.lower, 2),
+            fixed(range.upper, 2)
+        )
+    })
 }
 
 #[cfg(test)]

@@ -219,7 +219,7 @@ pub fn mechanism(input: &ReportInput, sections: &Sections) -> Markup {
                  joints; angles are in the frame of the bushing's body."
             },
             figures(&sections.bores, "many"),
-            html! { "There is no nominal evaluation with worn bores." },
+            html! { "No bore is worn in a nominal evaluation." },
         ))
         (worn_guides::worn_guides(input))
         (section(
