@@ -31,7 +31,7 @@ const WEAK: f64 = 0.2;
 const DESCENT: f64 = 0.5;
 /// Most steps, and evaluations along one. Light loads on faces worn unevenly zigzag between elements: of some ten thousand loads of 1e-5 to 1e-3 N a few
 /// per cent took more than 60 steps, none more than 85.
-const STEPS: usize = 60;
+const STEPS: usize = 1000;
 const ALONG: usize = 80;
 
 /// The slider between the faces at one position along the guide, where its stiffness is that of a pair of faces on an elastic foundation.

@@ -296,24 +296,29 @@ fn the_finer_copy_states_an_error_that_holds() {
     }
 }
 
-/// Light loads touch the highest elements of uneven faces only: their search takes more steps than others.
+/// Gaps between a worn slider and its worn guide at the end of a life [um]: along the left face the two have nearly the same shape.
+const WORN_GAPS: [[f64; 15]; 2] = [
+    [
+        43.082, 43.003, 42.908, 42.82, 42.731, 42.643, 42.558, 42.474, 42.392, 42.315, 42.232, 42.168,
+        42.085, 42.66, 44.225,
+    ],
+    [
+        57.232, 54.924, 52.592, 50.265, 47.94, 45.617, 43.298, 40.981, 38.668, 36.364, 34.075, 32.044,
+        31.375, 31.125, 31.069,
+    ],
+];
+
+/// Light loads on a face that the slider nearly fits touch one element after the other while they are sought.
 #[test]
-fn light_loads_on_uneven_faces_find_their_equilibrium() {
-    let layout = layout(36, 7, false);
-    let mut unbalanced = 0;
-    for case in 0..4000_u32 {
-        let mut gaps = RailGaps::new(layout, 4e9);
-        for (face, gap) in gaps.gap.iter_mut().enumerate() {
-            for (node, gap) in gap.iter_mut().enumerate() {
-                let wave = (0.4 * node as f64 + 6.0 * random(case, 10 + face as u32)).sin();
-                *gap = 20e-6 + 20e-6 * (1.0 + wave) + 1e-7 * random(case, 20 + (15 * face + node) as u32);
-            }
-        }
-        let size = 10f64.powf(8.0 * random(case, 1) - 5.0);
-        let load = [2, 3].map(|k| size * (2.0 * random(case, k) - 1.0));
-        if gaps.equilibrium(load, [0.0; 2]).is_err() {
-            unbalanced += 1;
-        }
-    }
-    assert_eq!(unbalanced, 0);
+fn light_loads_on_a_nearly_fitting_face_find_their_equilibrium() {
+    let mut gaps = RailGaps::new(layout(36, 7, false), 4.2e9);
+    gaps.gap = WORN_GAPS.map(|face| face.map(|gap| 1e-6 * gap).to_vec());
+    // Three numbers in [0, 1) of each case that do not depend on each other.
+    let scattered = |case: u32, k: u32| (43_758.545_3 * f64::from(3 * case + k).sin()).rem_euclid(1.0);
+    let unbalanced = (0..2000_u32).filter(|&case| {
+        let size = 10f64.powf(2.5 * scattered(case, 0) - 5.5);
+        let load = [1, 2].map(|k| size * (2.0 * scattered(case, k) - 1.0));
+        gaps.equilibrium(load, [0.0; 2]).is_err()
+    });
+    assert_eq!(unbalanced.count(), 0);
 }
