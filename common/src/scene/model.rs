@@ -325,7 +325,7 @@ pub struct StudySettings {
     pub population: usize,
     /// Number of simulations of the initial design.
     pub initial: usize,
-    /// Simulations per round of learning, whatever the number of workers.
+    /// Largest number of simulations under way at once after the initial design; a round of learning adds half of it.
     pub batch: usize,
     /// Largest number of evaluations.
     pub max_evaluations: usize,
