@@ -1,11 +1,14 @@
 //! One island on its ideal motion: the gaps of its joints through a cycle, recorded for the wear.
 
-use super::island_state::{CycleSpan, IslandState, SMALLEST_STEP};
+use super::island_state::{CycleSpan, IslandState};
 use crate::mechanism::Island;
 use crate::outputs::{Recorder, RecordingRequest};
 use crate::quasi_static::{IdealMotion, QuasiStaticCounts, QuasiStaticStepper, StepBounds, Unsuitable};
 use common::accuracy::Accuracy;
 use common::scene::Scene;
+
+/// Lower bound of the time step, as a fraction of the cycle [1].
+const SMALLEST_STEP: f64 = 1e-9;
 
 /// Largest step as a fraction of the cycle [1]. For the wear 1/200 would do; coarser histories make the wear rates,
 /// point by point, too rough for the comparison with the dynamics.

@@ -23,8 +23,8 @@ use crate::rail::RailLayout;
 
 /// Relative residual below which a load counts as carried.
 const BALANCED: f64 = 1e-7;
-/// Least overlap of the whole face that is solved for, over the largest gap [1]: the rounding of the gaps is a millionth of it.
-const LEAST: f64 = 1e6 * f64::EPSILON;
+/// Least overlap of the whole face that is solved for, over the largest gap [1]: the rounding of the gaps is 1e-8 of it, below [`BALANCED`].
+const LEAST: f64 = 1e8 * f64::EPSILON;
 /// Share of the load below which the present contact is too weak to predict the next one.
 const WEAK: f64 = 0.2;
 /// Slope at the end of a step over that at its start [1].
