@@ -9,8 +9,8 @@ use common::failure::SimulationFailure;
 use common::scene::Scene;
 use std::f64::consts::TAU;
 
-/// Lower bound of the time step, as a fraction of the cycle [1]: a guard against steps that never become small enough, far below what light corners that
-/// lift off in slow mechanisms need at `reference` (4e-10 at 6 r/min).
+/// Lower bound of the time step, as a fraction of the cycle [1]: a guard against steps that never become small enough, far below the steps of slow
+/// mechanisms where a slider lifts off its guide (less than 1e-9 at 6 r/min and `reference`).
 const SMALLEST_STEP: f64 = 1e-12;
 /// Lower bound of the time step times the highest angular frequency of a contact vibration, where that is shorter [1]. Slow
 /// mechanisms with light bodies need about 0.06 while the journals settle.
