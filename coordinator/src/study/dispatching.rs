@@ -322,8 +322,7 @@ impl StudyRequests<'_, '_> {
         let mut missing = Vec::new();
         for (id, wanted) in (first..).zip(samples) {
             let accuracy = self.stricter.filter(|_| wanted.stricter);
-            // The nominal point comes first and alone; if it failed, its repetition is the next one.
-            let with_first_cycle = id == 0 || (id == 1 && wanted.stricter);
+            let with_first_cycle = id == 0 || (id == 1 && wanted.stricter); // The nominal point, or its repetition.
             let request = Request { id, sample: wanted.sample, with_first_cycle, accuracy };
             match self.record.journal.finished(&request)? {
                 Some(finished) => {
