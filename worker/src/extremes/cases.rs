@@ -60,6 +60,7 @@ const CASES: [(&str, Change); 24] = [
             c.film_damping = 0.0;
             c.contact_damping = ContactDamping::None;
         });
+        each_guide(s, |g| g.contact_damping = ContactDamping::None);
     }),
     ("clearance 1 um, modulus x 10, friction 0.5", |s, _| {
         clearance(s, 1e-6);
@@ -110,7 +111,16 @@ fn change_case(scene: &mut Scene, accuracy: &mut Accuracy, law: ContactLaw, chan
     change(scene, accuracy);
 }
 
-/// Changes every joint with clearance.
+/// Changes every guide with clearance.
+fn each_guide(scene: &mut Scene, change: impl Fn(&mut GuideClearance)) {
+    for joint in &mut scene.joints {
+        if let JointKind::Guide(guide) = &mut joint.kind {
+            change(guide);
+        }
+    }
+}
+
+/// Changes every hinge with clearance.
 fn each(scene: &mut Scene, change: impl Fn(&mut Clearance)) {
     for joint in &mut scene.joints {
         if let JointKind::Clearance(clearance) = &mut joint.kind {
@@ -119,9 +129,10 @@ fn each(scene: &mut Scene, change: impl Fn(&mut Clearance)) {
     }
 }
 
-/// Sets the radial clearance [m].
-fn clearance(scene: &mut Scene, radial: f64) {
-    each(scene, |c| c.bushing_radius = c.journal_radius + radial);
+/// Sets the clearance of hinges, radial, and that of guides on either side [m].
+fn clearance(scene: &mut Scene, size: f64) {
+    each(scene, |c| c.bushing_radius = c.journal_radius + size);
+    each_guide(scene, |g| g.clearance = size);
 }
 
 /// Scales the moduli of both materials.
@@ -130,11 +141,16 @@ fn modulus(scene: &mut Scene, factor: f64) {
         c.journal_material.elastic_modulus *= factor;
         c.bushing_material.elastic_modulus *= factor;
     });
+    each_guide(scene, |g| {
+        g.slider_material.elastic_modulus *= factor;
+        g.guide_material.elastic_modulus *= factor;
+    });
 }
 
 /// Sets the friction coefficient.
 fn friction(scene: &mut Scene, coefficient: f64) {
     each(scene, |c| c.friction = coefficient);
+    each_guide(scene, |g| g.friction = coefficient);
 }
 
 /// Scales the wear coefficient.
@@ -143,12 +159,12 @@ fn wear(scene: &mut Scene, factor: f64) {
         c.wear_coefficient *= factor;
         c.journal_wear_coefficient = c.journal_wear_coefficient.map(|coefficient| factor * coefficient);
     });
-    for joint in &mut scene.joints {
-        if let JointKind::Guide(GuideClearance { wear: Some(wear), .. }) = &mut joint.kind {
+    each_guide(scene, |g| {
+        if let Some(wear) = &mut g.wear {
             wear.coefficient *= factor;
             wear.slider_coefficient = wear.slider_coefficient.map(|coefficient| factor * coefficient);
         }
-    }
+    });
 }
 
 /// Sets the length of a wear block [cycles], in a life of at least that.
@@ -242,5 +258,27 @@ mod tests {
             let same = |c: &&Case| c.scene == law[0].scene && c.accuracy == law[0].accuracy;
             assert_eq!(law.iter().filter(same).count(), 1);
         }
+    }
+
+    #[test]
+    fn a_guide_is_changed_as_hinges_are() {
+        let text = include_str!("../../../common/tests/scenes/guided-slider-crank.toml");
+        let scene = SceneSource::parse(text, "guided").expect("a scene").nominal().clone();
+        let all = cases(&scene, &Accuracy::balanced());
+        let changed = |name: &str| {
+            let case = all.iter().find(|case| case.name == name).expect("a case");
+            case.scene.joints != all[0].scene.joints
+        };
+        let of_joints = CASES.iter().map(|(name, _)| name).filter(|name| {
+            ["clearance", "modulus", "friction", "damping"]
+                .iter()
+                .any(|word| name.starts_with(word) || name.starts_with("no damping"))
+        });
+        assert!(of_joints.clone().count() > 8);
+        assert!(
+            of_joints.clone().all(|name| changed(name)),
+            "{:?}",
+            of_joints.filter(|name| !changed(name)).collect::<Vec<_>>()
+        );
     }
 }
