@@ -279,4 +279,17 @@ mod tests {
             assert!((line - value).abs() < 1e-12 && (slope - 0.1).abs() < 1e-12);
         }
     }
+
+    #[test]
+    fn what_follows_from_the_bores_alone_has_the_error_of_their_wear_with_several_motions_too() {
+        let error = |variance| {
+            let spread = CycleSpread { life: 100, motion: vec![variance], wear: vec![] };
+            let estimate = MotionEstimate { spreads: vec![spread], ..MotionEstimate::default() };
+            let measured = MeasuredLives { lives: &[0, 100], outputs: &[vec![1.0], vec![3.0]] };
+            estimate.motion_errors(0, (&[100], &[3.0]), &measured, 0.0, |_| 0.1)[0]
+        };
+        // It grows by 0.02 a cycle, and the wear is off by a tenth of 100 cycles.
+        assert!((error(0.0) - 0.2).abs() < 1e-12, "{}", error(0.0));
+        assert_eq!(error(0.25), SCATTER * 0.5);
+    }
 }

@@ -181,6 +181,7 @@ mod tests {
     fn digits_follow_the_error() {
         assert_eq!(rounded_cycles(63_215.4, 264.0), "63\u{a0}220");
         assert_eq!(rounded_cycles(63_215.4, 14.0), "63\u{a0}215");
+        assert_eq!([rounded_cycles(28.134, 0.21), rounded_cycles(3.04, 2.5)], ["28.13", "3.0"]);
         assert_eq!(with_width(0.373_04, 0.004_31), "0.3730 ± 0.0043");
         assert_eq!(with_width(1.973e-4, 6.2e-6), "1.973e\u{2212}4 ± 6.2e\u{2212}6");
         assert_eq!(with_width(0.5, f64::NAN), "0.500");

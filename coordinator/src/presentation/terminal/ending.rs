@@ -131,6 +131,8 @@ mod tests {
         let text = final_text(&summary, Path::new("out/study"));
         assert!(text.contains("go on with `coordinator resume out/study --max-evaluations 432`"), "{text}");
         assert!(text.contains(" on 1 worker, "), "{text}");
+        let quoted = final_text(&summary, Path::new("out of/the study"));
+        assert!(quoted.contains("`coordinator resume 'out of/the study' --max-evaluations 432`"), "{quoted}");
     }
 
     #[test]
@@ -148,6 +150,7 @@ mod tests {
             "life at R = 0.5: 65 4",
             "cycles (95 % interval 6",
             "without them R = 0.5: 65 ",
+            "those of R do not: with these errors R total(",
             "stopped because the estimated error",
             "noise: 3.0 % of the variance of wear is numerical noise",
             "evaluations: 216 (120 initial, 96 added by learning, 1 failed)",
