@@ -191,8 +191,7 @@ fn look_up<R: Real>(psi: R, points: usize, per_radian: f64, cubics: &[[f64; 4]])
     // Whole numbers belong to either neighbour: n to the last interval. NaN takes the first one, and stays NaN.
     let whole = (x - 0.5).larger(zero).smaller(n - 1.0) + SHIFT;
     let floor = whole - SHIFT;
-    let cubic = psi.columns(|lane| cubics[lane * points + whole.lane(lane).to_bits() as u32 as usize]);
-    cubic_at(cubic, x - floor, per_radian)
+    cubic_at(whole.columns(cubics, points), x - floor, per_radian)
 }
 
 /// Radius and derivatives of a cubic at the fraction `s` of its interval, `k` intervals per radian.

@@ -3,7 +3,7 @@
 use super::conditions::ConditionRow;
 use super::context::Overrides;
 use super::faults::{Fault, FaultKind};
-use super::joint::{Clearance, ContactDamping, GuideClearance, GuideWear, JointKind};
+use super::joint::{Clearance, ContactDamping, GuideClearance, GuideWear, Joint, JointKind};
 use super::model::{Condition, Fails, LimitState, Scene};
 use super::output::OutputKind;
 use super::resolve::resolve;
@@ -48,10 +48,12 @@ pub(super) fn conditions(
             ),
             Ok(resolved) => {
                 let condition = Condition { name: name.clone(), share: *share, scene: resolved.scene };
-                if let Some(joint) = other_bore(&condition.scene, scene) {
+                if let Some(joint) = other_surfaces(&condition.scene, scene) {
+                    let surfaces = if matches!(joint.kind, JointKind::Guide(_)) { "faces" } else { "bore" };
                     let message = format!(
-                        "changes the bore of joint \"{joint}\", which all conditions share: of a joint they may change friction, \
-                         damping and, if it wears, the wear coefficient, of both surfaces by the same factor"
+                        "changes the {surfaces} of joint \"{}\", which all conditions share: of a joint they may change friction, \
+                         damping and, if it wears, the wear coefficient, of both surfaces by the same factor",
+                        joint.name
                     );
                     faults.push(fault("", message));
                 }
@@ -78,9 +80,9 @@ fn two_sided(scene: &Scene) -> Option<&str> {
     limits().enumerate().find(is_two_sided).map(|(_, limit)| limit.name.as_str())
 }
 
-/// Name of the first joint whose bore in the scene `under` a condition is not that of `base`; `None` if all are the same. Friction, damping
+/// The first joint whose bore, or whose faces if it is a guide, in the scene `under` a condition are not those of `base`; `None` if all are the same. Friction, damping
 /// and the wear coefficient of a joint that wears may differ, the latter by the same factor for both surfaces.
-fn other_bore<'s>(under: &'s Scene, base: &Scene) -> Option<&'s str> {
+fn other_surfaces<'s>(under: &'s Scene, base: &Scene) -> Option<&'s Joint> {
     let mut pairs = under.joints.iter().zip(&base.joints);
     let other = pairs.find(|(own, base)| match (&own.kind, &base.kind) {
         (JointKind::Clearance(own), JointKind::Clearance(base)) => {
@@ -91,7 +93,7 @@ fn other_bore<'s>(under: &'s Scene, base: &Scene) -> Option<&'s str> {
         }
         _ => false,
     });
-    other.map(|(own, _)| own.name.as_str())
+    other.map(|(own, _)| own)
 }
 
 /// A joint with clearance with what conditions may change set to one value.

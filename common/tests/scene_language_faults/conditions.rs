@@ -79,6 +79,12 @@ fn conditions() {
         "wear_coefficient = \"0 1/Pa\"",
         "conditions.full.changes: changes the bore of joint \"worn\"",
     );
+    one_fault(
+        "full",
+        "worn = { friction = 0.06 }",
+        "rail = { clearance = \"0.4 mm\" }",
+        "conditions.full.changes: changes the faces of joint \"rail\", which all conditions share",
+    );
     // Both surfaces of a joint wear under one history of contacts.
     one_fault(
         "full",

@@ -105,6 +105,7 @@ impl Arc {
     }
 
     /// Tabulates a changed profile.
+    #[inline(always)]
     pub(crate) fn profile_changed(&mut self, profile: &Profile) {
         profile.tabulate_chords(&mut self.radius);
         self.reach = (smallest(self.radius.iter().copied()) - self.journal_radius) / self.direction[0][0];
@@ -112,6 +113,7 @@ impl Arc {
     }
 
     /// Gap function in the direction of the eccentricity itself, |e| + R1 - R [m].
+    #[inline(always)]
     pub(crate) fn gap_along(&self, e: [f64; 2]) -> f64 {
         let n = self.radius.len();
         let x = libm::atan2(e[1], e[0]).rem_euclid(TAU) / TAU * n as f64;
@@ -239,6 +241,7 @@ impl Arc {
 
     /// Calls `weigh` with each angle of the table in contact, or next to it, at the eccentricity `e` [m] and the part of the integral
     /// of g that belongs to it [m rad]; with an angle between two stretches once for each.
+    #[inline(always)]
     pub(crate) fn weigh(&self, e: [f64; 2], mut weigh: impl FnMut(usize, f64)) {
         let n = self.radius.len();
         let spacing = TAU / n as f64;

@@ -31,8 +31,8 @@ use crate::lanes::Real;
 use crate::plane::{dot, left, length};
 use std::f64::consts::TAU;
 
-/// Lightest contact for which the arc is tabulated [m]: its half angle sqrt(2 delta / c) spans three
-/// intervals, which puts its force within 7e-4 of the integral.
+/// Lightest contact for which the arc is tabulated [m]: its half angle sqrt(2 delta / c) spans three intervals, which puts its force
+/// within 7e-4 of the integral.
 const LIGHTEST: f64 = 1e-8;
 /// Smallest number of intervals of the bore: twenty per control point at 36 of them.
 const FEWEST: usize = 720;
@@ -99,8 +99,7 @@ impl Foundation {
         Self::with_intervals(surface, control_points, intervals.clamp(FEWEST, MOST))
     }
 
-    /// The law on an unworn bore tabulated at `intervals` intervals or more, a multiple of the control
-    /// points.
+    /// The law on an unworn bore tabulated at `intervals` intervals or more, a multiple of the control points.
     pub(crate) fn with_intervals(surface: Surface, control_points: usize, intervals: usize) -> Self {
         Foundation {
             modulus: Modulus::new(surface.stiffness, surface.clearance),
@@ -116,6 +115,7 @@ impl Foundation {
     }
 
     /// Tabulates a changed profile.
+    #[inline(always)]
     pub(crate) fn profile_changed(&mut self, profile: &Profile) {
         self.arc.profile_changed(profile);
     }

@@ -132,6 +132,7 @@ pub struct Stretch {
 impl Stretch {
     /// The intervals from `first` to before `end` of a bore with these tabulated radii [m] and unit vectors, with the least and the
     /// largest gap of its angles, with the other sign, at the eccentricity from which others are counted [m].
+    #[inline(always)]
     fn new(
         first: usize,
         end: usize,
@@ -201,6 +202,7 @@ impl Stretch {
     }
 
     /// Coefficients of all its intervals for eccentricities counted from zero.
+    #[inline(always)]
     fn counted_from_zero(&self) -> Quadratic {
         let mut sum = Quadratic::default();
         for i in 0..self.intervals {
@@ -225,6 +227,7 @@ pub struct Quadratic {
 impl Quadratic {
     /// Those of one interval with the unit vectors `u`, `v` at its ends and there the gaps -`a` and -`b` [m] at the
     /// eccentricity from which others are counted.
+    #[inline(always)]
     fn of_interval(u: [f64; 2], v: [f64; 2], a: f64, b: f64) -> Self {
         let entry =
             |i: usize, j: usize| (u[i] * u[j] + v[i] * v[j]) / 3.0 + (u[i] * v[j] + v[i] * u[j]) / 6.0;
@@ -236,6 +239,7 @@ impl Quadratic {
         }
     }
 
+    #[inline(always)]
     fn plus(&self, other: &Self) -> Self {
         let ([xx, xy, yy], [hx, hy]) = (other.d, other.h);
         Quadratic {
@@ -271,6 +275,7 @@ pub struct Stretches {
 
 impl Stretches {
     /// Tabulates a bore with these radii [m] and unit vectors.
+    #[inline(always)]
     pub(super) fn tabulate(&mut self, journal_radius: f64, radius: &[f64], direction: &[[f64; 2]]) {
         let n = radius.len();
         self.widening = 1.0 / libm::cos(0.5 * STRETCH as f64 * TAU / n as f64);

@@ -214,11 +214,14 @@ mod tests {
                 let mut stored = [0.0_f64; 16];
                 x.store(&mut stored);
                 assert_eq!(&stored[..S::F64_LANES], x.values());
-                let columns = x.columns(|lane| [0.0, 1.0, 2.0, 3.0].map(|column| x.lane(lane) + column));
+                // Of three rows a lane the second or third.
+                let number = x.each(|lane| f64::from_bits(0xABC0_0000_0000_0001 + lane as u64 % 2));
+                let row = |k: usize| [0, 1, 2, 3].map(|column| (4 * k + column) as f64);
+                let table: Vec<[f64; 4]> = (0..3 * S::F64_LANES).map(row).collect();
+                let columns = number.columns(&table, 3);
                 for lane in 0..S::F64_LANES {
                     let (x, y) = (x.lane(lane), y.lane(lane));
-                    let row = columns.map(|column| column.lane(lane));
-                    assert_eq!(row, [x, x + 1.0, x + 2.0, x + 3.0]);
+                    assert_eq!(columns.map(|column| column.lane(lane)), row(3 * lane + 1 + lane % 2));
                     let alone = every(x, y);
                     for (found, alone) in found.iter().zip(alone) {
                         assert_eq!(found.lane(lane).to_bits(), alone.to_bits(), "{x} {y}");

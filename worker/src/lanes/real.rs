@@ -35,8 +35,8 @@ pub trait Real:
     fn set_lane(&mut self, k: usize, value: f64);
     /// The first numbers of `from`, one per lane; `self` sets the number of lanes.
     fn load(self, from: &[f64]) -> Self;
-    /// The columns of the rows `row(k)`, of which lane k has one; `self` sets the number of lanes.
-    fn columns(self, row: impl FnMut(usize) -> [f64; 4]) -> [Self; 4];
+    /// The columns of the rows of `table` whose numbers are the last 32 bits of `self`, one per lane; lane k counts its rows from `k each` on.
+    fn columns(self, table: &[[f64; 4]], each: usize) -> [Self; 4];
     /// Bit k is one where the mask is true in lane k.
     fn bits(mask: Self::Mask) -> u64;
     /// Writes the numbers into the first ones of `to`.
@@ -111,8 +111,8 @@ impl Real for f64 {
         from[0]
     }
     #[inline(always)]
-    fn columns(self, mut row: impl FnMut(usize) -> [f64; 4]) -> [Self; 4] {
-        row(0)
+    fn columns(self, table: &[[f64; 4]], _each: usize) -> [Self; 4] {
+        table[last_bits(self)]
     }
     #[inline(always)]
     fn bits(mask: bool) -> u64 {
@@ -154,6 +154,12 @@ impl Real for f64 {
     fn any(mask: bool) -> bool {
         mask
     }
+}
+
+/// The last 32 bits of a number.
+#[inline(always)]
+fn last_bits(number: f64) -> usize {
+    number.to_bits() as u32 as usize
 }
 
 /// Bit mask of a number without its sign.
@@ -275,11 +281,11 @@ impl<S: Simd> Real for Lanes<S> {
         Lanes { simd: self.simd, value: S::as_simd_f64s(&from[..S::F64_LANES]).0[0] }
     }
     #[inline(always)]
-    fn columns(self, mut row: impl FnMut(usize) -> [f64; 4]) -> [Self; 4] {
+    fn columns(self, table: &[[f64; 4]], each: usize) -> [Self; 4] {
         let mut values = [self.value; 4];
         let rows: &mut [[f64; 4]] = bytemuck::cast_slice_mut(&mut values);
         for k in 0..S::F64_LANES {
-            rows[place_of_row(k, S::F64_LANES)] = row(k);
+            rows[place_of_row(k, S::F64_LANES)] = table[k * each + last_bits(self.lane(k))];
         }
         let [a, b, c, d] = self.simd.deinterleave_shfl_f64s(values);
         let lanes = |value| Lanes { simd: self.simd, value };

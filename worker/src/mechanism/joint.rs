@@ -173,16 +173,17 @@ pub(crate) fn pair_force<R: Real, J: Touching<R>, const JACOBIAN: bool>(
     let PairMotion { arms: [ai, aj], separation: [e, w], motion, place } = *pair;
     let (joint, slopes) = touching.force::<JACOBIAN>((&place, wall), &motion);
     let force = fj.turn(joint.force);
-    let nothing = [[force[0].zero(); 2]; 4];
-    let mut pair = PairSlopes { to_e: nothing, to_w: nothing, to_angle: nothing, to_omega: nothing };
-    if JACOBIAN {
+    let pair = if JACOBIAN {
         let axis = fj.turn(slopes.u);
-        pair.turn_law(&slopes.rows, axis, [e, w], force);
+        let mut pair = PairSlopes::of_law(&slopes.rows, axis, [e, w], force);
         pair.add_arms([fi, fj], [ai, aj], force);
         if let Some(to_turn) = slopes.to_turn {
             pair.add_turn(to_turn, axis, [ai, aj]);
         }
-    }
+        pair
+    } else {
+        PairSlopes::none(force[0])
+    };
     PairForce {
         f: [
             force[0],
@@ -200,31 +201,38 @@ pub(crate) fn pair_force<R: Real, J: Touching<R>, const JACOBIAN: bool>(
 }
 
 impl<R: Real> PairSlopes<R> {
-    /// Fills in the derivatives of the joint's force and torques from `rows` in the contact's axes, the first of which is `u` in
+    /// No dependence on the motion; `like` sets the number of lanes.
+    #[inline(always)]
+    fn none(like: R) -> Self {
+        let nothing = [[like.zero(); 2]; 4];
+        PairSlopes { to_e: nothing, to_w: nothing, to_angle: nothing, to_omega: nothing }
+    }
+
+    /// The derivatives of the joint's force and torques from `rows` in the contact's axes, the first of which is `u` in
     /// global axes; e [m], w [m/s] and the force `force` [N] are in global axes as well. The angle of the journal has no effect yet,
     /// that of the bushing turns the law.
     #[inline(always)]
-    fn turn_law(&mut self, rows: &[[R; 6]; 4], u: [R; 2], [e, w]: [[R; 2]; 2], force: [R; 2]) {
+    fn of_law(rows: &[[R; 6]; 4], u: [R; 2], [e, w]: [[R; 2]; 2], force: [R; 2]) -> Self {
         let t = left(u);
-        let (eu, et, wu, wt) = (dot(e, u), dot(e, t), dot(w, u), dot(w, t));
-        for r in 0..4 {
-            let row = &rows[r];
-            for c in 0..2 {
-                self.to_e[r][c] = (row[0] * u[c]).plus_product(row[1], t[c]);
-                self.to_w[r][c] = (row[2] * u[c]).plus_product(row[3], t[c]);
-            }
-            self.to_angle[r][1] = cross([row[0], row[1]], [eu, et]) + cross([row[2], row[3]], [wu, wt]);
-            self.to_omega[r] = [row[4], row[5]];
-        }
-        for columns in [&mut self.to_e, &mut self.to_w, &mut self.to_angle, &mut self.to_omega] {
+        let (e, w) = ([dot(e, u), dot(e, t)], [dot(w, u), dot(w, t)]);
+        let [a, b, c, d] = rows;
+        // Each array is written once, which filling it row by row would not be.
+        let mut slopes = PairSlopes {
+            to_e: [to_place(a, u), to_place(b, u), to_place(c, u), to_place(d, u)],
+            to_w: [to_rate(a, u), to_rate(b, u), to_rate(c, u), to_rate(d, u)],
+            to_angle: [to_turned(a, e, w), to_turned(b, e, w), to_turned(c, e, w), to_turned(d, e, w)],
+            to_omega: [[a[4], a[5]], [b[4], b[5]], [c[4], c[5]], [d[4], d[5]]],
+        };
+        for columns in [&mut slopes.to_e, &mut slopes.to_w, &mut slopes.to_angle, &mut slopes.to_omega] {
             for c in 0..2 {
                 let (along, across) = (columns[0][c], columns[1][c]);
                 columns[0][c] = (along * u[0]).plus_product(across, t[0]);
                 columns[1][c] = (along * u[1]).plus_product(across, t[1]);
             }
         }
-        self.to_angle[0][1] -= force[1];
-        self.to_angle[1][1] += force[0];
+        slopes.to_angle[0][1] -= force[1];
+        slopes.to_angle[1][1] += force[0];
+        slopes
     }
 
     /// Adds the derivatives `to_turn` to the angle of a worn journal from the bushing, in the contact's axes, the first of which is `u`
@@ -264,4 +272,23 @@ impl<R: Real> PairSlopes<R> {
         self.to_angle[2][0] += cross(pi, force);
         self.to_angle[3][1] -= cross(pj, force);
     }
+}
+
+/// Of a row of slopes in the axes u and its left normal, those to the place e in the axes in which `u` is given `(2,)`.
+#[inline(always)]
+fn to_place<R: Real>(row: &[R; 6], u: [R; 2]) -> [R; 2] {
+    let t = left(u);
+    [(row[0] * u[0]).plus_product(row[1], t[0]), (row[0] * u[1]).plus_product(row[1], t[1])]
+}
+
+/// The same to its rate w `(2,)`.
+#[inline(always)]
+fn to_rate<R: Real>(row: &[R; 6], u: [R; 2]) -> [R; 2] {
+    to_place(&[row[2], row[3], row[4], row[5], row[0], row[1]], u)
+}
+
+/// The slopes to the angles of journal and bushing, of which the first has no effect, at e and w in the axes of the row `(2,)`.
+#[inline(always)]
+fn to_turned<R: Real>(row: &[R; 6], e: [R; 2], w: [R; 2]) -> [R; 2] {
+    [e[0].zero(), cross([row[0], row[1]], e) + cross([row[2], row[3]], w)]
 }

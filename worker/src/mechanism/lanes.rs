@@ -63,6 +63,8 @@ pub struct IslandLanes<R: Real> {
     frames: Vec<Frame<R>>,
     jets: Vec<Jet<R>>,
     space: JointSpace<R, JointLanes<R>>,
+    /// In the place of a linearisation where none is computed.
+    no_linearisation: Linearised<R>,
     band: Band,
 }
 
@@ -118,6 +120,7 @@ impl<R: Real> IslandLanes<R> {
             frames: vec![frame; island.bodies.len() + island.prescribed.len()],
             jets: vec![[zero; 4]; island.prescribed.len()],
             space: JointSpace::default(),
+            no_linearisation: Linearised::empty(),
             band: island.band(),
         };
         (0..R::LANES).for_each(|lane| lanes.set(lane, island));
@@ -231,17 +234,16 @@ impl<R: Real> IslandLanes<R> {
         }
     }
 
-    /// Joints and loads of the islands, at the state last set.
+    /// Joints and loads of the islands at the state last set, the space that their forces take, and what takes the place of a linearisation
+    /// where none is computed.
     #[inline(always)]
-    fn acting(&self) -> Acting<'_, R, JointLanes<R>, Guide<R>> {
-        Acting {
-            joints: &self.joints,
-            guides: &self.guides,
-            loads: &self.loads,
-            weight: &self.weight,
-            frames: &self.frames,
-            jets: &self.jets,
-        }
+    #[expect(clippy::type_complexity, reason = "parts of one value, taken apart where they are used")]
+    fn acting(
+        &mut self,
+    ) -> (Acting<'_, R, JointLanes<R>, Guide<R>>, &mut JointSpace<R, JointLanes<R>>, &mut Linearised<R>) {
+        let IslandLanes { joints, guides, loads, weight, frames, jets, .. } = self;
+        let acting = Acting { joints, guides, loads, weight, frames, jets };
+        (acting, &mut self.space, &mut self.no_linearisation)
     }
 }
 
@@ -306,9 +308,8 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
     #[inline(always)]
     fn force(&mut self, t: R, q: &[R], v: &[R], f: &mut [R]) {
         self.update_frames(t, q, v);
-        let mut space = std::mem::take(&mut self.space);
-        self.acting().applied::<false>(t, &mut space, f, &mut Linearised::empty());
-        self.space = space;
+        let (acting, space, none) = self.acting();
+        acting.applied::<false>(t, space, f, none);
         if self.ideal.rows() > 0 {
             let (ideal, at) = self.joints();
             ideal.add_reactions(at, f);
@@ -318,9 +319,10 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
     #[inline(always)]
     fn linearise(&mut self, t: R, q: &[R], v: &[R], at: &mut Linearised<R>) {
         self.update_frames(t, q, v);
-        let (mut f, mut space) = (std::mem::take(&mut at.f), std::mem::take(&mut self.space));
-        self.acting().applied::<true>(t, &mut space, &mut f, at);
-        (at.f, self.space) = (f, space);
+        let mut f = std::mem::take(&mut at.f);
+        let (acting, space, _) = self.acting();
+        acting.applied::<true>(t, space, &mut f, at);
+        at.f = f;
         if self.ideal.rows() > 0 {
             let (ideal, placed) = self.joints();
             let Existence { independent, balanced } = ideal.add_reactions(placed, &mut at.f);

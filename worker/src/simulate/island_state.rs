@@ -1,5 +1,6 @@
 //! One island of a running evaluation: its state, and what integrates, records and wears it.
 
+use super::guide_extent::advice;
 use crate::integrate::{IntegrationError, StepControl, Stepped, Stepper};
 use crate::mechanism::{Island, Pose, WearingPair};
 use crate::outputs::{Recorder, RecordingRequest};
@@ -233,9 +234,11 @@ pub(crate) fn failure(
             SimulationFailure::OutOfRange { cycle, time, joint: name(joint), penetration }
         }
         IntegrationError::LeftGuide { time, guide, distance } => {
-            let joint = &scene.joints[island.guides[guide].flat.scene_joint].name;
-            let what =
-                format!("joint {joint}: its slider stands out of its guide by {distance} m at t = {time} s");
+            let index = island.guides[guide].flat.scene_joint;
+            let (joint, by, advice) = (&scene.joints[index].name, 1e6 * distance, advice(scene, index));
+            let what = format!(
+                "joint {joint}: its slider stands out of its guide by {by:.3} um at t = {time:.6} s{advice}"
+            );
             SimulationFailure::NotModelled { what }
         }
         IntegrationError::Singular { time } => SimulationFailure::Singular { cycle, time },

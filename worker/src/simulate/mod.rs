@@ -34,6 +34,7 @@ mod error_estimate;
 mod finish;
 mod first_look;
 mod grooves;
+mod guide_extent;
 mod ideal_tracks;
 mod island_state;
 mod life_history;

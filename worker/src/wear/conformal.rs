@@ -16,6 +16,7 @@ use super::equilibrium::{ElasticSurfaces, Equilibrium, NoEquilibrium, equilibriu
 use super::interval::ContactSample;
 use crate::bore::Profile;
 use crate::contact::{Foundation, Journal, Surface, equivalent_penetration};
+use crate::lanes::{Vectorised, fused};
 use crate::plane::length;
 use std::f64::consts::TAU;
 
@@ -92,24 +93,43 @@ impl ConformalContacts {
         shares: &mut [f64],
     ) -> Result<(), NoEquilibrium> {
         shares.fill(0.0);
-        self.law.profile_changed(profile);
-        let Some(journal) = &mut self.journal else {
-            for sample in &mut self.samples {
-                self.evaluations += u64::from(add_share(&self.law, &self.hats, sample, shares)?);
+        fused(Sharing { contacts: self, profile, of_journal, shares })
+    }
+}
+
+/// Adds the shares of all samples.
+struct Sharing<'a> {
+    contacts: &'a mut ConformalContacts,
+    profile: &'a Profile,
+    of_journal: &'a [f64],
+    shares: &'a mut [f64],
+}
+
+impl Vectorised for Sharing<'_> {
+    type Output = Result<(), NoEquilibrium>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Sharing { contacts, profile, of_journal, shares } = self;
+        contacts.law.profile_changed(profile);
+        let ConformalContacts { law, journal, hats, samples, evaluations, .. } = contacts;
+        let Some(journal) = journal else {
+            for sample in samples {
+                *evaluations += u64::from(add_share(law, hats, sample, shares)?);
             }
             return Ok(());
         };
         journal.set_depth(of_journal);
         let (shares, of_journal) = shares.split_at_mut(profile.points());
-        for sample in &mut self.samples {
-            let Some(law) = self.law.with_journal(journal) else { continue };
+        for sample in samples {
+            let Some(law) = law.with_journal(journal) else { continue };
             let law = (law, sample.turn);
             let Some((found, scale)) = find_equilibrium(&law, sample)? else { continue };
-            self.evaluations += u64::from(found.evaluations);
-            let (points, intervals) = (shares.len() as f64, self.hats.len() as f64);
+            *evaluations += u64::from(found.evaluations);
+            let (points, intervals) = (shares.len() as f64, hats.len() as f64);
             let turn = sample.turn * points / TAU;
             law.0.turned_arc().weigh(found.e, sample.turn, |k, part| {
-                add_hats(shares, self.hats[k], scale * part);
+                add_hats(shares, hats[k], scale * part);
                 let place = (k as f64 * (points / intervals) - turn).rem_euclid(points);
                 let i = (place as usize).min(shares.len() - 1);
                 add_hats(of_journal, (i, place - i as f64), scale * part);
@@ -126,6 +146,7 @@ impl ConformalContacts {
 ///
 /// # Errors
 /// [`NoEquilibrium`] if no equilibrium was found.
+#[inline(always)]
 fn add_share(
     law: &Foundation,
     hats: &[(usize, f64)],
@@ -152,6 +173,7 @@ fn add_hats(shares: &mut [f64], (i, s): (usize, f64), amount: f64) {
 ///
 /// # Errors
 /// [`NoEquilibrium`] if no equilibrium was found.
+#[inline(always)]
 fn find_equilibrium(
     law: &impl ElasticSurfaces,
     sample: &mut ContactSample,

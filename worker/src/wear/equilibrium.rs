@@ -50,10 +50,11 @@ impl ElasticSurfaces for Foundation {
     fn surface(&self) -> &Surface {
         &self.surface
     }
+    #[inline(always)]
     fn gap_along(&self, e: [f64; 2]) -> f64 {
         self.arc().gap_along(e)
     }
-    #[inline]
+    #[inline(always)]
     fn load(&self, e: [f64; 2]) -> FoundationLoad {
         Foundation::load(self, e)
     }
@@ -93,6 +94,7 @@ pub struct NoEquilibrium(pub f64);
 ///
 /// # Errors
 /// [`NoEquilibrium`] if the force is beyond the law's range, or the bore has radii that are not finite.
+#[inline(always)]
 pub(super) fn equilibrium(
     law: &impl ElasticSurfaces,
     force: [f64; 2],
@@ -141,6 +143,7 @@ struct Point {
 
 impl Point {
     /// The point at eccentricity `e` [m] for the force `force` [N].
+    #[inline(always)]
     fn new(law: &impl ElasticSurfaces, force: [f64; 2], e: [f64; 2]) -> Self {
         let load = law.load(e);
         let miss = [load.force[0] - force[0], load.force[1] - force[1]];
@@ -151,6 +154,7 @@ impl Point {
 /// Minimum of U - F.e from `start` [m] by a damped Newton method, with at most `most` evaluations of the
 /// contact, which are added to `spent`. From no contact, or almost none, the journal moves outward along the
 /// load, by the penetration of that force on an unworn bore at a time.
+#[inline(always)]
 fn descend(
     law: &impl ElasticSurfaces,
     force: [f64; 2],
