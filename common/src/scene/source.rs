@@ -185,7 +185,29 @@ impl SceneSource {
 
     /// What is valid but most likely not meant, with the path of the key.
     pub fn warnings(&self) -> Vec<Warning> {
-        [warnings(&self.nominal), magnitudes(&self.nominal)].concat()
+        [warnings(&self.nominal), magnitudes(&self.nominal), self.overridden_variables()].concat()
+    }
+
+    /// Random variables without effect, since every operating condition sets what they change.
+    fn overridden_variables(&self) -> Vec<Warning> {
+        let (scene, means) = (&self.nominal, self.means());
+        let is_overridden = |k: &usize| {
+            let law = &scene.variables[*k].distribution;
+            let mut sample = means.clone();
+            sample[*k] = law.from_standard_normal(1.0);
+            !scene.conditions.is_empty()
+                && !law.is_constant()
+                && self.resolve_sample(&sample).is_ok_and(|moved| moved.conditions == scene.conditions)
+        };
+        let warning = |k: usize| {
+            Warning {
+            key: format!("variables.{}", scene.variables[k].name),
+            message: "has no effect: every condition sets what it changes; let the variable change a parameter that the \
+                      conditions multiply, as in \"1.5 * torque\""
+                .to_owned(),
+        }
+        };
+        (0..means.len()).filter(is_overridden).map(warning).collect()
     }
 
     /// Value of the quantity at this key as the scene writes it [SI], whatever random variable changes it; `None` if there is no

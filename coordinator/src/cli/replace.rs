@@ -148,5 +148,7 @@ fn plan(arguments: &ReplaceArguments, scene: &Scene) -> Result<InspectionPlan, D
     let given = (!arguments.inspect_at.is_empty()).then(|| Schedule::At(arguments.inspect_at.clone()));
     let schedules =
         arguments.inspect_every.iter().map(|every| Schedule::Every(*every)).chain(given).collect();
-    Ok(InspectionPlan { output, error, schedules, costs })
+    // The name of the curve has been checked: that of a limit state, or `total`.
+    let limit_state = scene.limit_states.iter().position(|limit| limit.name == arguments.curve);
+    Ok(InspectionPlan { limit_state, output, error, schedules, costs })
 }

@@ -354,7 +354,7 @@ impl Campaign {
         Some(InterimResult {
             failed: assessment.curves.clone(),
             points: self.classified.population.len(),
-            missing: 0.0,
+            missing: assessment.feasibility.barred_share(self.classified.unconditional()),
             surrogate: assessment.combined_errors(),
             condition: self.classified.condition,
         })

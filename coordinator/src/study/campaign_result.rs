@@ -34,12 +34,17 @@ impl CampaignResult {
         self.shares().curves()
     }
 
+    /// Share of the population that cannot be simulated, as far as the failed simulations tell [1].
+    pub(super) fn barred_share(&self) -> f64 {
+        self.assessment.feasibility.barred_share(self.classified.unconditional())
+    }
+
     /// Failure shares with their errors.
     pub(super) fn shares(&self) -> InterimResult {
         InterimResult {
             failed: self.assessment.curves.clone(),
             points: self.classified.population.len(),
-            missing: 0.0,
+            missing: self.barred_share(),
             surrogate: self.assessment.combined_errors(),
             condition: self.classified.condition,
         }

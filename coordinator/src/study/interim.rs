@@ -11,7 +11,8 @@ pub(super) struct InterimResult {
     pub failed: Vec<Vec<f64>>,
     /// Number of samples counted.
     pub points: usize,
-    /// Share of all samples [1] that have no result and are not counted; zero where surrogates predict them.
+    /// Share of all samples that have no result and are not counted, or of the population that surrogates predict though it cannot be
+    /// simulated [1].
     pub missing: f64,
     /// Surrogate error with simulator noise [1] per curve, at ascending checkpoints; empty without
     /// surrogates.

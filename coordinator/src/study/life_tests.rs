@@ -279,7 +279,13 @@ fn too_many_failures_end_the_study_and_name_the_cause() {
     patient.max_failed = 0.9;
     let mut evaluator = MadeUp { fails: |x, _| z(x, 0) > 0.3, ..MadeUp::new() };
     let result = study(&patient, &mut evaluator, &mut InMemoryJournal::default()).unwrap();
-    assert!(result.summary.failures.barred_share > 0.05, "{}", result.summary.failures.barred_share);
+    let barred = result.summary.failures.barred_share;
+    assert!(barred > 0.05, "{barred}");
+    // Whether all or none of that region fails is not known.
+    for row in &result.summary.reliability {
+        let (r, error) = (row.reliability["total"], row.standard_error["total"]);
+        assert!(1.96 * error >= barred * r.max(1.0 - r), "{row:?} {barred}");
+    }
 }
 
 #[test]

@@ -6,7 +6,6 @@ use super::observations::Observed;
 use super::response_layout::ResponseLayout;
 use super::{CampaignResult, Problem};
 use crate::results::life_summary::{CyclesRange, LifeCurveRow, LifeRow, UnresolvedFall};
-use crate::statistics::learning::running_maximum;
 use crate::statistics::reliability::{
     LifeAtLevel, LifeCounts, LifeCurve, LifeCurveInput, ModeLives, PredictedMode, ResponseErrors, Track,
     mode_lives, population_lives,
@@ -66,7 +65,7 @@ pub(super) fn add_simulated(problem: &Problem, observed: &Observed, lives: &mut 
     let times = times(&problem.checkpoints);
     let mut room = Vec::new();
     let mut by_mode = |mode: &crate::statistics::learning::Mode| -> ModeLives {
-        let values = running_maximum(&observed.histories[mode.output]);
+        let values = observed.running_maximum(mode.output);
         let first = values.iter().position(|y| *y >= mode.threshold).unwrap_or(times.len());
         let start = observed.start.get(mode.output).copied().flatten();
         let errors = ResponseErrors { numerical: &observed.errors[mode.output], predicted: &[] };

@@ -10,14 +10,14 @@ use super::failures::{Failed, check_failures};
 use super::interim::InterimResult;
 use super::learner::Learner;
 use super::lives::add_simulated;
-use super::observations::ObservedOutcome;
+use super::observations::{Observed, ObservedOutcome};
 use super::result::{Findings, LearnerFindings};
 use super::round::largest_change;
 use super::rows::failure_rows;
 use super::{CampaignError, Method, Problem, SampleRequest, SettingError, Settings, Step, StudyError};
 use crate::results::summary::{Convergence, EvaluationCounts, Failures, Round};
 use crate::statistics::design::Population;
-use crate::statistics::learning::{curves, running_maximum};
+use crate::statistics::learning::curves;
 use crate::statistics::reliability::{
     Condition, LifeCounts, coefficient_of_variation, distributions_from_samples, governing_checkpoint,
 };
@@ -180,7 +180,7 @@ impl Learner for DirectSimulation<'_> {
             match outcome {
                 Ok(observed) => {
                     self.points.push(j);
-                    add_first_failures(self.problem, &observed.histories, &mut self.first_failures);
+                    add_first_failures(self.problem, &observed, &mut self.first_failures);
                     add_simulated(self.problem, &observed, &mut self.lives);
                     let all = self.histories.iter_mut();
                     all.zip(observed.histories).for_each(|(all, history)| all.push(history));
@@ -227,11 +227,11 @@ impl Learner for DirectSimulation<'_> {
 }
 
 /// Appends the first failures of one evaluation, by mode and last of the system.
-fn add_first_failures(problem: &Problem, outputs: &[Vec<f64>], first_failures: &mut [Vec<u32>]) {
+fn add_first_failures(problem: &Problem, observed: &Observed, first_failures: &mut [Vec<u32>]) {
     let m = problem.checkpoints.len();
     let mut earliest = m as u32;
     for (mode, all) in problem.modes.iter().zip(first_failures.iter_mut()) {
-        let history = running_maximum(&outputs[mode.output]);
+        let history = observed.running_maximum(mode.output);
         let first = history.iter().position(|y| *y >= mode.threshold).unwrap_or(m) as u32;
         earliest = earliest.min(first);
         all.push(first);

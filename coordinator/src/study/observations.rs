@@ -26,6 +26,11 @@ impl Observed {
         Self { errors, start: vec![None; histories.len()], histories }
     }
 
+    /// Running maximum of the history of one output from the start of life `(m,)` [unit of the output].
+    pub fn running_maximum(&self, output: usize) -> Vec<f64> {
+        running_maximum(self.start.get(output).copied().flatten(), &self.histories[output])
+    }
+
     /// The histories of an evaluation; its errors are zero if it states none.
     pub fn from_evaluation(evaluation: Evaluation) -> Self {
         let Evaluation { histories, errors, mut start, .. } = evaluation;
@@ -134,27 +139,30 @@ impl Observations {
         as_matrix(&self.errors[output])
     }
 
-    /// Running maxima of the histories of one output `(n, m)` [unit of the output].
+    /// Running maxima of the histories of one output from the start of life `(n, m)` [unit of the output].
     pub fn running_maxima(&self, output: usize) -> Mat<f64> {
-        let maxima: Vec<Vec<f64>> = self.histories[output].iter().map(|h| running_maximum(h)).collect();
+        let rows = self.histories[output].iter().zip(&self.start[output]);
+        let maxima: Vec<Vec<f64>> = rows.map(|(history, start)| running_maximum(*start, history)).collect();
         as_matrix(&maxima)
     }
 
     /// Stated errors of the running maxima of one output `(n, m)` [unit of the output]: at each checkpoint
-    /// the error of the largest value so far.
+    /// the error of the largest value so far, for the start of life that of the first checkpoint.
     pub fn errors_of_running_maxima(&self, output: usize) -> Mat<f64> {
-        let errors_of_maxima = |(history, errors): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
-            let mut largest = (f64::NEG_INFINITY, 0.0);
-            let take = |(value, error): (&f64, &f64)| {
-                if *value > largest.0 {
-                    largest = (*value, *error);
-                }
-                largest.1
+        let errors_of_maxima =
+            |((history, errors), start): ((&Vec<f64>, &Vec<f64>), &Option<f64>)| -> Vec<f64> {
+                let at_start = errors.first().copied().unwrap_or(0.0);
+                let mut largest = start.map_or((f64::NEG_INFINITY, 0.0), |start| (start, at_start));
+                let take = |(value, error): (&f64, &f64)| {
+                    if *value > largest.0 {
+                        largest = (*value, *error);
+                    }
+                    largest.1
+                };
+                history.iter().zip(errors).map(take).collect()
             };
-            history.iter().zip(errors).map(take).collect()
-        };
-        let errors: Vec<Vec<f64>> =
-            self.histories[output].iter().zip(&self.errors[output]).map(errors_of_maxima).collect();
+        let rows = self.histories[output].iter().zip(&self.errors[output]).zip(&self.start[output]);
+        let errors: Vec<Vec<f64>> = rows.map(errors_of_maxima).collect();
         as_matrix(&errors)
     }
 
@@ -185,6 +193,10 @@ mod tests {
         );
         assert_eq!(observations.starts(0), Some(vec![0.5]));
         observations.add(&[1.0], Observed::exact(vec![vec![5.0; 4]]));
+        let falling = vec![vec![1.0, 3.0, 2.0, 4.0]];
+        observations.add(&[2.0], Observed { start: vec![Some(3.5)], ..Observed::exact(falling) });
+        let from_start = observations.running_maxima(0).row(2).iter().copied().collect::<Vec<_>>();
+        assert_eq!(from_start, [3.5, 3.5, 3.5, 4.0]);
         assert_eq!(observations.starts(0), None);
         let errors = observations.errors_of_running_maxima(0);
         let row = |i: usize| errors.row(i).iter().copied().collect::<Vec<f64>>();

@@ -8,7 +8,7 @@
 
 use super::observations::{Observations, Observed};
 use super::surrogates::{ModeResults, Surrogate};
-use crate::statistics::learning::{Mode, running_maximum};
+use crate::statistics::learning::Mode;
 use faer::{Mat, MatRef};
 
 impl Surrogate {
@@ -108,7 +108,7 @@ pub(super) fn judge(surrogates: &[Surrogate], modes: &[Mode], z: &[f64], observe
     let mut gravest = Judgement { verdict: Verdict::Confirmed, approach: 0.0 };
     for (surrogate, mode) in surrogates.iter().zip(modes) {
         let mean = surrogate.model.predict(point.as_ref()).mean;
-        let values = running_maximum(&observed.histories[mode.output]);
+        let values = observed.running_maximum(mode.output);
         for o in &surrogate.fitted_on {
             let (value, mean) = (values[*o], mean[(*o, 0)]);
             gravest.verdict = gravest.verdict.max(verdict(value, mean, mode.threshold));

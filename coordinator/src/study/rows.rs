@@ -67,7 +67,7 @@ pub(super) fn first_failure(
 pub(super) fn failures(scene: &Scene, campaign: &CampaignResult) -> Failures {
     let inputs = campaign.classified.population.inputs();
     Failures {
-        barred_share: campaign.assessment.feasibility.barred_share(campaign.classified.unconditional()),
+        barred_share: campaign.barred_share(),
         simulations: failure_rows(scene, inputs, &campaign.failed),
     }
 }

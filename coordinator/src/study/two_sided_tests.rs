@@ -2,10 +2,10 @@
 //!
 //! One standard normal variable x moves an output y(t) = a + b x + c t over the life t = n / 1000. With c > 0 and both bounds in reach,
 //!
-//!   R(n) = P(lower < a + b x + c t < upper at every checkpoint up to n)
-//!        = Phi((upper - a - c t) / b) - Phi((lower - a - c t_1) / b),
+//!   R(n) = P(lower < a + b x + c t < upper at the start and at every checkpoint up to n)
+//!        = Phi((upper - a - c t) / b) - Phi((lower - a) / b),
 //!
-//! since y grows: the upper bound counts at the checkpoint itself, the lower one at the first, t_1.
+//! since y grows: the upper bound counts at the checkpoint itself, the lower one at the start of life.
 
 use super::{Method, Settings, StudyResult, problem_of, run};
 use crate::farm::evaluate::{Demand, EvaluateError, Evaluator, Finished, RequestSource};
@@ -38,6 +38,8 @@ fn value(x: f64, cycles: f64) -> f64 {
 /// Computes the histories, with the value at the start and an error of 0.01.
 struct Formula {
     checkpoints: Vec<u32>,
+    /// Added to the values at the checkpoints, not to that at the start.
+    raised: f64,
 }
 
 impl Evaluator for Formula {
@@ -51,7 +53,8 @@ impl Evaluator for Formula {
                 Demand::End | Demand::Later => {}
             }
             let Some(request) = open.pop_front() else { continue };
-            let history = self.checkpoints.iter().map(|n| value(request.sample[0], f64::from(*n))).collect();
+            let at = |n: &u32| self.raised + value(request.sample[0], f64::from(*n));
+            let history = self.checkpoints.iter().map(at).collect();
             let mut evaluation = Evaluation::from_histories(self.checkpoints.clone(), vec![history]);
             evaluation.start = vec![Some(value(request.sample[0], 0.0))];
             evaluation.errors = vec![vec![0.01; self.checkpoints.len()]];
@@ -63,11 +66,11 @@ impl Evaluator for Formula {
 
 fn study(scene: &Scene, method: Method) -> StudyResult {
     let settings = Settings { seed: 5, method, samples: 40_000, ..Settings::from(scene) };
-    let mut evaluator = Formula { checkpoints: scene.life.checkpoints() };
+    let mut evaluator = Formula { checkpoints: scene.life.checkpoints(), raised: 0.0 };
     run(scene, &settings, &mut evaluator, &mut InMemoryJournal::default(), &mut Silent).unwrap()
 }
 
-/// P(y in the bounds at every checkpoint up to `cycles`); a bound may be infinite.
+/// P(y in the bounds from the start to `cycles`); a bound may be infinite.
 fn exact(lower: f64, upper: f64, cycles: f64) -> f64 {
     let [a, b, c] = RESPONSE;
     let below = |bound: f64, cycles: f64| {
@@ -77,7 +80,7 @@ fn exact(lower: f64, upper: f64, cycles: f64) -> f64 {
             standard_normal_cdf((bound - a - c * cycles / 1000.0) / b)
         }
     };
-    (below(upper, cycles) - below(lower, 200.0)).max(0.0)
+    (below(upper, cycles) - below(lower, 0.0)).max(0.0)
 }
 
 /// R(n) of a curve within four of its standard errors of the closed form, and lives within their intervals.
@@ -93,7 +96,7 @@ fn check(result: &StudyResult, curve: &str, lower: f64, upper: f64) {
     }
     for life in result.summary.lives.iter().filter(|life| life.limit_state == curve) {
         let (low, high) = (life.interval.lower, life.interval.upper.unwrap_or(f64::INFINITY));
-        // By bisection; between checkpoints the output grows steadily, and below the first one the lower bound counts from the start.
+        // By bisection; between checkpoints the output grows steadily.
         let (mut a, mut b) = (200.0, 2000.0);
         for _ in 0..60 {
             let middle = 0.5 * (a + b);
@@ -143,5 +146,20 @@ fn predictions_and_numerical_errors_of_two_limits_are_distances_from_their_middl
         assert!(range.lower <= r && r <= range.upper, "{row:?}");
         // Errors of 0.01 move each bound by a hundredth of the standard deviation.
         assert!(range.upper - range.lower < 0.02, "{row:?}");
+    }
+}
+
+#[test]
+fn issue_a_limit_exceeded_unworn_was_forgotten_where_the_output_recovers() {
+    // Every unit starts below the lower bound, and is above it before the first checkpoint.
+    let scene = scene("{ name = \"range\", output = \"y\", lower = 15, upper = 40 }");
+    for method in [Method::ActiveLearning, Method::MonteCarlo] {
+        let settings = Settings { seed: 5, method, samples: 2000, ..Settings::from(&scene) };
+        let mut evaluator = Formula { checkpoints: scene.life.checkpoints(), raised: 10.0 };
+        let result =
+            run(&scene, &settings, &mut evaluator, &mut InMemoryJournal::default(), &mut Silent).unwrap();
+        for row in &result.summary.reliability {
+            assert!(row.reliability["range"] < 1e-3, "{method:?}: {row:?}");
+        }
     }
 }

@@ -191,8 +191,10 @@ fn needed(quantity: &TargetQuantity, limits: &[LimitState]) -> Vec<(Group, Colum
 fn values(group: Group, columns: &[Column], evaluation: &Evaluation, limits: &[LimitState]) -> Vec<f64> {
     let history = match group {
         Group::Largest(s) => {
-            let history = evaluation.histories[limits[s].output].iter();
-            running_maximum(&history.map(|value| limits[s].response(*value)).collect::<Vec<_>>())
+            let (limit, output) = (&limits[s], limits[s].output);
+            let start = evaluation.start.get(output).copied().flatten().map(|value| limit.response(value));
+            let history = evaluation.histories[output].iter().map(|value| limit.response(*value));
+            running_maximum(start, &history.collect::<Vec<_>>())
         }
         Group::Value(output) => evaluation.histories[output].clone(),
         Group::Forces | Group::Bore(_) => Vec::new(),

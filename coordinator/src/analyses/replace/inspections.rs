@@ -17,6 +17,8 @@ const MOST: usize = 500;
 /// Inspections whose level is sought.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InspectionPlan {
+    /// Index of the limit state whose failures count; `None`: those of all.
+    pub limit_state: Option<usize>,
     /// Index of the output that is measured.
     pub output: usize,
     /// Standard deviation of the measurement's error [unit of the output].
@@ -106,7 +108,10 @@ pub fn inspect(
     let deviations: Vec<f64> = (0..UNITS).flat_map(|j| (0..width).map(move |s| deviation(s, j))).collect();
     let responses = model.respond(population.columns(0..UNITS), &deviations, &[plan.output]);
     let limit_states = model.limit_states();
-    let life = |own: &[f64]| own.iter().copied().fold(f64::INFINITY, f64::min);
+    let life = |own: &[f64]| match plan.limit_state {
+        Some(limit_state) => own[limit_state],
+        None => own.iter().copied().fold(f64::INFINITY, f64::min),
+    };
     let lives: Vec<f64> = responses.lives.chunks_exact(limit_states).map(life).collect();
     // The limit state whose response the level is of: one with two thresholds, or else one that fails below.
     let mut watching =

@@ -20,8 +20,8 @@ variables = [{ name = "life", distribution = "weibull", mean = 1000, std = 300 }
 
 const COSTS: ReplacementCosts = ReplacementCosts { planned: 1.0, failure: 10.0 };
 
-fn studied() -> (SceneSource, Settings, StudySummary, Vec<StoredOutcome>) {
-    let source = SceneSource::parse(SCENE, "part").unwrap();
+fn studied(text: &str) -> (SceneSource, Settings, StudySummary, Vec<StoredOutcome>) {
+    let source = SceneSource::parse(text, "part").unwrap();
     let scene = source.nominal();
     let stored = Mutex::new(Vec::new());
     let simulate = |request: &Request| {
@@ -58,7 +58,7 @@ fn exact(scene: &SceneSource) -> (f64, f64) {
 
 #[test]
 fn a_weibull_life_is_replaced_at_its_age_and_by_its_level() {
-    let (source, settings, summary, stored) = studied();
+    let (source, settings, summary, stored) = studied(SCENE);
     let scene = source.nominal();
     let report = replace(&summary, "total", &COSTS).unwrap();
     let (rate, age) = exact(&source);
@@ -81,6 +81,7 @@ fn a_weibull_life_is_replaced_at_its_age_and_by_its_level() {
     let model = LifeModel::new(scene, &learned);
     let costs = PolicyCosts { planned: 1.0, failure: 10.0, inspection: 0.0 };
     let plan = InspectionPlan {
+        limit_state: None,
         output: 0,
         error: 0.0,
         schedules: vec![Schedule::Every(100.0), Schedule::Every(400.0)],
@@ -100,6 +101,26 @@ fn a_weibull_life_is_replaced_at_its_age_and_by_its_level() {
     assert!(inspect(scene, &model, &at(&[900.0, 800.0]), 1).is_err());
     let beyond = InspectionPlan { schedules: vec![Schedule::Every(5000.0)], ..plan };
     assert!(inspect(scene, &model, &beyond, 1).unwrap_err().to_string().contains("allowed: "));
+}
+
+#[test]
+fn issue_inspections_counted_the_failures_of_all_limit_states_whatever_the_curve() {
+    // A second limit of the same output, exceeded 400 cycles earlier.
+    let earlier = "{ name = \"loud\", output = \"excess\", threshold = -400 }, { name = \"worn\"";
+    let (source, settings, _, stored) = studied(&SCENE.replacen("{ name = \"worn\"", earlier, 1));
+    let scene = source.nominal();
+    let learned = learn_from_results(scene, scene, &settings, &stored).unwrap();
+    let model = LifeModel::new(scene, &learned);
+    let cost = |limit_state: Option<usize>| {
+        let costs = PolicyCosts { planned: 1.0, failure: 10.0, inspection: 0.0 };
+        let schedules = vec![Schedule::Every(100.0)];
+        let plan = InspectionPlan { limit_state, output: 0, error: 0.0, schedules, costs };
+        inspect(scene, &model, &plan, 1).unwrap()[0].cost_rate
+    };
+    let [loud, worn, all] = [Some(0), Some(1), None].map(cost);
+    // As if it were the only one.
+    assert!((worn * 949.0 - 1.0).abs() < 0.03, "{worn}");
+    assert!(loud == all && all > 1.5 * worn, "{loud} {worn} {all}");
 }
 
 #[test]

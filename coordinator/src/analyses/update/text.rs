@@ -64,7 +64,7 @@ fn write_report(out: &mut String, report: &FleetReport) -> std::fmt::Result {
 fn write_unit(out: &mut String, unit: &UnitReport, end: f64) -> std::fmt::Result {
     let now = unit.observed_until;
     if unit.reliability.is_empty() {
-        return writeln!(out, "{:<16} {now:>10.0} impossible under the model, see below", unit.unit);
+        return writeln!(out, "{:<16} {now:>10.0} disagrees with the model, see below", unit.unit);
     }
     let there = &unit.reliability[0];
     let r = format!("{:.3} ± {:.3}", there.reliability["total"], there.standard_error["total"]);

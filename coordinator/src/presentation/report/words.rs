@@ -182,7 +182,8 @@ fn failed_runs(summary: &StudySummary) -> Option<String> {
         )
     } else {
         format!(
-            "an estimated {share} of the population, nearer to these than to any result, cannot be simulated, and R is extrapolated there"
+            "an estimated {share} of the population, nearer to these than to any result, cannot be simulated: R is extrapolated there, and \
+             its intervals contain both extremes, that all or none of these points fail"
         )
     };
     Some(format!(

@@ -2,8 +2,8 @@
 //! population by the surrogates, the error of that classification, the selection of the next samples, and the
 //! stopping rules.
 //!
-//! A limit state ("mode") s has failed by checkpoint n if its response reached the threshold at any
-//! checkpoint up to n. The surrogates therefore model the running maximum of each response's history, and
+//! A limit state ("mode") s has failed by checkpoint n if its response reached the threshold at the start of life, where
+//! that is known, or at any checkpoint up to n. The surrogates therefore model the running maximum of each response's history, and
 //! predictions are taken as running maxima too: failure is absorbing in the data and in the prediction.
 //! The system is in series, it fails with its first mode.
 //!
@@ -58,12 +58,12 @@ pub struct Mode {
     pub threshold: f64,
 }
 
-/// The running maximum of a history `(m,)`: max over the checkpoints up to each one `(m,)`
-/// [unit of the output].
-pub fn running_maximum(history: &[f64]) -> Vec<f64> {
+/// The running maximum of a history `(m,)`: max over the value at the `start` of life, if that is known, and the checkpoints up to
+/// each one `(m,)` [unit of the output].
+pub fn running_maximum(start: Option<f64>, history: &[f64]) -> Vec<f64> {
     let largest_so_far = |largest: &mut f64, value: &f64| {
         *largest = largest.max(*value);
         Some(*largest)
     };
-    history.iter().scan(f64::NEG_INFINITY, largest_so_far).collect()
+    history.iter().scan(start.unwrap_or(f64::NEG_INFINITY), largest_so_far).collect()
 }

@@ -124,7 +124,7 @@ impl LifeCurve {
             earliest: reliability(failed(LifeEstimate::Earliest)),
             latest: reliability(failed(LifeEstimate::Latest)),
         };
-        curve.thinned(probability)
+        curve.thinned(probability, input.counts.parts())
     }
 
     /// Life at this level of reliability [1], with the limits of the statistical interval or those with the numerical error.
@@ -164,8 +164,9 @@ impl LifeCurve {
         self.cycles.iter().copied().find(|point| *point >= time).unwrap_or(time)
     }
 
-    /// The curve without points that straight lines replace. `probability` [1] is that of the condition.
-    fn thinned(&self, probability: f64) -> Self {
+    /// The curve without points between the checkpoints, which are `parts` points apart, that straight lines replace. `probability` [1] is
+    /// that of the condition.
+    fn thinned(&self, probability: f64, parts: usize) -> Self {
         let all = [&self.reliability, &self.lower, &self.upper, &self.unsafe_lower, &self.safe_upper];
         let all = all.into_iter().chain([&self.earliest, &self.latest]);
         let curves: Vec<&Vec<f64>> = all.collect();
@@ -184,7 +185,7 @@ impl LifeCurve {
         }
         for place in 2..end {
             let last = kept[kept.len() - 1];
-            if differs(last, place + 1) && last < place {
+            if (place % parts == 0 || differs(last, place + 1)) && last < place {
                 kept.push(place);
             }
         }
@@ -314,6 +315,31 @@ mod tests {
                 assert!(outer.lower < found.lower && outer.upper.unwrap() > upper, "{outer:?} {found:?}");
             }
         }
+    }
+
+    #[test]
+    fn issue_a_density_was_spread_over_checkpoints_without_failures() {
+        // One sample in a hundred fails at once, then none until after 300 cycles, where R begins to fall.
+        let checkpoints = [100, 200, 300, 400, 500];
+        let times: Vec<f64> = checkpoints.iter().map(|n| f64::from(*n)).collect();
+        let mut counts = LifeCounts::new(1, times.len());
+        for j in 0..10_000 {
+            let from = if j % 100 == 0 { 1.5 } else { 0.5 };
+            let last = if j % 1000 == 1 { 1.2 } else { from };
+            let values = [from, from, from, last, last];
+            let track = Track { times: &times, values: &values, start: Some(from) };
+            let first = values.iter().position(|y| *y >= 1.0).unwrap_or(times.len());
+            let errors = ResponseErrors { numerical: &[0.0; 5], predicted: &[] };
+            counts.add(&[mode_lives(&track, &errors, 1.0, first, &mut Vec::new())]);
+        }
+        let curve = curve(&counts, &checkpoints);
+        let at = |time: f64| {
+            let place = curve.cycles.iter().position(|t| *t == time).expect("a point at every checkpoint");
+            curve.reliability[place]
+        };
+        let found = [100.0, 200.0, 300.0, 400.0].map(at);
+        assert!((found[0] - 0.99).abs() < 1e-12 && found[0] == found[1] && found[1] == found[2], "{found:?}");
+        assert!((found[3] - 0.989).abs() < 1e-12, "{found:?}");
     }
 
     #[test]

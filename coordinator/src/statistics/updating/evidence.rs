@@ -47,7 +47,7 @@ impl Evidence {
                 let variance = std * std + error * error;
                 -0.5 * phi * ((value - predicted).powi(2) / variance + variance.ln())
             }
-            Self::Survived(life) => possible(particles.predictions.life(i) > phi * life),
+            Self::Survived(life) => possible(phi == 0.0 || particles.predictions.life(i) > phi * life),
             Self::Failed(life) => possible(phi == 0.0 || particles.predictions.life(i) <= life / phi),
         }
     }

@@ -106,6 +106,24 @@ fn rare_survival_is_a_truncated_normal() {
 }
 
 #[test]
+fn issue_survival_was_impossible_where_some_states_fail_unworn() {
+    let model = Linear { dimension: 1, rows: vec![] };
+    let mut rng = ChaCha12Rng::seed_from_u64(7);
+    let mut prior = prior(&model, 4000, &mut rng);
+    // Lives are 1000 - 100 v; those of one state in six, with v > 1, end at once.
+    prior.predictions.lives.iter_mut().filter(|life| **life < 900.0).for_each(|life| *life = 0.0);
+    let settings = SequentialMonteCarlo { particles: 500, least: 300.0 };
+    for survived in [0.0, 500.0, 899.0] {
+        let posterior =
+            settings.update(prior.clone(), &[Evidence::Survived(survived)], &model, &mut rng).unwrap();
+        let (mean, _) = moments(&posterior, 0);
+        // -phi(1) / Phi(1)
+        assert!((mean + 0.2876).abs() < 0.03 && posterior.stages == 0, "{survived}: {mean}");
+        assert!((posterior.probabilities[0] - 0.8413).abs() < 0.02, "{:?}", posterior.probabilities);
+    }
+}
+
+#[test]
 fn observations_in_sequence_are_those_at_once() {
     let model = Linear { dimension: 2, rows: vec![vec![1.0, 0.0], vec![0.0, 1.0]] };
     let mut rng = ChaCha12Rng::seed_from_u64(4);

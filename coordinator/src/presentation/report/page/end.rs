@@ -72,6 +72,7 @@ fn failures(input: &ReportInput) -> Markup {
             } @else if learned {
                 "; the share of the population that cannot be simulated is estimated at "
                 (percent(input.summary.failures.barred_share))
+                ", and the intervals of R contain both extremes, that all or none of it fails"
             }
             "."
             @if input.failures.len() > FAILURES_LISTED { " The first are listed here, all of them in samples.csv." }
