@@ -3,7 +3,9 @@
 //!
 //! SQLite reads a file with a write-ahead log through a shared index in the file's folder. Where that index is missing and
 //! cannot be created, a file without a log does not change and is read as it is; a file with a log, which a killed study
-//! leaves, is read from a temporary copy.
+//! leaves, is read from a temporary copy. Where the folder can be written, SQLite creates index and log to read a file, and
+//! removes them only at the end of a connection that may write: a file without a log is therefore opened for writing, and
+//! changes through the connection are refused.
 
 use super::connection::{FILE_NAME, connect};
 use super::error::StoreError;
@@ -35,7 +37,15 @@ pub fn connect_read_only(path: &Path) -> Result<ReadConnection, StoreError> {
 
 /// Opens the file beside other connections, and reads from it once.
 fn shared(path: &Path) -> Result<Connection, StoreError> {
-    let connection = connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
+    let flags = if has_log(path) {
+        OpenFlags::SQLITE_OPEN_READ_ONLY
+    } else {
+        // Read-only all the same where the file or the file system is.
+        OpenFlags::SQLITE_OPEN_READ_WRITE
+    };
+    let connection = connect(path, flags)?;
+    let failed = |source| StoreError::Database { path: path.into(), source };
+    connection.pragma_update(None, "query_only", true).map_err(failed)?;
     probe(path, &connection)?;
     Ok(connection)
 }
