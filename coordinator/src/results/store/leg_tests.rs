@@ -139,7 +139,7 @@ fn issue_readers_left_files_beside_the_campaign_file() {
     let before = files();
     let reader = CampaignFile::look(dir.path()).unwrap();
     assert_eq!(reader.count().unwrap(), 2);
-    assert!(reader.connection.execute("DELETE FROM document", []).is_err());
+    assert!(reader.connection.execute("DELETE FROM evaluation", []).is_err());
     drop(reader);
     assert_eq!(files(), before);
 }
