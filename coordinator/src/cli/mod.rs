@@ -127,8 +127,8 @@ fn start_log(verbosity: Verbosity) {
     // PNG files warns of bars without width.
     let level = match (verbosity.quiet, verbosity.verbose) {
         (true, _) => "error,zenoh=off",
-        (false, 0) => "warn,zenoh=off,usvg=off,tiny_skia=off",
-        (false, 1) => "info,zenoh=warn,usvg=off,tiny_skia=off",
+        (false, 0) => "warn,zenoh=off,usvg=off,tiny_skia=off,simplecss=off",
+        (false, 1) => "info,zenoh=warn,usvg=off,tiny_skia=off,simplecss=off",
         (false, _) => "debug,zenoh=info,rustls=info",
     };
     log::start(LogOptions {
