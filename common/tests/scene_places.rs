@@ -39,6 +39,9 @@ fn a_fault_points_at_what_is_to_be_changed() {
         ("std = \"2 um\"", "std = \"11 um\"", "\"clearance_crank\"", "a bound of this variable"),
         ("[[loads]]", "[loads]", "[loads]", "expected a list of tables"),
         ("width = \"10 mm\"", "mm = 3\nwidth = \"10 mm\"", "mm", "it is a unit"),
+        ("width = \"10 mm\"", "\"a b\" = 3\nwidth = \"10 mm\"", "\"a b\"", "have letters, digits"),
+        ("friction = 0.05", "friction = -0.05", "-0.05", "allowed: 0 to 2"),
+        ("width = \"10 mm\"", "width = 10", "10", "is a plain number"),
         // Syntax.
         (
             "width = \"10 mm\"",

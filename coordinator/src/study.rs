@@ -39,6 +39,7 @@ mod life_model;
 mod lives;
 mod monte_carlo;
 mod observations;
+mod outcome_check;
 mod plan;
 mod prediction_check;
 mod predictions;
@@ -48,6 +49,7 @@ mod response_layout;
 mod result;
 mod round;
 mod rows;
+mod run_times;
 mod samples;
 mod settings;
 mod step;
@@ -94,12 +96,10 @@ pub use verification::{
 use crate::farm::evaluate::Evaluator;
 use crate::results::journal::Journal;
 use crate::results::progress::{Observer, Progress};
-use crate::results::summary::Timing;
 use common::scene::Scene;
 use dispatching::Dispatcher;
 use monte_carlo::DirectSimulation;
 use result::{Computed, Findings};
-use std::time::Instant;
 
 /// Runs a study of `scene` to its end: evaluations by `evaluator`, recorded in `journal`, reported to `observer`.
 ///
@@ -115,7 +115,6 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<StudyResult, StudyError> {
     settings.check(scene)?;
-    let started = Instant::now();
     let problem = problem_of(scene);
     let stricter = settings.stricter(scene);
     let mut dispatcher = Dispatcher::new(scene, stricter, settings.budget(), evaluator, journal, observer);
@@ -129,10 +128,7 @@ pub fn run(
         }
     };
     dispatcher.end()?;
-    let (surrogate, idle) = dispatcher.learner_seconds();
-    let total = started.elapsed().as_secs_f64();
-    let timing = Timing { total, simulation: dispatcher.simulation_seconds(), surrogate, idle };
-    let result = findings.result(scene, settings, timing, dispatcher.shares());
+    let result = findings.result(scene, settings, dispatcher.timing(), dispatcher.shares());
     let failures = result.summary.reliability.iter().any(|row| row.reliability["total"] < 1.0);
     if settings.method == Method::ActiveLearning && !failures {
         dispatcher.notice(&Progress::Warning(format!(

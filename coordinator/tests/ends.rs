@@ -326,3 +326,43 @@ fn check_sees_that_the_program_exists() {
         &["simulator.program", "./no-such-program", "cannot be started"],
     );
 }
+
+#[test]
+fn issue_a_closed_pipe_ended_a_study_with_a_panic() {
+    let Some(study) = Study::new(RIGHT) else { return };
+    let run = |arguments: &str| {
+        let mut command = study.command(arguments);
+        // Both pipes are closed before anything is written to them.
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        command.stdout(writer.try_clone().unwrap()).stderr(writer);
+        command.status().unwrap().code()
+    };
+    assert_eq!(run("run --scene study.toml --workers 2 --out study"), Some(0));
+    assert!(study.file("study/report.html").is_file());
+    contains(&study.done("status study"), &["strength: finished"]);
+    for command in ["status study", "scenes", "sensitivity study", "resume study", "man", "schema"] {
+        assert_eq!(run(command), Some(0), "{command}");
+    }
+    // An error keeps its exit code.
+    assert_eq!(run("run --scene study.toml --out study"), Some(2));
+}
+
+#[test]
+fn issue_times_of_a_resumed_study_were_those_of_its_last_run() {
+    let Some(study) = Study::new(RIGHT) else { return };
+    study.done("run --scene study.toml --workers 2 --out study --quiet");
+    let first = times(&study);
+    study.done("resume study --workers 2 --target-error 1e-9 --max-evaluations 40 --quiet");
+    let second = times(&study);
+    let total = |times: &Value| times["total"].as_f64().unwrap();
+    assert!(total(&second) > total(&first), "{first} {second}");
+    assert_eq!([&first["runs"], &second["runs"]], [1, 2]);
+    assert_eq!([&first["workers"], &second["workers"]], [2, 2]);
+}
+
+/// Times of the study in the folder `study`.
+fn times(study: &Study) -> Value {
+    let text = std::fs::read_to_string(study.file("study/summary.json")).unwrap();
+    serde_json::from_str::<Value>(&text).unwrap()["timing_s"].clone()
+}

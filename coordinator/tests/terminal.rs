@@ -1,5 +1,7 @@
-//! The progress of a study on a narrow terminal: what matters most is seen, and rounds leave their lines.
+//! The progress of a study on a narrow terminal: what matters most is seen, and rounds leave their lines; and
+//! output that cannot be written.
 
+use std::path::Path;
 use std::process::Command;
 
 #[test]
@@ -40,4 +42,29 @@ fn a_terminal_of_80_columns_shows_time_rate_and_error() {
         with_error += u32::from(round_ended);
     }
     assert!(round_ended && checked >= 3 && with_error >= 1, "{checked} {with_error}\n{shown}");
+}
+
+#[test]
+fn issue_a_full_disk_was_no_error() {
+    let full = Path::new("/dev/full");
+    if !full.exists() {
+        return;
+    }
+    let simulate = |options: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_coordinator"));
+        command.args(["simulate", "--scene", "four-bar", "--accuracy", "draft"]).args(options);
+        command
+    };
+    let mut to_standard_output = simulate(&[]);
+    to_standard_output.stdout(std::fs::File::options().write(true).open(full).unwrap());
+    for (mut command, place) in [
+        (simulate(&["--out", "/dev/full"]), "/dev/full: "),
+        (simulate(&["--report", "/dev/full"]), "/dev/full: "),
+        (to_standard_output, "standard output: "),
+    ] {
+        let output = command.output().unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0), "{message}");
+        assert!(message.starts_with(&format!("error: {place}No space left")), "{message}");
+    }
 }

@@ -18,17 +18,18 @@ pub fn program_path(command: &[String], folder: &Path) -> Result<PathBuf> {
 /// Fails like the start of a command in `folder` would if its program is missing or not executable.
 ///
 /// # Errors
-/// The reason of the system.
+/// What is wrong, and what can be done.
 pub fn check_executable(command: &[String], folder: &Path) -> Result<()> {
     let named = program_path(command, folder)?;
     if !folder.is_dir() {
-        return Err(ErrorKind::NotADirectory.into());
+        return Err(Error::new(ErrorKind::NotADirectory, "there is no such folder"));
     }
     if named.components().count() > 1 {
         return is_executable(&named);
     }
     let path = std::env::var_os("PATH").unwrap_or_default();
-    let mut reason = Error::from(ErrorKind::NotFound);
+    let missing = "there is no such program in the folders of PATH; install it, or give its path";
+    let mut reason = Error::new(ErrorKind::NotFound, missing);
     for folder in std::env::split_paths(&path) {
         match is_executable(&folder.join(&named)) {
             Ok(()) => return Ok(()),
@@ -42,10 +43,15 @@ pub fn check_executable(command: &[String], folder: &Path) -> Result<()> {
 
 fn is_executable(file: &Path) -> Result<()> {
     use std::os::unix::fs::PermissionsExt;
-    let found = std::fs::metadata(file)?;
+    let found = std::fs::metadata(file).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => {
+            Error::new(ErrorKind::NotFound, format!("there is no file {}", file.display()))
+        }
+        _ => error,
+    })?;
     if found.is_file() && found.permissions().mode() & 0o111 != 0 {
-        Ok(())
-    } else {
-        Err(ErrorKind::PermissionDenied.into())
+        return Ok(());
     }
+    let reason = format!("{} may not be executed; allow it with chmod +x", file.display());
+    Err(Error::new(ErrorKind::PermissionDenied, reason))
 }

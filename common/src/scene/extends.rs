@@ -6,6 +6,7 @@ use super::document::document;
 use super::faults::{FaultKind, Faults, nearest};
 use super::layers::{Layer, Layers};
 use super::merge::{leave_out, merge};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -18,13 +19,25 @@ const KEY: &str = "scene.extends";
 /// Path of the key that lists what is left out of the extended scene.
 const WITHOUT: &str = "scene.without";
 
+/// Name of the scene in the folder of a study.
+const COPY: &str = "scene.toml";
+
 /// Reads a file of a scene.
 ///
 /// # Errors
 /// [`FaultKind::Unreadable`].
 pub(super) fn read(path: &Path) -> Result<String, Faults> {
     std::fs::read_to_string(path).map_err(|error| {
-        Faults::one(&path.display().to_string(), "", FaultKind::Unreadable { message: error.to_string() })
+        let message = match error.kind() {
+            ErrorKind::NotFound => "there is no such file".to_owned(),
+            ErrorKind::IsADirectory if path.join(COPY).is_file() => {
+                format!("it is a folder; the scene of a study is {}", path.join(COPY).display())
+            }
+            ErrorKind::IsADirectory => "it is a folder, expected the TOML file of a scene".to_owned(),
+            ErrorKind::InvalidData => "it is no text, expected the TOML file of a scene".to_owned(),
+            _ => error.to_string(),
+        };
+        Faults::one(&path.display().to_string(), "", FaultKind::Unreadable { message })
     })
 }
 

@@ -127,14 +127,17 @@ fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
 fn span_of(found: &Found, kind: &FaultKind) -> Range<usize> {
     match kind {
         FaultKind::UnknownKey { .. } if found.whole => found.key.clone(),
-        FaultKind::BadName { value, .. } if found.source.get(found.key.clone()) == Some(value) => {
-            found.key.clone()
-        }
+        FaultKind::BadName { value, .. } if is_key(found, value) => found.key.clone(),
         FaultKind::Expression { piece: Some(piece), .. } if found.whole => {
             piece_in(found.source, &found.value, piece).unwrap_or_else(|| found.value.clone())
         }
         _ => found.value.clone(),
     }
+}
+
+/// Whether the key of a place is this name, in quotes or without.
+fn is_key(found: &Found, name: &str) -> bool {
+    found.source.get(found.key.clone()).is_some_and(|key| key.trim_matches(['"', '\'']) == name)
 }
 
 /// The first place of a piece in a part of a text where it is no part of a longer word.
@@ -151,13 +154,15 @@ fn piece_in(text: &str, part: &Range<usize>, piece: &str) -> Option<Range<usize>
 
 /// The definition of the parameter that a value consists of, through parameters that consist of one again.
 fn definition<'t>(layers: &[ParsedLayer<'t>], value: &Found) -> Option<Found<'t>> {
-    let mut name = value.text.clone()?;
+    let mut name = value.text.clone();
     let mut definition = None;
     for _ in 0..ALIAS_LIMIT {
-        let Some(found) = find(layers, &format!("parameters.{}", name.trim())).filter(|f| f.whole) else {
+        // A plain number names no other parameter.
+        let Some(parameter) = name.as_deref().map(str::trim).filter(|name| !name.is_empty()) else { break };
+        let Some(found) = find(layers, &format!("parameters.{parameter}")).filter(|f| f.whole) else {
             break;
         };
-        name = found.text.clone().unwrap_or_default();
+        name.clone_from(&found.text);
         definition = Some(found);
     }
     definition

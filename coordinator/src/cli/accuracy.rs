@@ -10,6 +10,7 @@ use coordinator::analyses::budget::{LADDER, RANDOM_POINTS, TriedSetting, choose_
 use coordinator::farm::evaluate::local::LocalEvaluator;
 use coordinator::farm::evaluate::{Evaluator, Request};
 use coordinator::presentation::report::format::short_percent;
+use coordinator::presentation::terminal::print_message;
 use coordinator::statistics::design::nominal_and_random;
 use coordinator::study::StudyAccuracy;
 use std::sync::Arc;
@@ -80,16 +81,16 @@ impl AccuracyArguments {
         };
         let choice = choose_setting(scene, budget, &LADDER, points, &mut evaluator, &mut |attempt| {
             if !quiet {
-                eprintln!("{}", attempt_text(attempt, budget));
+                print_message(attempt_text(attempt, budget));
             }
         })?;
         if !quiet {
-            eprintln!(
+            print_message(format_args!(
                 "accuracy {}: the cheapest tried that states errors below {} at {}",
                 choice.setting.name,
                 short_percent(budget),
                 if points.len() == 1 { "this point".to_owned() } else { format!("{} points", points.len()) }
-            );
+            ));
         }
         Ok(StudyAccuracy { setting: choice.setting, max_error: Some(budget) })
     }

@@ -12,6 +12,7 @@ use coordinator::analyses::calibrate::{
     CalibrationProgress, CalibrationSettings, Space, calibrate as fit, markdown, read_targets,
 };
 use coordinator::farm::dispatch::CampaignSpec;
+use coordinator::presentation::terminal::print_message;
 use std::path::PathBuf;
 
 /// Arguments of `coordinator calibrate`.
@@ -79,7 +80,7 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
     }
     let report_progress = &mut |CalibrationProgress { round, done, all }: CalibrationProgress| {
         if !verbosity.quiet && (done == all || done % 10 == 0) {
-            eprintln!("round {round}: {done}/{all} simulations");
+            print_message(format_args!("round {round}: {done}/{all} simulations"));
         }
     };
     let found = fit(&targets, &plan, &mut farm.evaluator, &space, report_progress)?;

@@ -1,11 +1,11 @@
 //! `coordinator check`: every fault and warning of a scene with its place, for people and for editors.
 
-use super::draw::write_drawing;
+use super::draw::{check_picture, write_drawing};
 use super::error::CommandError;
 use super::external;
 use super::measured::{MeasuredFinding, measured_findings};
 use super::nominal::nominal_check;
-use super::output::{check_destination, count, print, to_json};
+use super::output::{count, print, to_json};
 use super::scenes::check_linkage;
 use common::external::SimulatorId;
 use common::scene::{Fault, FaultKind, Location, Scene, SceneSource, Warning};
@@ -59,7 +59,7 @@ impl<'f> SceneFinding<'f> {
 /// # Errors
 /// [`CommandError::Scene`] with all faults, the errors of [`check_linkage`], or [`CommandError::Simulator`].
 pub fn check(file: &str, drawing: Option<&Path>, as_json: bool) -> Result<(), CommandError> {
-    check_destination(drawing)?;
+    check_picture(drawing)?;
     let checked = valid_scene(file);
     if let (Err(error), true) = (&checked, as_json) {
         let findings = match error {

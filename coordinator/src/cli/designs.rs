@@ -15,6 +15,7 @@ use coordinator::analyses::designs::{
     csv, json, page, refine, text,
 };
 use coordinator::presentation::report::ReportError;
+use coordinator::presentation::terminal::print_message;
 use coordinator::results::progress::Silent;
 use coordinator::results::result_files::write_text;
 use coordinator::results::store::{CampaignFile, FurtherEvaluations};
@@ -199,10 +200,10 @@ fn find(
     };
     let mut progress = |error: f64, added: usize| {
         if !verbosity.quiet {
-            eprintln!(
+            print_message(format_args!(
                 "designs: largest surrogate error of R {error:.4}, target {:.4}; {added} simulations added",
                 settings.targets().error
-            );
+            ));
         }
     };
     let refined = refine(&designs, grid, outcomes, budget, &mut simulate, &mut progress);

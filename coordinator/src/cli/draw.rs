@@ -6,14 +6,14 @@ use super::scenes::check_linkage;
 use clap::Args;
 use common::scene::{Motion, Scene, SceneSource};
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
-use coordinator::presentation::report::{Figure, Mechanism};
-use coordinator::results::result_files::write_text;
+use coordinator::presentation::report::{Figure, Mechanism, PngMaker, ReportError};
+use coordinator::results::result_files::{write_bytes, write_text};
 use std::path::{Path, PathBuf};
 use worker::mechanism::Prescribed;
 
 pub const EXAMPLES: &str = "\
 Without --out the drawing is a sketch in the terminal. It shows bodies and joints with their names, supports, sliders on their
-rails, drives with the angle of the crank, and loads; as SVG in true proportions, with a scale. With --json it is printed as
+rails, drives with the angle of the crank, and loads; as SVG or PNG in true proportions, with a scale. With --json it is printed as
 data: outlines of bodies, positions of joints, loads and drives in m and deg.
 
 Examples:
@@ -29,8 +29,8 @@ const INSTANTS: usize = 201;
 pub struct DrawArguments {
     /// Scene file, or name of a built-in scene
     pub scene: String,
-    /// Write an SVG file
-    #[arg(long, value_name = "FILE.svg")]
+    /// Write a picture, as SVG or as PNG by the end of its name
+    #[arg(long, value_name = "FILE.svg|FILE.png")]
     pub out: Option<PathBuf>,
     /// Position that is drawn, as a share of the cycle from 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = SHARE_OF_CYCLE, value_parser = share)]
@@ -49,14 +49,14 @@ fn share(text: &str) -> Result<f64, String> {
 /// [`CommandError::Scene`], [`CommandError::NoMechanism`], [`CommandError::NotModelled`] for a mechanism without extent, the failure of a linkage that does
 /// not close, or the error of a file that cannot be written.
 pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError> {
-    check_destination(arguments.out.as_deref())?;
+    check_picture(arguments.out.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let scene = source.nominal();
     check_linkage(source.origin(), scene)?;
     let mechanism = Mechanism::new(scene);
     let drawn = drawn(source.origin(), scene, &mechanism, arguments.at)?;
     if let Some(file) = &arguments.out {
-        write_text(file, &drawing::svg_file(&drawn, &mechanism))?;
+        write_picture(file, &drawing::svg_file(&drawn, &mechanism))?;
     }
     match (as_json, &arguments.out) {
         (true, _) => print(&to_json(&drawn)?),
@@ -65,7 +65,34 @@ pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError
     }
 }
 
-/// Writes the drawing of the mechanism of a scene as an SVG file.
+/// Checks that a picture can be written under this name.
+///
+/// # Errors
+/// [`CommandError::Destination`].
+pub fn check_picture(file: Option<&Path>) -> Result<(), CommandError> {
+    check_destination(file)?;
+    let Some(file) = file else { return Ok(()) };
+    let end = file.extension().map(|end| end.to_string_lossy().to_lowercase());
+    match end.as_deref() {
+        None | Some("svg" | "png") => Ok(()),
+        Some(other) => {
+            let fault = format!("pictures are written as .svg or .png, not as .{other}");
+            Err(CommandError::Destination { file: file.to_path_buf(), fault })
+        }
+    }
+}
+
+/// Writes a drawing as SVG, or as PNG if the name of the file ends so.
+fn write_picture(file: &Path, svg: &str) -> Result<(), CommandError> {
+    if file.extension().is_none_or(|end| !end.eq_ignore_ascii_case("png")) {
+        return Ok(write_text(file, svg)?);
+    }
+    let picture =
+        PngMaker::new().and_then(|maker| maker.rendered("drawing", svg)).map_err(ReportError::Png)?;
+    Ok(write_bytes(file, &picture)?)
+}
+
+/// Writes the drawing of the mechanism of a scene as an SVG or PNG file.
 ///
 /// # Errors
 /// As those of [`draw`].
@@ -74,7 +101,7 @@ pub fn write_drawing(source: &SceneSource, file: &Path) -> Result<(), CommandErr
     check_linkage(source.origin(), scene)?;
     let mechanism = Mechanism::new(scene);
     let drawn = drawn(source.origin(), scene, &mechanism, SHARE_OF_CYCLE)?;
-    Ok(write_text(file, &drawing::svg_file(&drawn, &mechanism))?)
+    write_picture(file, &drawing::svg_file(&drawn, &mechanism))
 }
 
 /// The drawing of a mechanism as a figure; none for an external simulator, or where nothing can be drawn.

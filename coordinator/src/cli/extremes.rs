@@ -7,6 +7,7 @@ use super::shared::{DEFAULT_SCENE, Verbosity};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::scene::{Scene, SceneSource};
+use coordinator::presentation::terminal::print_message;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -62,7 +63,7 @@ pub fn extremes(arguments: &ExtremesArguments, verbosity: Verbosity) -> Result<(
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let rows = run_all(&cases, threads, |row| {
         if !verbosity.quiet {
-            eprintln!("{}, {}: {}", row.case, row.law.name(), verdict(&row.outcome));
+            print_message(format_args!("{}, {}: {}", row.case, row.law.name(), verdict(&row.outcome)));
         }
     });
     let printed: Vec<PrintedRow> = rows.iter().map(|row| printed(scene, row)).collect();

@@ -9,6 +9,7 @@ use common::scene::SceneSource;
 use coordinator::farm::dispatch::{CampaignSpec, Listen, StatusBoard, ZenohEvaluator};
 use coordinator::farm::evaluate::Evaluator;
 use coordinator::presentation::monitor::StatusSource;
+use coordinator::presentation::terminal::print_message;
 use std::sync::Arc;
 use std::time::Instant;
 use worker::service::{self, ServiceConfig, Simulator, WorkerHandle};
@@ -173,7 +174,7 @@ impl WorkerFarm {
         if self.local.is_none() {
             let more = if self.is_external { " --simulator FILE-OF-THIS-SCENE" } else { "" };
             for endpoint in self.evaluator.endpoints() {
-                eprintln!("waiting for workers: worker --connect {endpoint}{more}");
+                print_message(format_args!("waiting for workers: worker --connect {endpoint}{more}"));
             }
         }
     }

@@ -48,6 +48,7 @@ mod verify;
 mod what_if;
 
 use command::{CommandArguments, CommandLine};
+use coordinator::presentation::terminal::print_message;
 use error::CommandError;
 use shared::Verbosity;
 use std::process::ExitCode;
@@ -68,7 +69,7 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if error.exit_code() != 0 {
-                eprint!("{}", explained(&error));
+                print_message(explained(&error).trim_end());
             }
             ExitCode::from(error.exit_code())
         }
@@ -122,11 +123,12 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
 
 /// Starts the log on standard error.
 fn start_log(verbosity: Verbosity) {
-    // Zenoh logs the connections and disconnections of workers as errors; the coordinator reports them itself.
+    // Zenoh logs the connections and disconnections of workers as errors; the coordinator reports them itself. The renderer of
+    // PNG files warns of bars without width.
     let level = match (verbosity.quiet, verbosity.verbose) {
         (true, _) => "error,zenoh=off",
-        (false, 0) => "warn,zenoh=off",
-        (false, 1) => "info,zenoh=warn",
+        (false, 0) => "warn,zenoh=off,usvg=off,tiny_skia=off,simplecss=off",
+        (false, 1) => "info,zenoh=warn,usvg=off,tiny_skia=off,simplecss=off",
         (false, _) => "debug,zenoh=info,rustls=info",
     };
     log::start(LogOptions {

@@ -8,6 +8,7 @@ use clap::Args;
 use common::scene::Scene;
 use coordinator::farm::dispatch::StatusBoard;
 use coordinator::presentation::monitor::{LivePage, MonitorServer, ProgressRelay, listen_address};
+use coordinator::presentation::terminal::print_message;
 use coordinator::results::progress::Observer;
 use coordinator::study::Settings;
 use std::io::IsTerminal;
@@ -67,11 +68,11 @@ impl StayingPage {
     pub fn serve(self) -> Result<(), CommandError> {
         let interrupted = interruption().map_err(CommandError::Signals)?;
         let file = self.live.report_file();
-        eprintln!(
+        print_message(format_args!(
             "the live page stays at http://{} until Ctrl-C; its report is {}",
             self.server.address(),
             file.display()
-        );
+        ));
         while !interrupted.load(Ordering::Relaxed) {
             std::thread::sleep(POLL_INTERVAL);
         }
@@ -117,10 +118,10 @@ impl Monitor {
     /// Prints the addresses of the servers.
     pub fn print_addresses(&self) {
         if let Some((_, server)) = &self.live {
-            eprintln!("live report: http://{}", server.address());
+            print_message(format_args!("live report: http://{}", server.address()));
         }
         if let Some(server) = &self.metrics {
-            eprintln!("metrics: http://{}/metrics", server.address());
+            print_message(format_args!("metrics: http://{}/metrics", server.address()));
         }
     }
 

@@ -16,6 +16,7 @@ use coordinator::analyses::optimise::{
 };
 use coordinator::analyses::what_if::{FinishedStudy, ask, json, redistributed};
 use coordinator::presentation::report::ReportError;
+use coordinator::presentation::terminal::print_message;
 use coordinator::results::result_files::write_text;
 use coordinator::results::store::{CampaignFile, FurtherEvaluations};
 use coordinator::study::{
@@ -142,9 +143,9 @@ fn search(
         if !verbosity.quiet {
             let OptimisationProgress { round, cost, feasible, added } = progress;
             let met = if feasible { "" } else { ", no design within the bounds meets the targets" };
-            eprintln!(
+            print_message(format_args!(
                 "round {round}: cost {cost:.5} on the present surrogates{met}; {added} simulations added"
-            );
+            ));
         }
     };
     if arguments.max_evaluations == 0 {

@@ -6,6 +6,7 @@ use super::pdf::print_page;
 use super::stored_study::{not_finished, scene_of, summary_of};
 use clap::Args;
 use coordinator::presentation::report;
+use coordinator::presentation::text_table::in_columns;
 use coordinator::results::store::CampaignFile;
 use coordinator::results::summary::{SensitivityRow, SobolRow, StudySummary};
 use coordinator::statistics::reliability::REACH;
@@ -118,11 +119,20 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
         };
         writeln!(
             out,
-            "{state}, at {cycles} cycles: change of the failure probability with one standard deviation (95 % intervals)"
+            "{state}, at {cycles} cycles: change of the failure probability if the mean or the standard deviation (std) of a \
+             variable increases by one standard deviation, with 95 % intervals"
         )?;
         let shares = summary.sobol.iter().any(|row| row.limit_state == *state && row.cycles == cycles);
-        let heading = if shares { "  variance alone  with others" } else { "" };
-        writeln!(out, "  {:24} {:>20} {:>20}{heading}", "variable", "more mean", "more std")?;
+        let mut head = vec!["variable", "mean + 1 std", "std + 1 std"];
+        if shares {
+            writeln!(
+                out,
+                "Sobol indices: share of the variance of the output by the variable alone (first order), and with its interactions \
+                 (total)"
+            )?;
+            head.extend(["Sobol first order", "Sobol total"]);
+        }
+        let mut table = vec![head.into_iter().map(str::to_owned).collect::<Vec<String>>()];
         for row in strongest(summary, state, cycles) {
             let pair = |value: f64, error: f64| format!("{value:+.4} ± {:.4}", REACH * error);
             // The errors of the derivatives, on the scale of the scaled derivatives.
@@ -135,16 +145,15 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
                 sobol.limit_state == *state && sobol.cycles == cycles && sobol.variable == row.variable
             };
             let share = summary.sobol.iter().find(same);
-            let share =
-                share.map_or(String::new(), |s| format!("  {:>14.3} {:>12.3}", s.first_order, s.total));
-            writeln!(
-                out,
-                "  {:24} {:>20} {:>20}{share}",
-                row.variable,
+            let mut cells = vec![
+                row.variable.clone(),
                 pair(row.scaled.d_pf_d_mean, row.standard_error.d_pf_d_mean * mean_std),
-                pair(row.scaled.d_pf_d_std, row.standard_error.d_pf_d_std * std_std)
-            )?;
+                pair(row.scaled.d_pf_d_std, row.standard_error.d_pf_d_std * std_std),
+            ];
+            cells.extend(share.into_iter().flat_map(|s| [s.first_order, s.total]).map(|s| format!("{s:.3}")));
+            table.push(cells);
         }
+        out.push_str(&in_columns(&table, &[0]));
         writeln!(out)?;
     }
     Ok(())

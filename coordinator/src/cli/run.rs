@@ -21,7 +21,7 @@ use common::scene::SceneSource;
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
 use coordinator::analyses::scene_settings::scene_with;
 use coordinator::presentation::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
-use coordinator::presentation::terminal::{Terminal, final_text};
+use coordinator::presentation::terminal::{Terminal, final_text, print_message};
 use coordinator::results::store::{CampaignFile, CampaignMeta};
 use coordinator::results::summary::StudySummary;
 use coordinator::study::{Method, Settings};
@@ -84,7 +84,7 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
         campaign.put_document(DESIGNS_DOCUMENT, &space.stored())?;
     }
     if !verbosity.quiet {
-        eprintln!("results go to {}", dir.display());
+        print_message(format_args!("results go to {}", dir.display()));
     }
     finish(StoredStudy { campaign, source, settings }, evaluator, monitor, verbosity)
 }
@@ -104,7 +104,7 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
     let summary = study.campaign.document::<StudySummary>(SUMMARY_DOCUMENT)?;
     if let Some(summary) = summary.filter(|_| !begins_leg) {
         if !verbosity.quiet {
-            eprintln!("this study is finished; writing its results again");
+            print_message("this study is finished; writing its results again");
         }
         write_results(&study.campaign, dir)?;
         return match after_study(&mut study, Machines::ToOpen(farm), verbosity)? {
@@ -130,20 +130,20 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
 
 /// Says on standard error what a study goes on from.
 fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Result<(), CommandError> {
-    eprintln!("{} evaluations are done already", study.campaign.count()?);
+    print_message(format_args!("{} evaluations are done already", study.campaign.count()?));
     let (before, ours) = (&study.campaign.meta().version, env!("CARGO_PKG_VERSION"));
     if before != ours {
-        eprintln!(
+        print_message(format_args!(
             "they are by version {before} of the program, and those that follow by version {ours}: where the two compute \
              other digits, the study has both"
-        );
+        ));
     }
     if extended.larger_populations != study.settings.larger_populations {
-        eprintln!(
+        print_message(format_args!(
             "the population grows to {} points once learning has ended on the present one: all results are used, where a \
              new study of that size would choose other points",
             extended.population()
-        );
+        ));
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! Ctrl-C and SIGTERM stop a study after saving what is done. A second signal ends the process at once; nothing is lost,
 //! since every outcome is recorded when it arrives.
 
+use coordinator::presentation::terminal::print_message;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -34,7 +35,7 @@ pub fn interruption() -> io::Result<Arc<AtomicBool>> {
                     _ = terminate.recv() => {}
                 }
                 if !flag.swap(true, Ordering::Relaxed) {
-                    eprintln!("stopping; what is done is saved (again to stop at once)");
+                    print_message("stopping; what is done is saved (again to stop at once)");
                 }
             }
             common::external::kill_all();

@@ -14,6 +14,7 @@ use coordinator::analyses::tradeoff::{
 };
 use coordinator::farm::dispatch::CampaignSpec;
 use coordinator::presentation::report::ReportError;
+use coordinator::presentation::terminal::print_message;
 use coordinator::results::result_files::write_text;
 use coordinator::statistics::design::nominal_and_random;
 use std::path::{Path, PathBuf};
@@ -71,7 +72,9 @@ pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Result<(
     let (measurement, end) =
         plan.measure(&mut farm.evaluator, &mut |TradeoffProgress { done, all, setting, point, seconds }| {
             if !verbosity.quiet {
-                eprintln!("{done}/{all} evaluations: {setting} at point {point}, {seconds:.2} s");
+                print_message(format_args!(
+                    "{done}/{all} evaluations: {setting} at point {point}, {seconds:.2} s"
+                ));
             }
         });
     if end.is_ok() {

@@ -8,6 +8,7 @@ use super::stored_study::{StoredStudy, not_finished};
 use super::study_options::LearnerArguments;
 use clap::Args;
 use coordinator::analyses::replay::{Replayed, replay};
+use coordinator::presentation::text_table::in_columns;
 use coordinator::statistics::reliability::REACH;
 use coordinator::study::{
     Method, Settings, SimulatedPoint, StudyError, Verification, verify as refit, verify_study,
@@ -151,7 +152,7 @@ fn write_verification(out: &mut String, found: &Verification) -> std::fmt::Resul
     for surrogate in &found.surrogates {
         writeln!(
             out,
-            "  {:16} {}: Q2 {:.4} (leave-one-out {:.4}), errors {:.2} times the predicted standard deviation",
+            "  {}: {}, Q2 {:.4} (leave-one-out {:.4}), errors {:.2} times the predicted standard deviation (root mean square)",
             surrogate.limit_state,
             surrogate.form,
             surrogate.q2,
@@ -159,22 +160,25 @@ fn write_verification(out: &mut String, found: &Verification) -> std::fmt::Resul
             surrogate.variance_ratio.sqrt()
         )?;
     }
-    writeln!(out, "\ndifferences with their 95 % intervals")?;
-    write!(out, "{:>10}", "cycles")?;
-    for curve in &found.curves {
-        write!(out, " | {:^36}", format!("R {curve}: simulated, predicted"))?;
-    }
-    writeln!(out)?;
+    writeln!(
+        out,
+        "\nR of the {} other simulations: counted, and with the surrogates in their place; difference: surrogates minus counted, with \
+         its 95 % interval",
+        found.points
+    )?;
+    let columns =
+        |curve: &String| [format!("R {curve} counted"), "by surrogates".to_owned(), "difference".to_owned()];
+    let mut table: Vec<Vec<String>> =
+        vec![std::iter::once("cycles".to_owned()).chain(found.curves.iter().flat_map(columns)).collect()];
     for row in &found.rows {
-        write!(out, "{:>10}", row.cycles)?;
-        for ((simulated, predicted), error) in
-            row.simulated.iter().zip(&row.predicted).zip(&row.standard_error)
-        {
-            let difference = predicted - simulated;
-            write!(out, " | {simulated:.4} {predicted:.4} {difference:+.4} ± {:.4}    ", REACH * error)?;
-        }
-        writeln!(out)?;
+        let curves = row.simulated.iter().zip(&row.predicted).zip(&row.standard_error);
+        let cells = curves.flat_map(|((simulated, predicted), error)| {
+            let difference = format!("{:+.4} ± {:.4}", predicted - simulated, REACH * error);
+            [format!("{simulated:.4}"), format!("{predicted:.4}"), difference]
+        });
+        table.push(std::iter::once(row.cycles.to_string()).chain(cells).collect());
     }
+    out.push_str(&in_columns(&table, &[]));
     writeln!(out, "\nlargest difference of any curve: {:.4}", found.largest_difference())
 }
 
@@ -188,25 +192,30 @@ fn rounds_text(found: &Replayed) -> String {
 fn write_rounds(out: &mut String, found: &Replayed) -> std::fmt::Result {
     writeln!(
         out,
-        "learning from a population of {} simulated samples; errors are the largest of any R(n)\n",
+        "learning again, with the {} simulated samples as the population\n\
+         stated error: largest error of any R(n) that the surrogates state; true error: largest difference of any R(n) from that of \
+         all samples; ratio: root mean square of true over stated; uncertain: share of the samples with U < 2\n",
         found.population
     )?;
-    writeln!(
-        out,
-        "{:>11} {:>13} {:>11} {:>12} {:>10}  surrogates: kernel, trend, leave-one-out Q2, cross-validated Q2, factor on variances",
-        "evaluations", "stated error", "true error", "true/stated", "uncertain"
-    )?;
-    for round in &found.rounds {
-        writeln!(
-            out,
-            "{:>11} {:>13.4} {:>11.4} {:>12.2} {:>8.1} %  {}",
-            round.evaluations,
-            round.stated_error,
-            round.true_error,
-            round.error_ratio,
-            100.0 * round.uncertain,
-            round.surrogates.join("; ")
-        )?;
-    }
+    let head = [
+        "evaluations",
+        "stated error",
+        "true error",
+        "ratio",
+        "uncertain",
+        "surrogates: kernel, trend, leave-one-out Q2, cross-validated Q2, factor on variances",
+    ];
+    let mut table = vec![head.map(str::to_owned).to_vec()];
+    table.extend(found.rounds.iter().map(|round| {
+        vec![
+            round.evaluations.to_string(),
+            format!("{:.4}", round.stated_error),
+            format!("{:.4}", round.true_error),
+            format!("{:.2}", round.error_ratio),
+            format!("{:.1} %", 100.0 * round.uncertain),
+            round.surrogates.join("; "),
+        ]
+    }));
+    out.push_str(&in_columns(&table, &[5]));
     writeln!(out, "\nstopped by {}, {:.1} s of learning", found.stopped_by, found.seconds)
 }

@@ -7,9 +7,11 @@
 //! | [`nominal_life`] | one mechanism against the limits of its scene |
 //! | [`remaining`] | time that a study still takes |
 //! | [`terminal`] | progress and final summary on the terminal |
+//! | [`text_table`] | a table as text |
 
 pub mod monitor;
 pub mod nominal_life;
 pub mod remaining;
 pub mod report;
 pub mod terminal;
+pub mod text_table;

@@ -2,11 +2,13 @@
 //! [`ProgressText`] decides on text and time of the lines; it uses neither terminal nor clock.
 
 mod ending;
+mod message;
 
 pub use ending::final_text;
+pub use message::print_message;
 
 use crate::presentation::remaining::EvaluationProgress;
-use crate::presentation::report::format::{count, fixed, percent, reliability, three_digits, with_width};
+use crate::presentation::report::format::{count, fixed, percent, reliability, share, three_digits};
 use crate::results::progress::{Observer, Progress};
 use crate::results::summary::Round;
 use crate::statistics::reliability::REACH;
@@ -130,7 +132,8 @@ fn current_reliability(round: &Round) -> String {
     let (r, width) = (round.reliability_total, REACH * round.standard_error());
     let pf = 1.0 - r;
     if pf > 0.0 && pf < 1e-3 {
-        return format!("P_f({}) = {} (95 %)", count(round.cycles.into()), with_width(pf, width));
+        let value = share(pf, (pf - width).max(0.0), (pf + width).min(1.0));
+        return format!("P_f({}) = {value} (95 %)", count(round.cycles.into()));
     }
     let value = reliability(r, (r - width).max(0.0), (r + width).min(1.0));
     let equal = if value.starts_with(['>', '<']) { "" } else { "= " };
@@ -218,7 +221,7 @@ impl Observer for Terminal {
             OutputMode::Quiet => {}
             OutputMode::Lines => {
                 if let Some(line) = line {
-                    eprintln!("{line}");
+                    print_message(line);
                 }
             }
             OutputMode::Bar(bar) => {

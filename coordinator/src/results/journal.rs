@@ -4,6 +4,7 @@
 
 use crate::farm::evaluate::{EvaluateError, Finished, Request};
 use crate::results::summary::Round;
+use crate::results::timing::Timing;
 use std::collections::BTreeMap;
 
 /// Record of the evaluations of a study.
@@ -42,6 +43,22 @@ pub trait Journal {
     /// # Errors
     /// [`EvaluateError::Record`] if it cannot be written.
     fn note_round(&mut self, round: &Round) -> Result<(), EvaluateError>;
+
+    /// Times of the study so far, as noted by its earlier runs; all zero before the first one.
+    ///
+    /// # Errors
+    /// [`EvaluateError::Record`] if they cannot be read.
+    fn times(&self) -> Result<Timing, EvaluateError> {
+        Ok(Timing::default())
+    }
+
+    /// Notes the times of the study so far, the run in progress included.
+    ///
+    /// # Errors
+    /// [`EvaluateError::Record`] if they cannot be written.
+    fn note_times(&mut self, _times: &Timing) -> Result<(), EvaluateError> {
+        Ok(())
+    }
 }
 
 /// A journal without a file: for studies that need not be resumed after the process has ended, and for tests.
@@ -50,6 +67,7 @@ pub struct InMemoryJournal {
     /// Sample and outcome by the number of the request.
     outcomes: BTreeMap<u64, (Vec<f64>, Finished)>,
     rounds: Vec<Round>,
+    times: Timing,
 }
 
 impl InMemoryJournal {
@@ -91,6 +109,15 @@ impl Journal for InMemoryJournal {
 
     fn note_round(&mut self, round: &Round) -> Result<(), EvaluateError> {
         self.rounds.push(round.clone());
+        Ok(())
+    }
+
+    fn times(&self) -> Result<Timing, EvaluateError> {
+        Ok(self.times)
+    }
+
+    fn note_times(&mut self, times: &Timing) -> Result<(), EvaluateError> {
+        self.times = *times;
         Ok(())
     }
 }

@@ -7,6 +7,7 @@
 //! | [`progress`] | what a running study reports |
 //! | [`store`] | the campaign file (SQLite) |
 //! | [`result_files`] | JSON and CSV files |
+//! | [`timing`] | times of a study over all its runs |
 //!
 //! # Example
 //! A journal returns the outcome of a request that was finished before:
@@ -36,3 +37,4 @@ pub mod scene_summary;
 pub mod store;
 pub mod summary;
 mod surrogate_summary;
+pub mod timing;

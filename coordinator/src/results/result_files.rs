@@ -40,7 +40,8 @@ impl ResultFileError {
     }
 }
 
-/// Writes a file completely or not at all: a temporary file in the same folder, flushed to the disk, then renamed.
+/// Writes a file completely or not at all: a temporary file in the same folder, flushed to the disk, then renamed. A
+/// symbolic link stays, and its target is written. Devices and pipes, such as `/dev/stdout`, are written to directly.
 ///
 /// # Errors
 /// [`ResultFileError::Write`].
@@ -49,6 +50,13 @@ pub fn write_atomically(
     fill: impl FnOnce(&mut dyn Write) -> Result<(), ResultFileError>,
 ) -> Result<(), ResultFileError> {
     let failed = |source| ResultFileError::Write { path: path.into(), source };
+    if is_stream(path) {
+        let mut stream = std::io::BufWriter::new(File::options().write(true).open(path).map_err(failed)?);
+        fill(&mut stream)?;
+        return stream.flush().map_err(failed);
+    }
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let path = target.as_path();
     let mut name = std::ffi::OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
     name.push(".part");
@@ -71,13 +79,27 @@ pub fn write_atomically(
     written
 }
 
+/// Whether the path names a device, a pipe or an open file of a process, which a new file must not replace.
+fn is_stream(path: &Path) -> bool {
+    let is_special = std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
+    is_special || path.starts_with("/dev/fd") || path.starts_with("/dev/stdout") || path.starts_with("/proc")
+}
+
 /// Writes text to a file, completely or not at all.
 ///
 /// # Errors
 /// [`ResultFileError::Write`].
 pub fn write_text(path: &Path, text: &str) -> Result<(), ResultFileError> {
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes bytes to a file, completely or not at all.
+///
+/// # Errors
+/// [`ResultFileError::Write`].
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), ResultFileError> {
     write_atomically(path, |file| {
-        file.write_all(text.as_bytes()).map_err(|source| ResultFileError::Write { path: path.into(), source })
+        file.write_all(bytes).map_err(|source| ResultFileError::Write { path: path.into(), source })
     })
 }
 
@@ -288,6 +310,30 @@ mod tests {
             .unwrap()
             .filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().ends_with(".part"));
         assert_eq!(parts.count(), 0);
+    }
+
+    #[test]
+    fn issue_a_device_was_replaced_by_a_file_and_a_full_one_was_no_error() {
+        let full = Path::new("/dev/full");
+        if full.exists() {
+            let error = write_text(full, "text").unwrap_err().to_string();
+            assert!(error.starts_with("/dev/full: "), "{error}");
+            assert!(!std::fs::metadata(full).unwrap().is_file());
+        }
+        write_text(Path::new("/dev/null"), "text").unwrap();
+        assert!(!std::fs::metadata("/dev/null").unwrap().is_file());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_symbolic_link_stays_and_its_target_is_written() {
+        let dir = tempfile::tempdir().unwrap();
+        let [file, link] = ["file", "link"].map(|name| dir.path().join(name));
+        std::fs::write(&file, "old").unwrap();
+        std::os::unix::fs::symlink("file", &link).unwrap();
+        write_text(&link, "new").unwrap();
+        assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "new");
     }
 
     #[test]

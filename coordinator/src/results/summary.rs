@@ -7,6 +7,7 @@ use super::life_summary::{LifeCurveRow, LifeRow, UnresolvedFall};
 use super::point_summary::{FailurePointRow, PredictionRow};
 use super::scene_summary::{LimitRow, VariableRow, limit_rows, sha256, variable_rows};
 pub use super::surrogate_summary::SurrogateRow;
+pub use super::timing::{Timing, WorkerShare};
 use crate::statistics::reliability::REACH;
 use common::accuracy::Accuracy;
 use common::scene::Scene;
@@ -83,6 +84,10 @@ pub struct StudySummary {
     /// Simulations without a result.
     #[serde(default)]
     pub failures: Failures,
+    /// Simulations that exceeded a limit within the life studied, of those that the surrogates use; absent with direct simulation
+    /// and in studies by earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulations_beyond_a_limit: Option<usize>,
     /// Moments of the outputs, one row per checkpoint.
     pub moments: Vec<MomentsRow>,
     /// Derivatives of the failure probabilities.
@@ -102,13 +107,21 @@ pub struct StudySummary {
     /// studies by earlier versions.
     #[serde(default)]
     pub predictions: Vec<PredictionRow>,
-    /// Times of the study.
+    /// Times of the study, over all its runs.
     pub timing_s: Timing,
     /// Contributions of the workers.
     pub workers: Vec<WorkerShare>,
 }
 
 impl StudySummary {
+    /// Largest number of workers that simulated in one run of the study.
+    pub fn workers_in_a_run(&self) -> usize {
+        match self.timing_s.workers {
+            0 => self.workers.len(),
+            workers => workers as usize,
+        }
+    }
+
     /// Sets what identifies the study: its scene, the text of the scene, and the time when the study began.
     pub fn identify(&mut self, scene: &Scene, source: &str, created: &str) {
         self.schema = SCHEMA;
@@ -373,28 +386,4 @@ impl Round {
     pub fn standard_error(&self) -> f64 {
         self.surrogate_error.hypot(self.cov_pf * (1.0 - self.reliability_total))
     }
-}
-
-/// Wall-clock times of a study [s].
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Timing {
-    /// Duration of the study.
-    pub total: f64,
-    /// Sum of the simulation times of all evaluations.
-    pub simulation: f64,
-    /// Fitting, prediction and selection of points.
-    pub surrogate: f64,
-    /// Time in which no evaluation was under way, summed over the slots.
-    pub idle: f64,
-}
-
-/// Contribution of one worker.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct WorkerShare {
-    /// Name of the worker.
-    pub name: String,
-    /// Number of evaluations.
-    pub evaluations: usize,
-    /// Sum of the simulation times [s].
-    pub simulation_s: f64,
 }

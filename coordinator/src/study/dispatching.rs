@@ -5,18 +5,21 @@ use super::interim::InterimResult;
 use super::learner::Learner;
 use super::learner_thread::{LearnerStep, run_learner};
 use super::observations::ObservedOutcome;
+use super::outcome_check::checked;
 use super::response_layout::ResponseLayout;
 use super::result;
-use super::{CampaignError, Observed, SampleRequest, Step, StudyError};
+use super::run_times::RunTimes;
+use super::{CampaignError, SampleRequest, Step, StudyError};
 use crate::farm::evaluate::{Demand, EvaluateError, Evaluator, Finished, Request, RequestSource};
 use crate::results::journal::Journal;
 use crate::results::progress::{Observer, Progress};
-use crate::results::summary::{Round, WorkerShare};
+use crate::results::summary::Round;
+use crate::results::timing::{Timing, WorkerShare};
 use common::accuracy::Accuracy;
 use common::scene::Scene;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// A chunk of samples and the outcomes received so far.
 struct Chunk {
@@ -49,10 +52,9 @@ struct Record<'a> {
     done: usize,
     /// Evaluations and their time [s] by worker name.
     shares: BTreeMap<String, (usize, f64)>,
-    /// Time the learner took.
-    learner: Duration,
-    /// Part of it during which no evaluation was under way.
-    idle: Duration,
+    times: RunTimes,
+    /// Times of the runs before this one.
+    earlier: Timing,
 }
 
 impl<'a> Dispatcher<'a> {
@@ -66,9 +68,9 @@ impl<'a> Dispatcher<'a> {
         journal: &'a mut dyn Journal,
         observer: &'a mut dyn Observer,
     ) -> Self {
-        let (learner, idle) = (Duration::ZERO, Duration::ZERO);
+        let (times, earlier) = (RunTimes::start(evaluator.concurrency()), Timing::default());
         let record =
-            Record { journal, observer, next_id: 0, done: 0, shares: BTreeMap::new(), learner, idle };
+            Record { journal, observer, next_id: 0, done: 0, shares: BTreeMap::new(), times, earlier };
         Self {
             scene,
             responses: ResponseLayout::from_scene(scene),
@@ -92,6 +94,14 @@ impl<'a> Dispatcher<'a> {
     /// # Errors
     /// [`StudyError`]; finished evaluations are in the journal by then.
     pub fn run(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
+        self.record.earlier = self.record.journal.times()?;
+        let ended = self.answer(learner);
+        let noted = self.record.note_times(true);
+        ended?;
+        Ok(noted?)
+    }
+
+    fn answer(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
         let Self { scene, responses, names, checkpoints, stricter, budget, evaluator, record } = self;
         let (outcomes, recorded) = channel();
         let (sender, steps) = channel();
@@ -131,6 +141,7 @@ impl<'a> Dispatcher<'a> {
     /// # Errors
     /// [`StudyError::Evaluate`].
     pub fn end(&mut self) -> Result<(), StudyError> {
+        self.record.note_times(true)?;
         Ok(self.record.journal.ended(self.record.next_id)?)
     }
 
@@ -139,15 +150,9 @@ impl<'a> Dispatcher<'a> {
         self.record.observer.notice(progress);
     }
 
-    /// Sum of the simulations' own times [s].
-    pub fn simulation_seconds(&self) -> f64 {
-        self.record.shares.values().map(|(_, wall)| wall).sum()
-    }
-
-    /// Time of the learner, and the part of it in which all slots were idle, summed over the slots [s].
-    pub fn learner_seconds(&self) -> (f64, f64) {
-        let slots = f64::from(self.evaluator.concurrency());
-        (self.record.learner.as_secs_f64(), self.record.idle.as_secs_f64() * slots)
+    /// Times of the study so far, its earlier runs included.
+    pub fn timing(&self) -> Timing {
+        self.record.times.study(&self.record.earlier, self.record.simulation_seconds())
     }
 
     /// Evaluations and simulation time by worker, in the order of the names.
@@ -167,9 +172,21 @@ impl Record<'_> {
         self.journal.record_all(outcomes)?;
         for (_, finished) in outcomes {
             self.done += 1;
+            self.times.add_worker(&finished.worker);
             notice(self.observer, self.done, finished, false);
         }
-        Ok(())
+        self.note_times(false)
+    }
+
+    /// Notes the times of the study in the journal, if it is time to or if the run ends.
+    fn note_times(&mut self, ends: bool) -> Result<(), EvaluateError> {
+        let simulation = self.simulation_seconds();
+        self.times.note(self.journal, &self.earlier, simulation, ends)
+    }
+
+    /// Sum of the simulations' own times [s].
+    fn simulation_seconds(&self) -> f64 {
+        self.shares.values().map(|(_, wall)| wall).sum()
     }
 
     /// Notifies the observer of the interim reliability.
@@ -223,7 +240,7 @@ impl RequestSource for StudyRequests<'_, '_> {
         // With nothing under way the workers wait for the learner.
         let since = std::mem::replace(&mut self.polled, Instant::now());
         if self.requests.is_empty() {
-            self.record.idle += since.elapsed();
+            self.record.times.idle += since.elapsed();
         }
         let next = self.take_steps();
         next.map_err(|error| self.fail(error))
@@ -263,7 +280,7 @@ impl StudyRequests<'_, '_> {
                 Ok(answer) => {
                     let LearnerStep { step, purpose, rounds, interim, constant, took } =
                         answer.map_err(|error| StudyError::from_campaign(error, self.scene))?;
-                    self.record.learner += took;
+                    self.record.times.learner += took;
                     self.record.note_rounds(rounds)?;
                     constant.into_iter().for_each(|mode| self.record.note_constant(&self.names[mode]));
                     if let Some(interim) = interim {
@@ -349,52 +366,4 @@ impl StudyRequests<'_, '_> {
 fn notice(observer: &mut dyn Observer, done: usize, outcome: &Finished, recalled: bool) {
     let failed = outcome.outcome.is_err();
     observer.notice(&Progress::Evaluated { done, failed, recalled, wall: outcome.wall });
-}
-
-/// Checks that the histories and their stated errors have the shape of the scene, are finite, and that no
-/// error is negative. An evaluation that states no errors counts as exact.
-pub(super) fn checked(
-    outcome: Finished,
-    scene: &Scene,
-    checkpoints: &[u32],
-) -> Result<ObservedOutcome, StudyError> {
-    let outputs = scene.outputs.len();
-    let output = |o: usize| format!("output \"{}\"", scene.outputs[o].name);
-    let Finished { id, worker, outcome, .. } = outcome;
-    let evaluation = match outcome {
-        Ok(evaluation) => evaluation,
-        Err(failure) => return Ok(Err(failure)),
-    };
-    let malformed = |what: String| Err(StudyError::Malformed { id, worker, what });
-    if evaluation.cycles != checkpoints {
-        return malformed(format!("{} checkpoints, not {}", evaluation.cycles.len(), checkpoints.len()));
-    }
-    if evaluation.histories.len() != outputs {
-        return malformed(format!("{} outputs, not {outputs}", evaluation.histories.len()));
-    }
-    for (o, history) in evaluation.histories.iter().enumerate() {
-        if history.len() != checkpoints.len() {
-            return malformed(format!("{} has {} values", output(o), history.len()));
-        }
-        if let Some(n) = history.iter().position(|value| !value.is_finite()) {
-            return malformed(format!("{} is {} at {} cycles", output(o), history[n], checkpoints[n]));
-        }
-    }
-    if !evaluation.errors.is_empty() && evaluation.errors.len() != outputs {
-        return malformed(format!("errors of {} outputs, not {outputs}", evaluation.errors.len()));
-    }
-    for (o, errors) in evaluation.errors.iter().enumerate() {
-        if errors.len() != checkpoints.len() {
-            return malformed(format!("{} has {} stated errors", output(o), errors.len()));
-        }
-        if let Some(n) = errors.iter().position(|error| !(error.is_finite() && *error >= 0.0)) {
-            return malformed(format!(
-                "the stated error of {} is {} at {} cycles",
-                output(o),
-                errors[n],
-                checkpoints[n]
-            ));
-        }
-    }
-    Ok(Ok(Observed::from_evaluation(evaluation)))
 }

@@ -6,6 +6,17 @@ use crate::results::point_summary::PredictionRow;
 use crate::statistics::learning::Mode;
 use common::scene::{Fails, LimitState, Scene};
 
+/// Number of simulations that exceeded a limit at a checkpoint.
+pub(super) fn simulations_beyond_a_limit(scene: &Scene, learned: &CampaignResult) -> usize {
+    let modes = ResponseLayout::from_scene(scene).modes;
+    let last = scene.life.checkpoints().len() - 1;
+    let responses =
+        modes.iter().map(|mode| (mode.threshold, learned.observations.running_maxima(mode.output)));
+    let responses: Vec<_> = responses.collect();
+    let exceeds = |i: &usize| responses.iter().any(|(threshold, largest)| largest[(*i, last)] >= *threshold);
+    (0..learned.observations.len()).filter(exceeds).count()
+}
+
 /// One row per limit state, at the checkpoint at which the system's R is nearest 1/2.
 pub(super) fn predictions(scene: &Scene, learned: &CampaignResult) -> Vec<PredictionRow> {
     let modes = ResponseLayout::from_scene(scene).modes;

@@ -3,7 +3,7 @@
 use super::failure_points::failure_points;
 use super::interim::InterimResult;
 use super::lives::{learned_lives, life_findings};
-use super::predictions::predictions;
+use super::predictions::{predictions, simulations_beyond_a_limit};
 use super::rows::{failures, first_failure, moments, sensitivity_row, sobol};
 use super::{CampaignResult, ClassifiedPopulation, Settings, StopReason, Surrogate};
 use crate::results::point_summary::{FailurePointRow, PredictionRow};
@@ -101,6 +101,8 @@ pub(super) struct Findings {
 /// Findings that only active learning has.
 #[derive(Default)]
 pub(super) struct LearnerFindings {
+    /// Simulations that exceeded a limit.
+    exceeding: Option<usize>,
     sobol: Vec<SobolRow>,
     predictions: Vec<PredictionRow>,
     surrogates: Vec<SurrogateReport>,
@@ -144,6 +146,7 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
         unresolved_fall: None,
         first_failure: Vec::new(),
         failures: Failures::default(),
+        simulations_beyond_a_limit: None,
         conditional: None,
         sobol: Vec::new(),
         moments: Vec::new(),
@@ -224,6 +227,7 @@ fn learner_findings(scene: &Scene, learned: &CampaignResult, extent: Computed) -
     };
     let surrogates: Vec<SurrogateReport> = scene.limit_states.iter().zip(fitted).map(report).collect();
     LearnerFindings {
+        exceeding: Some(simulations_beyond_a_limit(scene, learned)),
         sobol: if extent == Computed::Whole { sobol(scene, learned) } else { vec![] },
         predictions: if extent == Computed::Whole { predictions(scene, learned) } else { vec![] },
         rows: surrogates.iter().zip(fitted).map(|(report, surrogate)| report.row(surrogate)).collect(),
@@ -330,6 +334,7 @@ impl Findings {
             unresolved_fall: life.unresolved,
             first_failure: cycles.iter().enumerate().map(first_failure).collect(),
             failures: self.failures,
+            simulations_beyond_a_limit: self.learner.exceeding,
             moments: cycles.iter().enumerate().filter(|_| has_moments).map(moments).collect(),
             sensitivity: self
                 .derivatives

@@ -1,7 +1,7 @@
 //! Simulation of samples that no campaign of a study has requested: each is looked up in the journal first, and recorded there.
 
-use super::dispatching::checked;
 use super::observations::ObservedOutcome;
+use super::outcome_check::checked;
 use super::response_layout::ResponseLayout;
 use super::step::SampleRequest;
 use super::{Settings, StudyError};

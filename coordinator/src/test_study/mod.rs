@@ -250,6 +250,7 @@ pub fn study() -> TestStudy {
         population: 100_000,
         evaluations: EvaluationCounts { total: 216, initial: 120, added: 96, failed: 1 },
         designs: Vec::new(),
+        simulations_beyond_a_limit: Some(90),
         limit_states: scene.limit_states.iter().map(|state| state.name.clone()).collect(),
         first_failure: reliability.iter().map(|row| first_failure_row(row, &scene)).collect(),
         failures: Failures {
@@ -283,7 +284,14 @@ pub fn study() -> TestStudy {
             share_of_stated_error: Some(0.05),
             ..SurrogateRow::default()
         }],
-        timing_s: Timing { total: 221.4, simulation: 322.0, surrogate: 48.2, idle: 61.0 },
+        timing_s: Timing {
+            total: 221.4,
+            simulation: 322.0,
+            surrogate: 48.2,
+            idle: 61.0,
+            runs: 1,
+            workers: 2,
+        },
         workers: vec![worker(0), worker(1)],
     };
     let distributions = (0..2)

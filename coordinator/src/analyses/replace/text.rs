@@ -1,6 +1,7 @@
 //! The answer of `coordinator replace` as text.
 
 use super::{RateRow, ReplacementReport, Stated};
+use crate::presentation::text_table::in_columns;
 use crate::results::life_summary::LifeRow;
 use common::scene::Scene;
 use std::fmt::Write;
@@ -109,13 +110,15 @@ fn write_rates(out: &mut String, rates: &[RateRow]) -> std::fmt::Result {
     if failing.is_empty() {
         return writeln!(out, "\nNo failure was found up to the end of the study: no density and no hazard.");
     }
-    writeln!(out, "\n{:>21} {:>38} {:>38}", "cycles", "failure density [1/cycle]", "hazard [1/cycle]")?;
+    let head = ["cycles", "failure density [1/cycle] (95 %)", "hazard [1/cycle] (95 %)"];
+    let mut table = vec![head.map(str::to_owned).to_vec()];
     let step = failing.len().div_ceil(ROWS);
     for row in failing.iter().step_by(step) {
         let hazard = row.hazard.as_ref().map_or("too few survivors".to_owned(), short);
         let span = format!("{:.0} to {:.0}", row.from, row.to);
-        writeln!(out, "{span:>21} {:>38} {hazard:>38}", short(&row.density))?;
+        table.push(vec![span, short(&row.density), hazard]);
     }
+    write!(out, "\n{}", in_columns(&table, &[]))?;
     if step > 1 {
         writeln!(out, "(every {step} intervals; --json has all)")?;
     }
@@ -132,38 +135,36 @@ fn write_inspections(out: &mut String, report: &ReplacementReport, scene: &Scene
     let unit = output.map(|output| output.kind.unit());
     writeln!(
         out,
-        "\nReplacement above a measured {}, at a last age in any case (cost with its standard error by counting)",
+        "\nReplacement above a measured {}, at a last age in any case; lives and ages in cycles, cost with its standard error by counting",
         first.output
     )?;
-    writeln!(
-        out,
-        "{:>10} {:>16} {:>10} {:>24} {:>9} {:>9} {:>11} {:>12}",
-        "every",
-        "replace from",
+    let head = [
+        "inspected every",
+        "replaced from",
         "last age",
         "cost per cycle",
         "failed",
-        "by level",
+        "replaced by level",
         "mean life",
-        "inspections"
-    )?;
-    for row in &report.inspections {
+        "inspections of a unit",
+    ];
+    let mut table = vec![head.map(str::to_owned).to_vec()];
+    table.extend(report.inspections.iter().map(|row| {
         let shown =
             |level: f64| unit.as_ref().map(|unit| unit.after(&format!("{:.4}", unit.to_shown(level))));
         let levels: Vec<String> = row.lower_level.into_iter().chain(row.level).filter_map(shown).collect();
-        let level = if levels.is_empty() { "the age only".to_owned() } else { levels.join(", ") };
-        let cost = format!("{:.4e} ± {:.1e}", row.cost_rate, row.standard_error);
-        writeln!(
-            out,
-            "{:>10} {level:>16} {:>10.0} {cost:>24} {:>7.2} % {:>7.1} % {:>11.0} {:>12.1}",
+        vec![
             row.every.map_or("given".to_owned(), |every| format!("{every:.0}")),
-            row.age,
-            100.0 * row.failed,
-            100.0 * row.by_level,
-            row.mean_life,
-            row.inspections
-        )?;
-    }
+            if levels.is_empty() { "the age only".to_owned() } else { levels.join(", ") },
+            format!("{:.0}", row.age),
+            format!("{:.4e} ± {:.1e}", row.cost_rate, row.standard_error),
+            format!("{:.2} %", 100.0 * row.failed),
+            format!("{:.1} %", 100.0 * row.by_level),
+            format!("{:.0}", row.mean_life),
+            format!("{:.1}", row.inspections),
+        ]
+    }));
+    out.push_str(&in_columns(&table, &[]));
     let least = report.inspections.iter().min_by(|a, b| a.cost_rate.total_cmp(&b.cost_rate));
     if let Some(best) = least {
         let saved = 100.0 * (1.0 - best.cost_rate / report.cost_rate.value);

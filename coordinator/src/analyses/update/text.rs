@@ -1,6 +1,7 @@
 //! Updated units as text and as CSV.
 
 use super::result::{FleetReport, UnitReport, UpdatedVariable};
+use crate::presentation::text_table::in_columns;
 use crate::results::csv_table::{CsvTable, number};
 use std::fmt::Write;
 
@@ -27,23 +28,20 @@ fn counted(units: usize) -> String {
 fn write_report(out: &mut String, report: &FleetReport) -> std::fmt::Result {
     writeln!(
         out,
-        "{} of {}, remaining life after the last observation [cycles]; no simulation was made\n",
+        "{} of {}: remaining life after the last observation, all lives in cycles; no simulation was made\n",
         counted(report.units.len()),
         report.scene
     )?;
+    let head = ["unit", "observed until", "R up to then", "5 %", "50 %", "95 %", "sample size", "method"];
+    let rows = report.units.iter().map(|unit| unit_row(unit, report.end));
+    let table: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec()).chain(rows).collect();
+    out.push_str(&in_columns(&table, &[0, 7]));
     writeln!(
         out,
-        "{:<16} {:>10} {:>17} {:>10} {:>10} {:>10} {:>9}  method",
-        "unit", "observed", "R there", "5 %", "50 %", "95 %", "points"
-    )?;
-    for unit in &report.units {
-        write_unit(out, unit, report.end)?;
-    }
-    writeln!(
-        out,
-        "\nR there: probability that the unit had not failed by then, with its standard error by the number of points. Intervals \
+        "\n5 %, 50 %, 95 %: remaining life that the unit exceeds with a probability of 95 %, 50 %, 5 % (quantiles). R up to then: \
+         probability that the unit had not failed by its last observation, with its standard error by the sample size. The quantiles \
          contain the errors of measurement and surrogates. The numerical error of the simulations widens the likelihood of a \
-         measurement but does not shift the lives. points: effective sample size."
+         measurement but does not shift the lives. Sample size: effective number of points of the population."
     )?;
     if report.units.len() <= DETAILED {
         for unit in report.units.iter().filter(|unit| !unit.variables.is_empty()) {
@@ -61,10 +59,14 @@ fn write_report(out: &mut String, report: &FleetReport) -> std::fmt::Result {
     Ok(())
 }
 
-fn write_unit(out: &mut String, unit: &UnitReport, end: f64) -> std::fmt::Result {
+/// The cells of a unit in the table.
+fn unit_row(unit: &UnitReport, end: f64) -> Vec<String> {
     let now = unit.observed_until;
     if unit.reliability.is_empty() {
-        return writeln!(out, "{:<16} {now:>10.0} disagrees with the model, see below", unit.unit);
+        let nothing = ["–"; 5].map(str::to_owned);
+        let start = [unit.unit.clone(), format!("{now:.0}")];
+        let why = "disagrees with the model, see below".to_owned();
+        return start.into_iter().chain(nothing).chain([why]).collect();
     }
     let there = &unit.reliability[0];
     let r = format!("{:.3} ± {:.3}", there.reliability["total"], there.standard_error["total"]);
@@ -78,11 +80,8 @@ fn write_unit(out: &mut String, unit: &UnitReport, end: f64) -> std::fmt::Result
         Some(_) => ["failed", "failed", "failed"].map(str::to_owned),
         None => [unit.remaining.p5, unit.remaining.p50, unit.remaining.p95].map(left),
     };
-    writeln!(
-        out,
-        "{:<16} {now:>10.0} {r:>17} {low:>10} {median:>10} {high:>10} {:>9.0}  {method}",
-        unit.unit, unit.effective_size
-    )
+    let size = format!("{:.0}", unit.effective_size);
+    vec![unit.unit.clone(), format!("{now:.0}"), r, low, median, high, size, method]
 }
 
 /// The variables of which the observations say most.
@@ -104,11 +103,13 @@ fn write_variables(out: &mut String, unit: &UnitReport) -> std::fmt::Result {
         );
     }
     writeln!(out, "\n{}: variables in standard deviations of the study", unit.unit)?;
-    writeln!(out, "  {:24} {:>16} {:>20}", "variable", "change of mean", "standard deviation")?;
-    for v in changed.iter().take(SHOWN) {
+    let head = ["variable", "change of mean", "standard deviation"];
+    let rows = changed.iter().take(SHOWN).map(|v| {
         let (mean, std) = ((v.mean - v.prior_mean) / v.prior_std, v.std / v.prior_std);
-        writeln!(out, "  {:24} {mean:>+16.2} {std:>20.2}", v.name)?;
-    }
+        vec![v.name.clone(), format!("{mean:+.2}"), format!("{std:.2}")]
+    });
+    let table: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec()).chain(rows).collect();
+    out.push_str(&in_columns(&table, &[0]));
     Ok(())
 }
 

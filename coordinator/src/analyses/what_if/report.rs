@@ -194,8 +194,10 @@ fn reliability_table(answer: &WhatIf) -> Option<DecisionTable> {
         ]
     };
     Some(DecisionTable {
-        heading: "Reliability of the system".to_owned(),
-        head: ["cycles", "R before (95 %)", "R after (95 %)", "change (95 %)"].map(str::to_owned).to_vec(),
+        heading: "Reliability of the system (no limit state exceeded)".to_owned(),
+        head: ["cycles", "R before (95 %)", "R after (95 %)", "after minus before (95 %)"]
+            .map(str::to_owned)
+            .to_vec(),
         rows: shown.into_iter().map(row).collect(),
     })
 }
@@ -233,8 +235,8 @@ fn lives_table(answer: &WhatIf) -> Option<DecisionTable> {
         })
     });
     Some(DecisionTable {
-        heading: "Lives".to_owned(),
-        head: ["life [cycles] at", "before (95 %)", "after (95 %)", "change (95 %)"]
+        heading: "Lives (total: the first failure by any limit state)".to_owned(),
+        head: ["life [cycles] at", "before (95 %)", "after (95 %)", "after minus before (95 %)"]
             .map(str::to_owned)
             .to_vec(),
         rows: rows.collect(),
@@ -275,7 +277,7 @@ fn first_failure_table(answer: &WhatIf) -> Option<DecisionTable> {
     });
     Some(DecisionTable {
         heading: "First failures".to_owned(),
-        head: ["share that failed first by", "before", "after"].map(str::to_owned).to_vec(),
+        head: ["share of all that failed first by", "before", "after"].map(str::to_owned).to_vec(),
         rows: rows.collect(),
     })
 }

@@ -1,7 +1,7 @@
 //! The status of a running study as text.
 
 use crate::presentation::remaining::EvaluationProgress;
-use crate::presentation::report::format::{count, duration, fixed, with_width};
+use crate::presentation::report::format::{count, duration, fixed, share};
 use crate::statistics::reliability::REACH;
 use common::wire::{Phase, Status, StudyStatus};
 use std::fmt::Write;
@@ -54,11 +54,12 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
         writeln!(text, "rate: {}/s in the last minute{remaining}", rate(farm.rate))?;
     }
     if let Some(so_far) = &study.reliability {
+        let reach = REACH * so_far.standard_error;
         writeln!(
             text,
             "reliability so far: R({}) = {} (95 %), after {} rounds",
             count(so_far.cycles.into()),
-            with_width(so_far.total, REACH * so_far.standard_error),
+            share(so_far.total, (so_far.total - reach).max(0.0), (so_far.total + reach).min(1.0)),
             count(study.rounds)
         )?;
     }

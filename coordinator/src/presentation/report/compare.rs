@@ -142,7 +142,7 @@ pub fn html(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> R
         @for name in curves(studies) { h3 { (capital(name)) } (lives(studies, name)) }
         @if !studies[0].summary.is_static() {
             p.none {
-                "Gains are lives minus those of " (studies[0].name) ". Their intervals take the samples and the surrogates of \
+                "Differences are lives minus those of " (studies[0].name) ". Their intervals take the samples and the surrogates of \
                  the studies as independent and leave numerical errors out, which shift all lives in the same direction."
             }
         }
@@ -218,8 +218,8 @@ fn lives(studies: &[ComparedStudy], name: &str) -> Markup {
         });
         return table(&["study", "probability of failure (95 %)"], rows);
     }
-    let levels = LEVELS.map(|level| format!("R = {level} (95 %)"));
-    let head: Vec<String> = std::iter::once("cycles at".to_string()).chain(levels).collect();
+    let levels = LEVELS.map(|level| format!("at R = {level} (95 % interval)"));
+    let head: Vec<String> = std::iter::once("life [cycles]".to_string()).chain(levels).collect();
     let rows = studies.iter().map(|study| {
         let lives = LEVELS.map(|level| life_cell(life_at(&study.summary, name, level, Included::All)));
         std::iter::once(study.name.render()).chain(lives).collect()
@@ -227,7 +227,7 @@ fn lives(studies: &[ComparedStudy], name: &str) -> Markup {
     let first = &studies[0].summary;
     let gains = studies[1..].iter().map(|study| {
         let gains = LEVELS.map(|level| gain(first, &study.summary, name, level).render());
-        std::iter::once(format!("gain by {}", study.name).render()).chain(gains).collect()
+        std::iter::once(format!("{} minus {}", study.name, studies[0].name).render()).chain(gains).collect()
     });
     table(&head, rows.chain(gains))
 }
@@ -256,9 +256,9 @@ fn effort(studies: &[ComparedStudy]) -> Markup {
         "method",
         "accuracy",
         "seed",
-        "evaluations",
-        "without a result",
-        "time",
+        "simulations",
+        "of these without a result",
+        "time of the study",
         "version",
     ];
     let rows = studies.iter().map(|ComparedStudy { name, summary }| {
@@ -335,7 +335,7 @@ mod tests {
             "<td>a &amp; b</td>".into(),
             "<h3>Total</h3>".into(),
             "<td>12 mm</td>".into(),
-            "<td>gain by harder</td>".into(),
+            "<td>harder minus a &amp; b</td>".into(),
         ] {
             assert!(html.contains(&text), "{text}");
         }

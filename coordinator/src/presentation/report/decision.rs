@@ -6,6 +6,7 @@ use super::figure::Figure;
 use super::page::{self, standalone, wrapped};
 use super::plot::PlotError;
 use super::tables::table;
+use crate::presentation::text_table::in_columns;
 use crate::results::result_files::{ResultFileError, write_text};
 use crate::results::summary::StudySummary;
 use maud::{Render, html as markup};
@@ -42,18 +43,8 @@ pub struct DecisionTable {
 impl DecisionTable {
     /// The table as text in columns of equal width, the first one to the left.
     pub fn in_columns(&self) -> String {
-        let all: Vec<&Vec<String>> = std::iter::once(&self.head).chain(&self.rows).collect();
-        let length = |text: &String| text.chars().count();
-        let widths: Vec<usize> =
-            (0..self.head.len()).map(|k| all.iter().map(|row| length(&row[k])).max().unwrap_or(0)).collect();
-        let line = |row: &&Vec<String>| {
-            let cells = row.iter().zip(&widths).enumerate().map(|(k, (cell, width))| {
-                let space = " ".repeat(width - length(cell));
-                if k == 0 { format!("{cell}{space}") } else { format!("  {space}{cell}") }
-            });
-            format!("{}\n", cells.collect::<String>().trim_end())
-        };
-        all.iter().map(line).collect()
+        let all: Vec<Vec<String>> = std::iter::once(&self.head).chain(&self.rows).cloned().collect();
+        in_columns(&all, &[0])
     }
 }
 

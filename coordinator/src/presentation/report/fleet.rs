@@ -66,10 +66,10 @@ pub fn html(fleet: &FleetPage) -> Result<String, PlotError> {
     let head = [
         "unit",
         "observed until [cycles]",
-        "R there",
-        "remaining life 5 % [cycles]",
-        "50 %",
-        "95 %",
+        "R up to then",
+        "remaining life [cycles], 5 % quantile",
+        "median",
+        "95 % quantile",
         "effective sample size",
         "to be checked",
     ];

@@ -68,8 +68,25 @@ pub fn reliability(r: f64, lower: f64, upper: f64) -> String {
         let (distance, decimals) = limit(upper);
         format!("< {}", fixed(distance, decimals))
     } else {
-        with_width(r, (upper - r).max(r - lower))
+        share(r, lower, upper)
     }
+}
+
+/// A probability within its 95 % interval: `0.3730 ± 0.0043`, or the ends of the interval where that would reach beyond 0 or 1,
+/// e.g. `0.9995 (0.9983 to 0.9999)`.
+pub fn share(value: f64, lower: f64, upper: f64) -> String {
+    let width = (upper - value).max(value - lower);
+    if !(width.is_finite() && width > 0.0) || (value - width >= 0.0 && value + width <= 1.0) {
+        return with_width(value, width);
+    }
+    let last = width.log10().floor() as i32 - 1;
+    let text = |x: f64| match x {
+        0.0 => "0".to_owned(),
+        1.0 => "1".to_owned(),
+        x if upper >= 1e-3 && last >= -6 => fixed(x, (-last).max(0) as usize),
+        x => format!("{x:.1e}").replace('-', "\u{2212}"),
+    };
+    format!("{} ({} to {})", text(value), text(lower), text(upper))
 }
 
 /// A number with this many decimals.
@@ -190,6 +207,11 @@ mod tests {
         assert_eq!(reliability(1.0, 1.0 - 1.95e-12, 1.0), "> 1 \u{2212} 2.0e\u{2212}12");
         assert_eq!(reliability(0.0, 0.0, 0.0015), "< 0.0015");
         assert_eq!(reliability(0.4, 0.39, 0.41), "0.400 ± 0.010");
+        // No range of a probability reaches beyond 0 or 1.
+        assert_eq!(reliability(0.9995, 0.9983, 0.9999), "0.9995 (0.9983 to 0.9999)");
+        assert_eq!(reliability(0.0004, 0.0001, 0.0012), "0.00040 (0.00010 to 0.00120)");
+        assert_eq!(reliability(0.0004, 0.0, 0.0012), "0.00040 (0 to 0.00120)");
+        assert_eq!(share(2e-5, 1e-6, 5e-5), "2.0e\u{2212}5 (1.0e\u{2212}6 to 5.0e\u{2212}5)");
     }
 
     #[test]

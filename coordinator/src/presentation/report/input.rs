@@ -2,6 +2,7 @@
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
 use super::grooves::{self, GroovedJoint};
+use super::life::no_simulated_failure;
 use super::mechanism::Mechanism;
 use super::stated_errors::{StatedAt, StatedErrorCollector};
 use super::written::WrittenScene;
@@ -187,7 +188,7 @@ impl ReportInput {
     fn new(scene: &Scene, summary: StudySummary, distributions: Vec<CheckpointDistribution>) -> Self {
         Self {
             title: scene.title.clone(),
-            notes: [of_designs(&summary), rough(&summary), notes(scene)].concat(),
+            notes: [of_designs(&summary), unsupported(&summary), rough(&summary), notes(scene)].concat(),
             summary,
             limit_states: scene.limit_states.clone(),
             outputs: scene
@@ -275,6 +276,16 @@ fn go_on(summary: &StudySummary, dir: &Path) -> Option<String> {
         format!("This study ended before its targets were met: {why}.{command}")
     };
     (!summary.convergence.targets_met).then_some(note)
+}
+
+/// A caution if no simulation exceeded a limit.
+fn unsupported(summary: &StudySummary) -> Vec<String> {
+    let sentence = |text: String| {
+        let mut letters = text.chars();
+        let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
+        format!("{first}{}.", letters.as_str())
+    };
+    no_simulated_failure(summary).map(sentence).into_iter().collect()
 }
 
 /// A caution if the accuracy is meant for a first look only.

@@ -1,6 +1,6 @@
 //! Lives of a study as the report states them: the life at which R falls to a level, the limit state with the most failures.
 
-use super::format::{self, count, fixed, rounded_cycles, three_digits, whole, with_width};
+use super::format::{self, count, fixed, rounded_cycles, share, three_digits, whole};
 use crate::results::life_summary::{CyclesRange, LifeRow};
 use crate::results::summary::{ReliabilityRange, ReliabilityRow, StudySummary};
 pub use crate::study::LEVELS;
@@ -128,7 +128,7 @@ pub fn failure_probability(row: &ReliabilityRow, name: &str) -> String {
     if r >= 1.0 && lower < 1.0 {
         return format!("< {:.1e}", 1.0 - lower).replace('-', "\u{2212}");
     }
-    with_width(1.0 - r, (upper - r).max(r - lower))
+    share(1.0 - r, 1.0 - upper, 1.0 - lower)
 }
 
 /// The reliability of a limit state with its 95 % interval, e.g. `0.3730 ± 0.0043`, or its bound, e.g. `> 0.9985`.
@@ -136,6 +136,28 @@ pub fn reliability(row: &ReliabilityRow, name: &str) -> String {
     let r = row.reliability.get(name).copied().unwrap_or(f64::NAN);
     row.interval_of(name)
         .map_or_else(|| fixed(r, 4), |range| format::reliability(r, range.lower, range.upper))
+}
+
+/// A caution where no simulation exceeded a limit, with the bound on P_f that the initial design supports: of n independent samples
+/// without a failure, P_f < 1 - 0.05^(1/n) with a confidence of 95 %.
+///
+/// # Source
+/// Clopper, Pearson (1934), The use of confidence or fiducial limits illustrated in the case of the binomial, Biometrika 26(4).
+pub fn no_simulated_failure(summary: &StudySummary) -> Option<String> {
+    let counts = summary.evaluations;
+    // The first evaluation of the design is the nominal one, which is no sample.
+    let samples = counts.initial.saturating_sub(1 + counts.failed);
+    if summary.simulations_beyond_a_limit != Some(0) || samples == 0 {
+        return None;
+    }
+    let bound = 1.0 - 0.05f64.powf(1.0 / samples as f64);
+    Some(format!(
+        "none of the {} simulations exceeded a limit: R is what the surrogates predict beyond all simulated values. The {} samples of \
+         the initial design alone, counted as independent, support P_f < {} (95 %) over the whole life studied",
+        count((counts.total - counts.failed) as u64),
+        count(samples as u64),
+        three_digits(bound)
+    ))
 }
 
 /// The row where the system's reliability is nearest 1/2.
@@ -182,6 +204,20 @@ mod tests {
     use super::*;
     use crate::test_study;
     use std::collections::BTreeMap;
+
+    #[test]
+    fn issue_a_study_without_a_simulated_failure_stated_a_tiny_bound_alone() {
+        let mut summary = crate::test_study::study().summary;
+        assert_eq!(no_simulated_failure(&summary), None);
+        summary.simulations_beyond_a_limit = Some(0);
+        let said = no_simulated_failure(&summary).unwrap();
+        // 3 / n for many samples.
+        assert!(said.starts_with("none of the 215 simulations exceeded a limit"), "{said}");
+        assert!(
+            said.contains("The 118 samples of the initial design") && said.contains("P_f < 0.0251 (95 %)"),
+            "{said}"
+        );
+    }
 
     fn summary(curves: &[(&str, &[f64])]) -> StudySummary {
         let mut summary = test_study::study().summary;

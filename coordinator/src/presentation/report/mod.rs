@@ -46,7 +46,7 @@ pub use stated_errors::StatedAt;
 use page::FigureFiles;
 
 use crate::results::result_files::{
-    ResultFileError, reliability_csv, summary_json, write_atomically, write_samples_csv, write_text,
+    ResultFileError, reliability_csv, summary_json, write_bytes, write_samples_csv, write_text,
 };
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
@@ -190,9 +190,7 @@ pub fn write_pictures(
     for figure in &figures {
         let picture = maker.png(figure)?;
         let path = folder.join(format!("{}.png", figure.name));
-        write_atomically(&path, |file| {
-            file.write_all(&picture).map_err(|source| ResultFileError::Write { path: path.clone(), source })
-        })?;
+        write_bytes(&path, &picture)?;
     }
     Ok(Some(figures.len()))
 }

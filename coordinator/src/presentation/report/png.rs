@@ -78,11 +78,19 @@ impl PngMaker {
     /// # Errors
     /// [`PngError`].
     pub fn png(&self, figure: &Figure) -> Result<Vec<u8>, PngError> {
-        let name = || figure.name.clone();
+        self.rendered(&figure.name, &figure.svg)
+    }
+
+    /// The drawing in the text of an SVG file as a PNG file; `name` is that of the figure in errors.
+    ///
+    /// # Errors
+    /// [`PngError`].
+    pub fn rendered(&self, name: &str, svg: &str) -> Result<Vec<u8>, PngError> {
+        let name = || name.to_owned();
         let options =
             Options { fontdb: self.fonts.clone(), font_family: self.family.clone(), ..Options::default() };
-        let tree = Tree::from_str(&figure.svg, &options)
-            .map_err(|error| PngError::Drawing { figure: name(), error })?;
+        let tree =
+            Tree::from_str(svg, &options).map_err(|error| PngError::Drawing { figure: name(), error })?;
         let scale = WIDTH / tree.size().width();
         let height = (scale * tree.size().height()).ceil() as u32;
         let mut picture =

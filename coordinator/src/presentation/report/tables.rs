@@ -286,8 +286,12 @@ pub fn stated_errors(input: &ReportInput) -> Option<Markup> {
 /// Times of the study, and the share of every worker.
 pub fn timing(input: &ReportInput) -> Markup {
     let time = input.summary.timing_s;
+    let whole = match time.runs {
+        0 | 1 => "whole study".to_owned(),
+        runs => format!("whole study, {runs} runs"),
+    };
     let times = [
-        ("whole study", time.total),
+        (whole.as_str(), time.total),
         ("simulation, sum over all workers", time.simulation),
         ("longest simulation", input.work.longest),
         ("surrogates: fitting, prediction, selection", time.surrogate),

@@ -2,9 +2,11 @@
 
 use crate::presentation::report::format::{count, duration, fixed};
 use crate::presentation::report::life::{
-    Included, LEVELS, life_and_limits, life_at, rows_that_matter, states_numerical_errors, unresolved_fall,
+    Included, LEVELS, life_and_limits, life_at, no_simulated_failure, rows_that_matter,
+    states_numerical_errors, unresolved_fall,
 };
 use crate::presentation::report::{failure_probability, reliability};
+use crate::presentation::text_table::in_columns;
 use crate::results::summary::{ReliabilityRange, StudySummary};
 use std::path::Path;
 
@@ -19,6 +21,9 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
             .collect(),
         _ => over_life(summary, &names),
     };
+    if let Some(note) = no_simulated_failure(summary) {
+        text += &format!("caution: {note}\n");
+    }
     if !summary.convergence.stopped_because.is_empty() {
         text += &format!("stopped because {}\n", summary.convergence.stopped_because);
     }
@@ -34,12 +39,13 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
         "evaluations: {} ({} {first}, {} {then}, {} failed)\n",
         counts.total, counts.initial, counts.added, counts.failed
     );
+    let workers = summary.workers_in_a_run();
     text += &format!(
-        "time: {} ({} of simulation on {} worker{}, {} of surrogates)\n",
+        "time: {}{} ({} of simulation on {workers} worker{}, {} of surrogates)\n",
         duration(time.total),
+        if time.runs > 1 { format!(" in {} runs", time.runs) } else { String::new() },
         duration(time.simulation),
-        summary.workers.len(),
-        if summary.workers.len() == 1 { "" } else { "s" },
+        if workers == 1 { "" } else { "s" },
         duration(time.surrogate)
     );
     text += &format!("report: {}\n", dir.join("report.html").display());
@@ -64,20 +70,13 @@ fn noise(summary: &StudySummary) -> String {
 
 /// Table of R around its fall with a row of names on top, and the lives.
 fn over_life(summary: &StudySummary, names: &[&str]) -> String {
-    let head = |name: &str| format!("R {name} (95 %)");
-    let width = |name: &str| head(name).chars().count().max(16) + 2;
-    let mut text = format!("{:>10}", "cycles");
-    for name in names {
-        text += &format!("{:>1$}", head(name), width(name));
-    }
-    text.push('\n');
+    let head = names.iter().map(|name| format!("R {name} (95 %)"));
+    let mut table: Vec<Vec<String>> = vec![std::iter::once("cycles".to_owned()).chain(head).collect()];
     for row in rows_that_matter(summary, 0) {
-        text += &format!("{:>10}", count(row.cycles.into()));
-        for name in names {
-            text += &format!("{:>1$}", reliability(row, name), width(name));
-        }
-        text.push('\n');
+        let cells = names.iter().map(|name| reliability(row, name));
+        table.push(std::iter::once(count(row.cycles.into())).chain(cells).collect());
     }
+    let mut text = in_columns(&table, &[]);
     text.push('\n');
     for level in LEVELS {
         let (life, limits) = life_and_limits(life_at(summary, "total", level, Included::All));
@@ -128,6 +127,7 @@ mod tests {
         let mut summary = test_study::study().summary;
         summary.convergence.larger_budget = Some(432);
         summary.workers.truncate(1);
+        summary.timing_s.workers = 0;
         let text = final_text(&summary, Path::new("out/study"));
         assert!(text.contains("go on with `coordinator resume out/study --max-evaluations 432`"), "{text}");
         assert!(text.contains(" on 1 worker, "), "{text}");
@@ -160,6 +160,19 @@ mod tests {
             assert!(text.contains(part), "{part}\n{text}");
         }
         assert!(lines.len() < 30);
+    }
+
+    #[test]
+    fn issue_the_workers_of_a_resumed_study_were_counted_once_for_each_run() {
+        let mut summary = test_study::study().summary;
+        let again = summary.workers.clone();
+        summary.workers.extend(again);
+        summary.timing_s.runs = 2;
+        let text = final_text(&summary, Path::new("out"));
+        assert!(
+            text.contains("time: 3 min 41 s in 2 runs (5 min 22 s of simulation on 2 workers, "),
+            "{text}"
+        );
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::{CampaignFile, StoreError, exact};
 use crate::farm::evaluate::{EvaluateError, Finished, Request};
 use crate::results::journal::Journal;
 use crate::results::summary::Round;
+use crate::results::timing::Timing;
 use common::outputs::Evaluation;
 use rusqlite::types::Value;
 use rusqlite::{OptionalExtension, Transaction, params, params_from_iter};
@@ -37,6 +38,24 @@ impl Journal for CampaignFile {
                 params![round.round as i64, round.evaluations as i64, json],
             )
             .map_err(|source| self.database(source))?;
+        Ok(())
+    }
+
+    fn times(&self) -> Result<Timing, EvaluateError> {
+        let sql = "SELECT value FROM campaign WHERE key = 'times'";
+        let text: Option<String> = self
+            .connection
+            .query_row(sql, [], |row| row.get(0))
+            .optional()
+            .map_err(|source| self.database(source))?;
+        let Some(text) = text else { return Ok(Timing::default()) };
+        Ok(serde_json::from_str(&text).map_err(|error| self.encoding("times", error))?)
+    }
+
+    fn note_times(&mut self, times: &Timing) -> Result<(), EvaluateError> {
+        let text = serde_json::to_string(times).map_err(|error| self.encoding("times", error))?;
+        let sql = "INSERT OR REPLACE INTO campaign (key, value) VALUES ('times', ?1)";
+        self.connection.execute(sql, [text]).map_err(|source| self.database(source))?;
         Ok(())
     }
 }

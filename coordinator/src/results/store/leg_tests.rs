@@ -127,6 +127,24 @@ fn a_file_is_read_where_nothing_can_be_written() {
 }
 
 #[test]
+fn issue_readers_left_files_beside_the_campaign_file() {
+    let dir = tempfile::tempdir().unwrap();
+    record(&mut CampaignFile::create(dir.path(), &meta(), &scene()).unwrap(), 0..2);
+    let files = || {
+        let entries = std::fs::read_dir(dir.path()).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = files();
+    let reader = CampaignFile::look(dir.path()).unwrap();
+    assert_eq!(reader.count().unwrap(), 2);
+    assert!(reader.connection.execute("DELETE FROM evaluation", []).is_err());
+    drop(reader);
+    assert_eq!(files(), before);
+}
+
+#[test]
 fn readers_neither_lock_nor_wait() {
     let dir = tempfile::tempdir().unwrap();
     assert!(!is_running(dir.path()));

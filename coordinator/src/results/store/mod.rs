@@ -34,12 +34,11 @@ pub use read::StoredEvaluation;
 
 use common::scene::Scene;
 use connection::connect;
-use read_only::{ReadConnection, connect_read_only};
+use read_only::{AfterReading, ReadConnection, connect_read_only};
 use rusqlite::{Connection, OpenFlags};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
-use tempfile::TempDir;
 
 /// Name of the lock in its folder.
 const LOCK_NAME: &str = "campaign.lock";
@@ -78,8 +77,8 @@ pub struct CampaignFile {
 enum Held {
     /// The lock of the folder: the file is open for writing.
     Lock(File),
-    /// The folder of the copy that is read, if the file itself cannot be.
-    Copy(Option<TempDir>),
+    /// What reading leaves behind.
+    Reader(AfterReading),
 }
 
 impl CampaignFile {
@@ -126,7 +125,7 @@ impl CampaignFile {
     /// Those of [`CampaignFile::open`], but for a file in use.
     pub fn look(dir: &Path) -> Result<Self, StoreError> {
         let path = campaign_path(dir)?;
-        let ReadConnection { connection, copy } = connect_read_only(&path)?;
+        let ReadConnection { connection, after } = connect_read_only(&path)?;
         if has_no_table(&path, &connection)? {
             return Err(StoreError::NoCampaign { dir: dir.into() });
         }
@@ -137,7 +136,7 @@ impl CampaignFile {
             schema::DOCUMENT
         );
         connection.execute_batch(&own).map_err(|source| StoreError::Database { path, source })?;
-        Self::read(dir, connection, Held::Copy(copy))
+        Self::read(dir, connection, Held::Reader(after))
     }
 
     fn from_connection(dir: &Path, mut connection: Connection, lock: File) -> Result<Self, StoreError> {

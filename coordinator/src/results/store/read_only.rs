@@ -3,7 +3,8 @@
 //!
 //! SQLite reads a file with a write-ahead log through a shared index in the file's folder. Where that index is missing and
 //! cannot be created, a file without a log does not change and is read as it is; a file with a log, which a killed study
-//! leaves, is read from a temporary copy.
+//! leaves, is read from a temporary copy. Where the folder can be written, SQLite creates index and log to read a file, and
+//! removes them only at the end of a connection that may write: [`LeftFiles`] is such a connection after the last read.
 
 use super::connection::{FILE_NAME, connect};
 use super::error::StoreError;
@@ -16,8 +17,32 @@ use tempfile::TempDir;
 pub struct ReadConnection {
     /// The connection to the campaign file or to its copy.
     pub connection: Connection,
-    /// Folder of the copy, removed at the end.
+    /// What is removed after the connection has ended.
+    pub after: AfterReading,
+}
+
+/// What is removed after a file has been read.
+#[derive(Debug, Default)]
+#[allow(dead_code)] // kept for their Drop
+pub struct AfterReading {
+    /// Folder of the copy.
     pub copy: Option<TempDir>,
+    /// Index and log that the connection created.
+    pub left: Option<LeftFiles>,
+}
+
+/// Removes index and log of the campaign file at this path when dropped, by a connection that may write. SQLite removes them if no
+/// other connection uses the file.
+#[derive(Debug)]
+pub struct LeftFiles(PathBuf);
+
+impl Drop for LeftFiles {
+    fn drop(&mut self) {
+        // Files that stay are of no harm: the next study that writes removes them.
+        if let Ok(connection) = connect(&self.0, OpenFlags::SQLITE_OPEN_READ_WRITE) {
+            let _ = probe(&self.0, &connection);
+        }
+    }
 }
 
 /// Opens the campaign file at `path` for reading.
@@ -25,8 +50,12 @@ pub struct ReadConnection {
 /// # Errors
 /// [`StoreError::NotACampaign`], or what the file system or SQLite report.
 pub fn connect_read_only(path: &Path) -> Result<ReadConnection, StoreError> {
+    let is_in_use = log_of(path).exists();
     match shared(path) {
-        Ok(connection) => Ok(ReadConnection { connection, copy: None }),
+        Ok(connection) => {
+            let left = (!is_in_use).then(|| LeftFiles(path.to_path_buf()));
+            Ok(ReadConnection { connection, after: AfterReading { left, copy: None } })
+        }
         Err(error) if !needs_index(&error) => Err(named(path, error)),
         Err(_) if has_log(path) => from_copy(path),
         Err(_) => unchanging(path),
@@ -48,7 +77,7 @@ pub(super) fn unchanging(path: &Path) -> Result<ReadConnection, StoreError> {
     let failed = |source| StoreError::Database { path: path.into(), source };
     let connection = Connection::open_with_flags(uri, flags).map_err(failed)?;
     probe(path, &connection).map_err(|error| named(path, error))?;
-    Ok(ReadConnection { connection, copy: None })
+    Ok(ReadConnection { connection, after: AfterReading::default() })
 }
 
 /// Copies the file with its log into a temporary folder and opens the copy.
@@ -61,7 +90,7 @@ pub(super) fn from_copy(path: &Path) -> Result<ReadConnection, StoreError> {
     }
     let connection = connect(&target, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
     probe(path, &connection).map_err(|error| named(path, error))?;
-    Ok(ReadConnection { connection, copy: Some(copy) })
+    Ok(ReadConnection { connection, after: AfterReading { copy: Some(copy), left: None } })
 }
 
 fn probe(path: &Path, connection: &Connection) -> Result<(), StoreError> {

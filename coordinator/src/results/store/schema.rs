@@ -1,5 +1,5 @@
-//! Layout of `campaign.db`, for the program and for queries by users: `campaign` (scene, settings, command, version),
-//! `evaluation` (one row each), `input` and `output` (values by name, one column per variable or output, SI),
+//! Layout of `campaign.db`, for the program and for queries by users: `campaign` (scene, settings, command, version,
+//! times), `evaluation` (one row each), `input` and `output` (values by name, one column per variable or output, SI),
 //! `output_error` (the numerical error that an evaluation states of each value of `output`, same columns and units),
 //! `learning_round`, `document` (results as JSON), `leg` (settings, command and version of every leg; those of the first
 //! leg but for its settings are also in `campaign`, whose settings are those of the last leg). `evaluation.stricter` is 1

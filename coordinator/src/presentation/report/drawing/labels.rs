@@ -104,6 +104,9 @@ const RINGS: usize = 12;
 /// Cost of an obstacle that a label covers, in rings of distance.
 const COVERED: f64 = 2.5;
 
+/// Width of bold letters against that of others.
+const BOLD: f64 = 1.15;
+
 /// Places the labels in their order; `obstacles` are points of lines and symbols `(n, 2)` that labels should not cover.
 pub fn place_labels(labels: &[Label], obstacles: &[[f64; 2]], size: LetterSize) -> Vec<PlacedLabel> {
     let mut placed: Vec<PlacedLabel> = Vec::with_capacity(labels.len());
@@ -131,7 +134,9 @@ pub fn place_labels(labels: &[Label], obstacles: &[[f64; 2]], size: LetterSize) 
 }
 
 fn candidate(label: &Label, [dx, dy]: [f64; 2], farther: f64, size: LetterSize) -> PlacedLabel {
-    let half = [0.5 * size.width * label.text.chars().count() as f64, 0.5 * size.height];
+    // Names of bodies are bold.
+    let wider = if size.whole || !matches!(label.of, LabelOf::Body(_)) { 1.0 } else { BOLD };
+    let half = [0.5 * wider * size.width * label.text.chars().count() as f64, 0.5 * size.height];
     let distance = label.clear + farther;
     // On a diagonal the nearest corner lies at the distance, above and beside the point the nearest edge.
     let beside = |share: f64| (share / DIAGONAL).clamp(-1.0, 1.0);

@@ -127,7 +127,11 @@ fn moment(unit: &OutputUnit, value: f64) -> String {
 
 /// Label of the axis of a density.
 fn density(unit: &OutputUnit) -> String {
-    if unit.symbol().is_empty() { "density".to_owned() } else { format!("density [1/({})]", unit.symbol()) }
+    match unit.symbol() {
+        "" => "density".to_owned(),
+        symbol if symbol.contains(['/', ' ', '*']) => format!("density [1/({symbol})]"),
+        symbol => format!("density [1/{symbol}]"),
+    }
 }
 
 /// Distributions of a limit state's output at the governing checkpoint and two checkpoints before and after,

@@ -3,9 +3,9 @@
 
 use super::{ink_of, range};
 use crate::presentation::report::figure::Figure;
-use crate::presentation::report::format::{percent, three_digits, whole};
+use crate::presentation::report::format::{percent, seven_digits, three_digits, whole};
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Scale, Series, Shape};
+use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Scale, Series, Shape, tick_label};
 use crate::results::life_summary::LifeCurveRow;
 use crate::results::summary::StudySummary;
 use common::random::{standard_normal_cdf, standard_normal_quantile};
@@ -112,10 +112,9 @@ fn life_on(row: &LifeCurveRow, failed: f64) -> Option<f64> {
     Some(row.cycles[before] + along * (row.cycles[at] - row.cycles[before])).filter(|life| *life > 0.0)
 }
 
-/// A share in per cent with at most three digits.
-fn short(percent: f64) -> String {
-    let text = three_digits(percent);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+/// A life at a tick: whole cycles, or decimals where lives are a few cycles.
+fn life_tick(life: f64) -> String {
+    if life < 9.5 { tick_label(life) } else { whole(life) }
 }
 
 /// Both papers for these curves, the last of which is that of the whole system; none with fewer than three points.
@@ -175,13 +174,13 @@ fn figure(
         return Ok(None);
     }
     let text = match paper {
-        Paper::Weibull => |y: f64| short(Scale::Weibull.value(y)),
-        Paper::Lognormal => |y: f64| short(Scale::Normal.value(y)),
+        Paper::Weibull => |y: f64| seven_digits(Scale::Weibull.value(y)),
+        Paper::Lognormal => |y: f64| seven_digits(Scale::Normal.value(y)),
     };
     let plot = Plot {
         figure: &format!("{}-paper", paper.word().to_lowercase()),
         x: Axis {
-            text: |power| whole(10f64.powf(power)),
+            text: |power| life_tick(10f64.powf(power)),
             scale: Scale::Logarithm,
             ..Axis::linear("life [cycles]", range(all.iter().map(|point| point.0)))
         },

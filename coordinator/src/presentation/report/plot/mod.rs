@@ -6,6 +6,7 @@ mod canvas;
 mod legend;
 mod series;
 mod shapes;
+mod ticks;
 
 pub use axis::{Axis, Scale, tick_label};
 pub use canvas::{LETTERS, PlotError, draw, letters, px, stroke};
@@ -17,6 +18,13 @@ use canvas::{Area, DrawError};
 use legend::{Legend, legend};
 use plotters::prelude::*;
 use shapes::{Frame, draw_series};
+use ticks::{TickedAxis, ticks};
+
+/// Height of what is above and below the plot, without the legend [CSS pixels].
+const AROUND: f64 = 60.0;
+
+/// Mean width of a letter [CSS pixels].
+const LETTER_WIDTH: f64 = 0.57 * LETTERS;
 
 /// A chart of series over two axes.
 pub struct Plot<'a> {
@@ -52,7 +60,7 @@ impl Plot<'_> {
     /// [`PlotError`].
     pub fn svg(&self) -> Result<String, PlotError> {
         let legend = legend(self.series);
-        let height = 290.0 + 20.0 * legend.rows as f64;
+        let height = self.plot_height() + 20.0 * legend.rows as f64 + AROUND;
         let mut area = None;
         let svg = draw(self.figure, height, |root| {
             area = Some(self.draw_on(root, &legend)?);
@@ -80,20 +88,30 @@ impl Plot<'_> {
         format!("data-axes=\"{text}\"")
     }
 
+    /// Height of the plot itself, with room for the label of the vertical axis [CSS pixels].
+    fn plot_height(&self) -> f64 {
+        (LETTER_WIDTH * self.y.label.chars().count() as f64).max(230.0)
+    }
+
+    /// Width of the label and the ticks of the vertical axis [CSS pixels].
+    fn left_width(&self, ticks: &[f64]) -> f64 {
+        let longest = ticks.iter().map(|tick| (self.y.text)(*tick).chars().count()).max().unwrap_or(0);
+        (1.35 * LETTERS + LETTER_WIDTH * longest as f64 + 12.0).max(66.0)
+    }
+
     fn draw_on(&self, root: &Area<'_>, legend: &Legend<'_>) -> Result<DrawnArea, DrawError> {
         let frame = Frame::new(self.x.range, self.y.range);
+        let [across, upward] = [ticks(self.x.scale, frame.x), ticks(self.y.scale, frame.y)];
         let mut chart = ChartBuilder::on(root)
             .margin_top(px(10.0 + 20.0 * legend.rows as f64))
             .margin_right(px(34.0))
             .margin_bottom(px(4.0))
             .margin_left(px(4.0))
             .x_label_area_size(px(46.0))
-            .y_label_area_size(px(66.0))
-            .build_cartesian_2d(frame.x.0..frame.x.1, frame.y.0..frame.y.1)?;
+            .y_label_area_size(px(self.left_width(&upward)))
+            .build_cartesian_2d(TickedAxis::new(frame.x, across), TickedAxis::new(frame.y, upward))?;
         chart
             .configure_mesh()
-            .x_labels(6)
-            .y_labels(6)
             .max_light_lines(0)
             .bold_line_style(stroke(Ink::Grid, 1.0))
             .axis_style(stroke(Ink::Muted, 1.0))
@@ -142,6 +160,18 @@ mod tests {
         let document = roxmltree::Document::parse(&svg).unwrap();
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
         assert!(document.descendants().any(|node| node.text().is_some_and(|t| t.contains("a < b"))));
+    }
+
+    #[test]
+    fn issue_long_labels_of_the_vertical_axis_ran_into_the_legend() {
+        let height = |label: &str| {
+            let (x, y) = (Axis::linear("x", (0.0, 1.0)), Axis::linear(label, (0.0, 1.0)));
+            let svg = Plot { figure: "test", x, y, series: &[] }.svg().unwrap();
+            let document = roxmltree::Document::parse(&svg).unwrap();
+            document.root_element().attribute("height").unwrap().parse::<f64>().unwrap() / f64::from(px(1.0))
+        };
+        assert_eq!(height("R"), 290.0);
+        assert!(height(&"x".repeat(40)) > 40.0 * LETTER_WIDTH + AROUND - 1.0);
     }
 
     #[test]

@@ -2,12 +2,12 @@
 
 use super::canvas::{DrawError, LETTERS, letters, px, stroke};
 use super::series::{Band, Points, Series, Shape};
+use super::ticks::TickedAxis;
 use crate::presentation::report::palette::Ink;
-use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 /// A chart over two linear axes.
-pub(super) type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+pub(super) type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<TickedAxis, TickedAxis>>;
 
 /// Dash and gap of broken curves, and of thresholds [CSS pixels].
 const CURVE_DASH: (f64, f64) = (7.0, 4.0);
