@@ -6,6 +6,7 @@ use common::outputs::Evaluation;
 use common::scene::{Fails, JointKind, Scene, Warning};
 use coordinator::presentation::nominal_life::{NominalLife, Reached, nominal_lives};
 use coordinator::presentation::report::format::three_digits;
+use coordinator::presentation::unphysical_work::unphysical_work;
 use worker::simulate::{SimulateOptions, simulate};
 
 /// Checkpoints up to the life of the nominal mechanism that resolve the lives of others: their spread is some tens of per cent.
@@ -24,7 +25,7 @@ pub fn nominal_check(scene: &Scene) -> (Vec<NominalLife<'_>>, Vec<Warning>) {
     if scene.limit_states.is_empty() || scene.simulator.is_some() {
         return Default::default();
     }
-    let evaluation = match simulate(scene, &Accuracy::draft(), SimulateOptions::default()) {
+    let evaluation = match simulate(scene, &Accuracy::draft(), SimulateOptions::WITH_FIRST_CYCLE) {
         Ok(evaluation) => evaluation,
         Err(failure) => {
             let message = format!("the nominal mechanism cannot be simulated: {failure}");
@@ -35,7 +36,9 @@ pub fn nominal_check(scene: &Scene) -> (Vec<NominalLife<'_>>, Vec<Warning>) {
     let warnings = lives.iter().filter_map(|life| {
         Some(Warning { key: format!("limit_states.{}", life.limit.name), message: warning(scene, life)? })
     });
-    let warnings = warnings.chain(of_hinges(scene, &evaluation)).collect();
+    let of_contacts =
+        unphysical_work(&evaluation.diagnostics).map(|message| Warning { key: "joints".to_owned(), message });
+    let warnings = warnings.chain(of_hinges(scene, &evaluation)).chain(of_contacts).collect();
     (lives, warnings)
 }
 

@@ -22,6 +22,7 @@ use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
 use coordinator::analyses::scene_settings::scene_with;
 use coordinator::presentation::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
 use coordinator::presentation::terminal::{Terminal, final_text, print_message};
+use coordinator::presentation::unphysical_work::unphysical_work;
 use coordinator::results::store::{CampaignFile, CampaignMeta};
 use coordinator::results::summary::StudySummary;
 use coordinator::study::{Method, Settings};
@@ -109,7 +110,7 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
         write_results(&study.campaign, dir)?;
         return match after_study(&mut study, Machines::ToOpen(farm), verbosity)? {
             Some(()) => Ok(()),
-            None => print_summary(&summary, dir, verbosity),
+            None => print_summary(&summary, &study.campaign, verbosity),
         };
     }
     if !verbosity.quiet {
@@ -189,7 +190,7 @@ fn finish(
     evaluator.close();
     match answered {
         Some(()) => Ok(()),
-        None => print_summary(&result.summary, &dir, verbosity),
+        None => print_summary(&result.summary, &study.campaign, verbosity),
     }?;
     staying.map_or(Ok(()), StayingPage::serve)
 }
@@ -216,6 +217,16 @@ fn free_folder(scene: &str) -> PathBuf {
 }
 
 /// Prints the summary, as text or JSON.
-fn print_summary(summary: &StudySummary, dir: &Path, verbosity: Verbosity) -> Result<(), CommandError> {
-    if verbosity.json { print(&to_json(summary)?) } else { print(&final_text(summary, dir)) }
+fn print_summary(
+    summary: &StudySummary,
+    campaign: &CampaignFile,
+    verbosity: Verbosity,
+) -> Result<(), CommandError> {
+    if verbosity.json {
+        return print(&to_json(summary)?);
+    }
+    let nominal = campaign.evaluation(0)?.and_then(|stored| stored.outcome.ok());
+    let caution = nominal.and_then(|nominal| unphysical_work(&nominal.diagnostics));
+    let caution = caution.map_or_else(String::new, |caution| format!("caution: {caution}\n"));
+    print(&format!("{caution}{}", final_text(summary, campaign.dir())))
 }

@@ -8,6 +8,7 @@ use coordinator::presentation::nominal_life::nominal_lives;
 use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::format::{count as grouped, duration, three_digits};
 use coordinator::presentation::report::nominal_page::NominalView;
+use coordinator::presentation::unphysical_work::unphysical_work;
 use coordinator::study::{Settings, blank};
 use std::path::Path;
 
@@ -43,6 +44,9 @@ impl Simulated<'_> {
                 three_digits(1e6 * open),
                 grouped((*since).into())
             );
+        }
+        if let Some(caution) = unphysical_work(&evaluation.diagnostics) {
+            text += &format!("caution: {caution}\n");
         }
         for file in files {
             text += &format!("written: {}\n", file.display());

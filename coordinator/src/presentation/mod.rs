@@ -8,6 +8,7 @@
 //! | [`remaining`] | time that a study still takes |
 //! | [`terminal`] | progress and final summary on the terminal |
 //! | [`text_table`] | a table as text |
+//! | [`unphysical_work`] | caution where a contact law feeds energy into a mechanism |
 
 pub mod monitor;
 pub mod nominal_life;
@@ -15,3 +16,4 @@ pub mod remaining;
 pub mod report;
 pub mod terminal;
 pub mod text_table;
+pub mod unphysical_work;

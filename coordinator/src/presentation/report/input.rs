@@ -6,6 +6,7 @@ use super::life::no_simulated_failure;
 use super::mechanism::Mechanism;
 use super::stated_errors::{StatedAt, StatedErrorCollector};
 use super::written::WrittenScene;
+use crate::presentation::unphysical_work::unphysical_work;
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
 use common::outputs::{Diagnostics, Evaluation};
@@ -166,6 +167,7 @@ impl ReportInput {
                     let failed_at = failures_of(scene, &evaluation);
                     input.samples.push(SimulatedSample { values: stored.sample, failed_at });
                     if stored.id == 0 {
+                        input.notes.extend(unphysical_work(&evaluation.diagnostics));
                         input.nominal = Some(evaluation);
                     }
                 }
@@ -181,7 +183,10 @@ impl ReportInput {
 
     /// The data of one mechanism without a study: the `summary` has no results.
     pub fn of_one(scene: &Scene, summary: StudySummary, nominal: Option<Evaluation>) -> Self {
-        Self { nominal, ..Self::new(scene, summary, vec![]) }
+        let mut input = Self { nominal, ..Self::new(scene, summary, vec![]) };
+        let diagnostics = input.nominal.as_ref().map(|evaluation| &evaluation.diagnostics);
+        input.notes.extend(diagnostics.and_then(unphysical_work));
+        input
     }
 
     /// The data that scene and results provide, without the evaluations.
