@@ -66,7 +66,7 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     }
     for gain in gains.iter().filter(|gain| gain.limit_state == "total") {
         text += &format!(
-            "life at R = {}, {} against {}: {} cycles\n",
+            "life at R = {}, {} against {} [cycles]: {}\n",
             gain.reliability, gain.study, studies[0].name, gain.in_words
         );
     }

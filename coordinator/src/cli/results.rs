@@ -150,7 +150,11 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
                 pair(row.scaled.d_pf_d_mean, row.standard_error.d_pf_d_mean * mean_std),
                 pair(row.scaled.d_pf_d_std, row.standard_error.d_pf_d_std * std_std),
             ];
-            cells.extend(share.into_iter().flat_map(|s| [s.first_order, s.total]).map(|s| format!("{s:.3}")));
+            let of_variance = |s: &SobolRow| {
+                [(s.first_order, s.standard_error.first_order), (s.total, s.standard_error.total)]
+            };
+            let shown = |(share, error): (f64, f64)| format!("{share:.3} ± {:.3}", REACH * error);
+            cells.extend(share.into_iter().flat_map(of_variance).map(shown));
             table.push(cells);
         }
         out.push_str(&in_columns(&table, &[0]));

@@ -99,6 +99,7 @@ fn life_text(life: &LifeRow, end: f64) -> String {
     let range = life.whole_interval();
     let upper = range.upper.map_or(format!("beyond {end:.0}"), |upper| format!("{upper:.0}"));
     match life.cycles {
+        None if range.upper == Some(0.0) => "0 cycles: more units than that exceed a limit unworn".to_owned(),
         Some(cycles) => format!("{cycles:.0} cycles ({:.0} to {upper})", range.lower),
         None => format!("between {:.0} and {upper} cycles", range.lower),
     }
