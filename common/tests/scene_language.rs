@@ -372,21 +372,6 @@ fn issue_loads_that_do_not_repeat_were_stepped_back_without_a_word() {
 }
 
 #[test]
-fn issue_a_variable_that_every_condition_overrides_was_dead_without_a_word() {
-    let keys = |second: &str| -> Vec<String> {
-        let text = format!(
-            "[scene]\nname = \"t\"\nextends = \"four-bar\"\n\
-             [[conditions]]\nname = \"full\"\nshare = 0.5\nchanges = {{ \"parameters.load_torque\" = \"-0.2 N m\" }}\n\
-             [[conditions]]\nname = \"part\"\nshare = 0.5\nchanges = {{ {second} }}\n"
-        );
-        let source = SceneSource::parse(&text, "my.toml").unwrap_or_else(|faults| panic!("{faults}"));
-        source.warnings().into_iter().map(|warning| warning.key).collect()
-    };
-    assert_eq!(keys("\"parameters.load_torque\" = \"-0.1 N m\""), ["variables.load_torque"]);
-    assert_eq!(keys("\"joints.crank.friction\" = 0.06"), [""; 0]);
-}
-
-#[test]
 fn parameters_that_nothing_reads_are_listed() {
     let unused = |text: &str| SceneSource::parse(text, "my.toml").unwrap().unused_parameters();
     // `spread` is read by a random variable alone, `arm` by another parameter too.

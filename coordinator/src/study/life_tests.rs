@@ -275,17 +275,12 @@ fn too_many_failures_end_the_study_and_name_the_cause() {
     let text = error.to_string();
     assert!(text.contains("simulations failed") && text.contains("steps per cycle"), "{text}");
     // Told to bear it, it goes on.
-    let mut patient = small();
-    patient.max_failed = 0.9;
+    let patient = Settings { max_failed: 0.9, ..small() };
     let mut evaluator = MadeUp { fails: |x, _| z(x, 0) > 0.3, ..MadeUp::new() };
     let result = study(&patient, &mut evaluator, &mut InMemoryJournal::default()).unwrap();
-    let barred = result.summary.failures.barred_share;
-    assert!(barred > 0.05, "{barred}");
-    // Whether all or none of that region fails is not known.
-    for row in &result.summary.reliability {
-        let (r, error) = (row.reliability["total"], row.standard_error["total"]);
-        assert!(1.96 * error >= barred * r.max(1.0 - r), "{row:?} {barred}");
-    }
+    let (barred, rows) = (result.summary.failures.barred_share, &result.summary.reliability);
+    // Whether all or none of that region fails is not known: one of the two is more than half of it away.
+    assert!(barred > 0.05 && rows.iter().all(|row| 1.96 * row.standard_error["total"] >= 0.5 * barred));
 }
 
 #[test]

@@ -281,7 +281,7 @@ fn to_place<R: Real>(row: &[R; 6], u: [R; 2]) -> [R; 2] {
     [(row[0] * u[0]).plus_product(row[1], t[0]), (row[0] * u[1]).plus_product(row[1], t[1])]
 }
 
-/// The same to its rate w `(2,)`.
+/// Of such a row, those to the rate w of the place in the same axes `(2,)`.
 #[inline(always)]
 fn to_rate<R: Real>(row: &[R; 6], u: [R; 2]) -> [R; 2] {
     to_place(&[row[2], row[3], row[4], row[5], row[0], row[1]], u)

@@ -93,24 +93,24 @@ impl ConformalContacts {
         shares: &mut [f64],
     ) -> Result<(), NoEquilibrium> {
         shares.fill(0.0);
-        fused(Sharing { contacts: self, profile, of_journal, shares })
+        fused(SharedPressures { contacts: self, profile, of_journal, shares })
     }
 }
 
 /// Adds the shares of all samples.
-struct Sharing<'a> {
+struct SharedPressures<'a> {
     contacts: &'a mut ConformalContacts,
     profile: &'a Profile,
     of_journal: &'a [f64],
     shares: &'a mut [f64],
 }
 
-impl Vectorised for Sharing<'_> {
+impl Vectorised for SharedPressures<'_> {
     type Output = Result<(), NoEquilibrium>;
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Sharing { contacts, profile, of_journal, shares } = self;
+        let SharedPressures { contacts, profile, of_journal, shares } = self;
         contacts.law.profile_changed(profile);
         let ConformalContacts { law, journal, hats, samples, evaluations, .. } = contacts;
         let Some(journal) = journal else {

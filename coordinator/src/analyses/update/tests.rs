@@ -93,7 +93,7 @@ fn a_measured_wear_has_the_conjugate_closed_form() {
 #[test]
 fn survival_lengthens_and_an_improbable_value_is_warned_of() {
     let report = updated(
-        "A,1100,survived\nB,400,wear,25,0.1\nC,,offset,1.0,0.01\nC,500,play,1.5,0.1\nD,900,failed\nE,1650,survived\nF,2000,survived\nG,400,wear,60,0.1\n",
+        "A,1100,survived\nB,400,wear,17.2,0.1\nC,,offset,1.0,0.01\nC,500,play,1.5,0.1\nD,900,failed\nE,1650,survived\nF,2000,survived\nG,400,wear,60,0.1\n",
         2000,
     );
     let rate = |k: usize| report.units[k].variables[0].mean;
