@@ -16,10 +16,6 @@ use std::collections::BTreeMap;
 /// Probability, times the number of a unit's observations, below which an observation is improbable [1].
 const IMPROBABLE: f64 = 0.01;
 
-/// Probability below which an observation contradicts the model, and nothing is stated about its unit [1]: what is left lies in tails of the
-/// distributions that no data support.
-const CONTRADICTORY: f64 = 1e-9;
-
 /// Least probability that is stated [1].
 const LEAST: f64 = 1e-12;
 
@@ -102,18 +98,13 @@ fn update_unit(
     let particles = Particles::equal(dimension, prior.states.clone(), predictions);
     let mut rng = open_stream(settings.seed, Stream::Unit(number as u32));
     match settings.monte_carlo.update(particles, &evidence, &predictor, &mut rng) {
-        Ok(posterior) => match posterior.probabilities.iter().position(|p| *p < CONTRADICTORY) {
-            Some(place) => unstated(unit, place, "contradicts the model: its probability is below 1e-9"),
-            None => report(scene, model, unit, &posterior),
-        },
-        Err(Unsupported { place }) => {
-            unstated(unit, place, "is impossible under the model: no unit of the study agrees with it")
-        }
+        Ok(posterior) => report(scene, model, unit, &posterior),
+        Err(unsupported) => impossible(unit, unsupported),
     }
 }
 
-/// The report of a unit with which the model does not agree because of the observation `place`, for this reason.
-fn unstated(unit: &ObservedUnit, place: usize, reason: &str) -> UnitReport {
+/// The report of a unit that no point of the model agrees with.
+fn impossible(unit: &ObservedUnit, Unsupported { place }: Unsupported) -> UnitReport {
     let observation = &unit.observations[place];
     UnitReport {
         unit: unit.name.clone(),
@@ -128,7 +119,8 @@ fn unstated(unit: &ObservedUnit, place: usize, reason: &str) -> UnitReport {
         stages: 0,
         acceptance: None,
         warning: Some(format!(
-            "{} at {} cycles (line {}) {reason}, and nothing is stated about this unit",
+            "{} at {} cycles (line {}) is impossible under the model: no unit of the study agrees with it, and nothing is \
+             stated about this unit",
             observation.name, observation.cycles, observation.line
         )),
     }

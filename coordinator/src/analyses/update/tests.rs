@@ -93,7 +93,7 @@ fn a_measured_wear_has_the_conjugate_closed_form() {
 #[test]
 fn survival_lengthens_and_an_improbable_value_is_warned_of() {
     let report = updated(
-        "A,1100,survived\nB,400,wear,17.2,0.1\nC,,offset,1.0,0.01\nC,500,play,1.5,0.1\nD,900,failed\nE,1650,survived\nF,2000,survived\nG,400,wear,60,0.1\n",
+        "A,1100,survived\nB,400,wear,25,0.1\nC,,offset,1.0,0.01\nC,500,play,1.5,0.1\nD,900,failed\nE,1650,survived\nF,2000,survived\n",
         2000,
     );
     let rate = |k: usize| report.units[k].variables[0].mean;
@@ -110,13 +110,6 @@ fn survival_lengthens_and_an_improbable_value_is_warned_of() {
     // No unit lives 2000 cycles.
     let warning = report.units[5].warning.as_ref().unwrap();
     assert!(warning.contains("line 7) is impossible under the model"), "{warning}");
-    // Nor is any worn like this one, whose posterior would be a point in the tail that is still alive.
-    let contradictory = &report.units[6];
-    let warning = contradictory.warning.as_ref().unwrap();
-    assert!(
-        warning.contains("line 8) contradicts the model") && contradictory.reliability.is_empty(),
-        "{warning}"
-    );
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn unit_row(unit: &UnitReport, end: f64) -> Vec<String> {
     if unit.reliability.is_empty() {
         let nothing = ["–"; 5].map(str::to_owned);
         let start = [unit.unit.clone(), format!("{now:.0}")];
-        let why = "disagrees with the model, see below".to_owned();
+        let why = "impossible under the model, see below".to_owned();
         return start.into_iter().chain(nothing).chain([why]).collect();
     }
     let there = &unit.reliability[0];
