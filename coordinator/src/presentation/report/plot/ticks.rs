@@ -11,6 +11,9 @@ const TICKS: f64 = 5.0;
 /// Least distance of two ticks of an axis of shares, as a part of its length.
 const APART: f64 = 0.08;
 
+/// Least distance of two ticks of a logarithmic axis of equal differences, as a part of its length: five digits have room.
+const APART_ON_LOGARITHM: f64 = 0.14;
+
 /// Ratio of the ends of a logarithmic axis up to which its ticks have equal differences.
 const NARROW: f64 = 5.0;
 
@@ -56,7 +59,7 @@ impl Ranged for TickedAxis {
 /// The numbers drawn at the ticks between two numbers drawn, in rising order.
 pub(super) fn ticks(scale: Scale, (low, high): (f64, f64)) -> Vec<f64> {
     match scale {
-        Scale::Linear => round_values(low, high),
+        Scale::Linear => round_values(low, high, TICKS),
         Scale::Logarithm => logarithmic(low, high),
         Scale::LogarithmOfShare => {
             logarithmic(low + 2.0, high + 2.0).into_iter().map(|power| power - 2.0).collect()
@@ -65,13 +68,13 @@ pub(super) fn ticks(scale: Scale, (low, high): (f64, f64)) -> Vec<f64> {
     }
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten, about five of them.
-fn round_values(low: f64, high: f64) -> Vec<f64> {
+/// Multiples of 1, 2 or 5 times a power of ten, about `count` of them.
+fn round_values(low: f64, high: f64, count: f64) -> Vec<f64> {
     let width = high - low;
     if !(width.is_finite() && width > 0.0) {
         return vec![];
     }
-    let rough = width / TICKS;
+    let rough = width / count;
     let power = 10f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0]
         .map(|factor| factor * power)
@@ -87,8 +90,15 @@ fn round_values(low: f64, high: f64) -> Vec<f64> {
 fn logarithmic(low: f64, high: f64) -> Vec<f64> {
     let ratio = 10f64.powf(high - low);
     if ratio <= NARROW {
-        let values = round_values(10f64.powf(low), 10f64.powf(high));
-        return values.into_iter().map(|value| value.log10().clamp(low, high)).collect();
+        // Equal differences are drawn closest at the upper end.
+        let powers = |count: f64| -> Vec<f64> {
+            let values = round_values(10f64.powf(low), 10f64.powf(high), count);
+            values.into_iter().map(|value| value.log10().clamp(low, high)).collect()
+        };
+        let least = APART_ON_LOGARITHM * (high - low);
+        let are_apart = |powers: &Vec<f64>| powers.windows(2).all(|pair| pair[1] - pair[0] >= least);
+        let found = [TICKS, 4.0, 3.0, 2.0].map(powers).into_iter().find(are_apart);
+        return found.unwrap_or_else(|| powers(1.0));
     }
     let factors: &[f64] = if ratio <= MODERATE { &[1.0, 2.0, 5.0] } else { &[1.0] };
     let every = ((high - low) / (TICKS + 2.0)).ceil().max(1.0) as i64;
@@ -124,6 +134,8 @@ mod tests {
     fn issue_ticks_of_logarithmic_axes_were_no_round_values() {
         let lives = |low: f64, high: f64| values(Scale::Logarithm, low.log10(), high.log10());
         assert_eq!(lives(4800.0, 7300.0), [5000.0, 5500.0, 6000.0, 6500.0, 7000.0]);
+        // Not 14 000, 16 000 and 18 000, whose labels met.
+        assert_eq!(lives(4000.0, 19_000.0), [5000.0, 10_000.0, 15_000.0]);
         assert_eq!(lives(1500.0, 30_000.0), [2000.0, 5000.0, 10_000.0, 20_000.0]);
         assert_eq!(lives(1.0, 1e6), [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6]);
         assert_eq!(values(Scale::LogarithmOfShare, -5.0, 0.0), [0.001, 0.01, 0.1, 1.0, 10.0, 100.0]);
