@@ -5,8 +5,8 @@ use super::{Observed, StudyError};
 use crate::farm::evaluate::Finished;
 use common::scene::Scene;
 
-/// Checks that the histories and their stated errors have the shape of the scene, are finite, and that no
-/// error is negative. An evaluation that states no errors counts as exact.
+/// Checks that the histories and their stated errors have the shape of the scene, are finite, as the values in the first
+/// cycle, and that no error is negative. An evaluation that states no errors counts as exact.
 pub(super) fn checked(
     outcome: Finished,
     scene: &Scene,
@@ -34,6 +34,12 @@ pub(super) fn checked(
             return malformed(format!("{} is {} at {} cycles", output(o), history[n], checkpoints[n]));
         }
     }
+    let in_first_cycle = evaluation.start.iter().take(outputs).enumerate();
+    for (o, start) in in_first_cycle.filter_map(|(o, start)| Some((o, (*start)?))) {
+        if !start.is_finite() {
+            return malformed(format!("{} is {start} in the first cycle", output(o)));
+        }
+    }
     if !evaluation.errors.is_empty() && evaluation.errors.len() != outputs {
         return malformed(format!("errors of {} outputs, not {outputs}", evaluation.errors.len()));
     }
@@ -51,4 +57,29 @@ pub(super) fn checked(
         }
     }
     Ok(Ok(Observed::from_evaluation(evaluation)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_study;
+    use common::outputs::Evaluation;
+
+    #[test]
+    fn issue_a_first_cycle_without_a_finite_value_counted_for_the_reliability() {
+        let scene = test_study::scene();
+        let checkpoints = scene.life.checkpoints();
+        let said = |start: f64| {
+            let histories = vec![vec![1.0; checkpoints.len()]; scene.outputs.len()];
+            let mut evaluation = Evaluation::from_histories(checkpoints.clone(), histories);
+            evaluation.start = vec![None, Some(start)];
+            let finished = Finished { id: 7, outcome: Ok(evaluation), worker: "a/0".into(), wall: 1.0 };
+            checked(finished, &scene, &checkpoints).map_err(|error| error.to_string())
+        };
+        assert!(said(2.0).is_ok());
+        for start in [f64::NAN, f64::INFINITY] {
+            let error = said(start).unwrap_err();
+            assert!(error.contains("in the first cycle"), "{error}");
+        }
+    }
 }
