@@ -49,6 +49,7 @@ struct WornJoint {
 }
 
 /// Probes and wear of an evaluation, from which its error is estimated.
+#[derive(Clone)]
 pub struct ErrorEstimate {
     /// What the cycles under each operating condition show, at least one `(conditions,)`.
     pub conditions: Vec<MotionEstimate>,

@@ -4,6 +4,7 @@ use super::blocks::{at_checkpoints, block_ends};
 use super::conditions::{mix_contacts, share_bores};
 use super::error_estimate::ErrorEstimate;
 use super::life_history::LifeHistory;
+use super::longer_steps::LongerSteps;
 use super::motion_estimate::{MeasuredLives, MotionEstimate};
 use super::probe::{Probe, is_probed};
 use super::run::Run;
@@ -23,6 +24,14 @@ pub trait CycleModel {
     /// True if a measured cycle is probed: that at the end of `block`, or without one that on the unworn bores.
     fn is_probed(&self, run: &Run, block: Option<&Range<u32>>) -> bool;
 
+    /// The same model without probes, if its cycles may be simulated with longer time steps (`longer_steps.rs`).
+    fn without_probes(&self) -> Option<Self>
+    where
+        Self: Sized,
+    {
+        None
+    }
+
     /// Checks that the model may stay in use, where a probe has been made.
     fn check_probe(&self, probe: &Probe) -> Result<(), Self::Error> {
         let _ = probe;
@@ -41,9 +50,12 @@ pub trait CycleModel {
     }
 }
 
-/// Dynamic cycles, some of which are probed for their error.
+/// Dynamic cycles.
 #[derive(Debug, Clone, Copy)]
-pub struct DynamicCycles;
+pub struct DynamicCycles {
+    /// True if some are probed for their error.
+    pub probed: bool,
+}
 
 impl CycleModel for DynamicCycles {
     type Error = SimulationFailure;
@@ -58,7 +70,11 @@ impl CycleModel for DynamicCycles {
     }
 
     fn is_probed(&self, run: &Run, block: Option<&Range<u32>>) -> bool {
-        block.is_none_or(|block| is_probed(block, &run.scene.life))
+        self.probed && block.is_none_or(|block| is_probed(block, &run.scene.life))
+    }
+
+    fn without_probes(&self) -> Option<Self> {
+        Some(DynamicCycles { probed: false })
     }
 }
 
@@ -83,11 +99,12 @@ impl CycleModel for SingleCycle {
 }
 
 /// One condition of a life: the outputs measured so far, and the motions if they are several.
-struct ConditionLife<'a> {
+#[derive(Clone)]
+pub struct ConditionLife<'a> {
     /// Lives at which a cycle was measured `(k,)` [cycles].
     lives: Vec<u32>,
     /// Outputs there `(k, outputs)` [SI].
-    outputs: Vec<Vec<f64>>,
+    pub outputs: Vec<Vec<f64>>,
     motions: Option<SeveralMotions<'a>>,
 }
 
@@ -141,6 +158,61 @@ impl<'a> ConditionLife<'a> {
     }
 }
 
+/// A life as far as it has been simulated.
+#[derive(Clone)]
+pub struct PartialLife<'a> {
+    /// Its conditions, at least one.
+    pub conditions: Vec<ConditionLife<'a>>,
+    /// Probes and wear so far.
+    pub estimate: ErrorEstimate,
+    /// Values so far at the checkpoints of every output of the wear, empty for outputs of the motion `(outputs, m)` [m or m^3].
+    wear: Vec<Vec<f64>>,
+}
+
+impl<'a> PartialLife<'a> {
+    /// Starts a life with the settled first cycles of the `runs`, which have been measured.
+    ///
+    /// # Errors
+    /// The first error of a cycle, of a probe or of a check of the model.
+    async fn start<M: CycleModel>(runs: &mut [Run<'a>], model: &M) -> Result<Self, M::Error> {
+        let scene = runs[0].scene;
+        let mut estimate = ErrorEstimate::new(scene.life.checkpoint_every, runs.len());
+        let starts = runs.iter_mut().zip(&mut estimate.conditions);
+        let started = join(starts.map(|(run, estimate)| ConditionLife::start(run, model, estimate))).await;
+        let conditions = started.into_iter().collect::<Result<_, _>>()?;
+        runs[0].keep_bores(0);
+        Ok(PartialLife { conditions, estimate, wear: vec![vec![]; scene.outputs.len()] })
+    }
+
+    /// Wears the bores of the `runs` over a `block` [cycles], and simulates the cycles at its end.
+    ///
+    /// # Errors
+    /// The first error of the wear, of a cycle, of a probe or of a check of the model.
+    pub(crate) async fn add_block<M: CycleModel>(
+        &mut self,
+        runs: &mut [Run<'a>],
+        model: &M,
+        block: &Range<u32>,
+    ) -> Result<(), M::Error> {
+        let every = runs[0].scene.life.checkpoint_every;
+        let checkpoints: Vec<u32> =
+            (block.start / every + 1..=block.end / every).map(|k| k * every).collect();
+        let worn = runs[0].worn_amounts();
+        for (run, estimate) in runs.iter().zip(&mut self.estimate.conditions) {
+            estimate.add_block(run, block.end - block.start);
+        }
+        mix_contacts(runs);
+        runs[0].wear(block.clone(), &checkpoints, &mut self.wear)?;
+        runs[0].note_grooves(block.end);
+        self.estimate.add_wear(&runs[0], block.start, &worn);
+        runs[0].keep_bores(block.end);
+        share_bores(runs);
+        let conditions = runs.iter_mut().zip(&mut self.conditions).zip(&mut self.estimate.conditions);
+        let cycles = conditions.map(|((run, life), estimate)| life.go_on(run, model, block, estimate));
+        join(cycles).await.into_iter().collect()
+    }
+}
+
 /// Wears the bores to the end of life under cycles of `model`. The `runs` are those of all operating conditions, at least one, on the
 /// same bores; the first one wears them under the contacts of all.
 ///
@@ -151,33 +223,28 @@ pub(crate) async fn simulate_life<M: CycleModel>(
     model: M,
 ) -> Result<LifeHistory, M::Error> {
     let (scene, accuracy) = (runs[0].scene, runs[0].accuracy);
-    let (end, every) = (scene.life.cycles, scene.life.checkpoint_every);
-    let blocks = block_ends(end, accuracy.cycle_jump, every);
-    let mut estimate = ErrorEstimate::new(every, runs.len());
-    let starts = runs.iter_mut().zip(&mut estimate.conditions);
-    let started = join(starts.map(|(run, estimate)| ConditionLife::start(run, &model, estimate))).await;
-    let mut lives: Vec<ConditionLife> = started.into_iter().collect::<Result<_, _>>()?;
-    let mut wear = vec![vec![]; scene.outputs.len()];
-    runs[0].keep_bores(0);
-    for (from, to) in blocks.windows(2).map(|life| (life[0], life[1])) {
-        let checkpoints: Vec<u32> = (from / every + 1..=to / every).map(|k| k * every).collect();
-        let worn = runs[0].worn_amounts();
-        for (run, estimate) in runs.iter().zip(&mut estimate.conditions) {
-            estimate.add_block(run, to - from);
+    let end = scene.life.cycles;
+    let ends = block_ends(end, accuracy.cycle_jump, scene.life.checkpoint_every);
+    let mut life = PartialLife::start(runs, &model).await?;
+    let mut longer = LongerSteps::tried(runs, &model, &mut life, &ends).await;
+    let mut simulated = 0;
+    while simulated + 1 < ends.len() {
+        let block = ends[simulated]..ends[simulated + 1];
+        match &mut longer {
+            Some(steps) => {
+                if let Some(lasted) = steps.add_block(runs, &mut life, &block).await {
+                    simulated = ends.partition_point(|&end| end < lasted);
+                    longer = None;
+                    continue;
+                }
+            }
+            None => life.add_block(runs, &model, &block).await?,
         }
-        mix_contacts(runs);
-        runs[0].wear(from..to, &checkpoints, &mut wear)?;
-        runs[0].note_grooves(to);
-        estimate.add_wear(&runs[0], from, &worn);
-        runs[0].keep_bores(to);
-        share_bores(runs);
-        let block = from..to;
-        let conditions = runs.iter_mut().zip(&mut lives).zip(&mut estimate.conditions);
-        let cycles = conditions.map(|((run, life), estimate)| life.go_on(run, &model, &block, estimate));
-        join(cycles).await.into_iter().collect::<Result<(), _>>()?;
+        simulated += 1;
     }
     mix_contacts(runs);
     runs[0].compare_bores();
+    let PartialLife { conditions: lives, mut estimate, wear } = life;
     estimate.add_wear(&runs[0], end, &runs[0].worn_amounts());
 
     for ((run, life), estimate) in runs.iter().zip(&lives).zip(&mut estimate.conditions) {

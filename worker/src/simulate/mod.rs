@@ -17,6 +17,7 @@
 //! | `life_in_blocks.rs`, `blocks.rs`, `life_history.rs` | a life block by block; the ends of the blocks; the outputs over it |
 //! | `no_wear.rs`, `quasi_static.rs`, `quasi_static_island.rs` | lives without wear; wear by the quasi-static model |
 //! | `conditions.rs` | several operating conditions on the same bores |
+//! | `longer_steps.rs` | longer time steps while they make no difference |
 //! | `probe.rs`, `motion_estimate.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
 //! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
 //! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
@@ -39,6 +40,7 @@ mod ideal_tracks;
 mod island_state;
 mod life_history;
 mod life_in_blocks;
+mod longer_steps;
 mod motion_estimate;
 mod no_wear;
 mod probe;
@@ -173,7 +175,7 @@ async fn evaluate(runs: &mut [Run<'_>]) -> Result<Evaluation, SimulationFailure>
     } else if let Some(life) = try_quasi_static(runs).await {
         life
     } else {
-        simulate_life(runs, DynamicCycles).await?
+        simulate_life(runs, DynamicCycles { probed: true }).await?
     };
     finish(runs, life, first)
 }

@@ -47,7 +47,7 @@ impl MeasuredLives<'_> {
 }
 
 /// Probes of one operating condition, and the work that its contacts have done.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct MotionEstimate {
     /// Life of the first checkpoint [cycles].
     pub first_checkpoint: u32,

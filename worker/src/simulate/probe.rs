@@ -10,6 +10,7 @@
 use super::island_state::{CycleTools, IslandState};
 use super::run::Run;
 use crate::wear::WearLaw;
+use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Life;
 use std::ops::Range;
@@ -67,14 +68,37 @@ impl Run<'_> {
     /// [`SimulationFailure`] if the further cycle fails.
     pub(crate) async fn probe(&mut self, life: u32) -> Result<Probe, SimulationFailure> {
         let measured = CycleValues { motion: self.measured.clone(), wear: self.wear_rates(life)? };
-        let finer = self.accuracy.refined(FINER);
-        let period = self.scene.life.period;
-        let mut tools: Vec<CycleTools> =
-            self.islands.iter().map(|state| state.tools_for(period, &finer)).collect();
+        let mut tools = self.tools_for(&self.accuracy.refined(FINER));
         self.exchange_tools(&mut tools);
         let found = self.compare_further_cycles(life, &measured).await;
         self.exchange_tools(&mut tools);
         found
+    }
+
+    /// As [`Run::probe`] for one further cycle, with the time steps of `accuracy`.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if the further cycle fails.
+    pub(crate) async fn compare_steps(
+        &mut self,
+        life: u32,
+        accuracy: &Accuracy,
+    ) -> Result<Probe, SimulationFailure> {
+        let measured = CycleValues { motion: self.measured.clone(), wear: self.wear_rates(life)? };
+        let mut tools = self.tools_for(accuracy);
+        self.exchange_tools(&mut tools);
+        let further = match self.further_cycle().await {
+            Ok(()) => self.cycle_values(life),
+            Err(failure) => Err(failure),
+        };
+        self.exchange_tools(&mut tools);
+        let mut probe = Probe::unchanged(life, &measured);
+        probe.add_cycle(&measured, &further?);
+        Ok(probe)
+    }
+
+    fn tools_for(&self, accuracy: &Accuracy) -> Vec<CycleTools> {
+        self.islands.iter().map(|state| state.tools_for(self.scene.life.period, accuracy)).collect()
     }
 
     fn exchange_tools(&mut self, tools: &mut [CycleTools]) {
@@ -93,8 +117,7 @@ impl Run<'_> {
         life: u32,
         measured: &CycleValues,
     ) -> Result<Probe, SimulationFailure> {
-        let (motion, wear) = (vec![0.0; measured.motion.len()], vec![0.0; measured.wear.len()]);
-        let mut probe = Probe { life, motion, wear, aperiodic: false, rattles: false };
+        let mut probe = Probe::unchanged(life, measured);
         let mut latest = measured.wear.clone();
         let (remembers, once) = (self.depends_on_last_impact(), self.scene.life.is_single_cycle());
         for cycle in 0..MOST_CYCLES {
@@ -165,6 +188,12 @@ impl Run<'_> {
 }
 
 impl Probe {
+    /// A probe of the `measured` cycle on the profile of `life` [cycles] that has found no change so far.
+    fn unchanged(life: u32, measured: &CycleValues) -> Self {
+        let (motion, wear) = (vec![0.0; measured.motion.len()], vec![0.0; measured.wear.len()]);
+        Probe { life, motion, wear, aperiodic: false, rattles: false }
+    }
+
     /// Adds the changes of a further cycle. Returns how many of them are above the thresholds of an aperiodic motion.
     fn add_cycle(&mut self, measured: &CycleValues, further: &CycleValues) -> usize {
         let threshold = if self.life == 0 { APERIODIC_UNWORN } else { APERIODIC };

@@ -155,7 +155,7 @@ impl Run<'_> {
     }
 
     /// Copies the counts of an attempt that began as a copy of this run.
-    fn copy_counts(&mut self, attempt: &Run) {
+    pub(crate) fn copy_counts(&mut self, attempt: &Run) {
         self.counts = attempt.counts;
         self.wear_counts = attempt.wear_counts;
         self.newton = attempt.newton;

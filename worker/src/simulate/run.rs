@@ -177,6 +177,11 @@ impl<'a> Run<'a> {
         self.integrate(-self.accuracy.warm_up * period..0.0, false).await
     }
 
+    /// Gives the time steps of the following cycles this tolerance of their local error [1].
+    pub(crate) fn set_step_tolerance(&mut self, tolerance: f64) {
+        self.islands.iter_mut().for_each(|state| state.stepper.control.tolerance = tolerance);
+    }
+
     /// Returns to the start of the cycle just measured, with time steps of another accuracy.
     pub(crate) fn restart_cycle(&mut self, accuracy: &Accuracy) {
         for state in &mut self.islands {

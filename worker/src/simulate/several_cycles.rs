@@ -28,7 +28,7 @@ pub(crate) const MOTIONS: usize = 6;
 const NARROWER: f64 = 0.03;
 
 /// Motions of a mechanism on the same bores.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct SeveralMotions<'a> {
     /// The further motions, one less than [`MOTIONS`], each after its last cycle; empty before they have been started.
     further: Vec<Run<'a>>,

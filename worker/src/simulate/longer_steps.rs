@@ -1,0 +1,163 @@
+//! Longer time steps in the cycles of a life, as long as they make no difference.
+//!
+//! The vibration of the contacts sets the length of the time steps throughout a cycle (`control.rs`), and it matters only where its damping
+//! is low: late in the life of the flapping-wing drive, where the worn bores feed it. Before, steps twice as long change neither the wear
+//! nor the outputs by a thousandth. With steps 2.5 times as long the scheme itself feeds the vibration.
+//!
+//! A life starts with its own steps. On the unworn bores the cycle after the measured one is repeated with steps longer by r <= 2. If no output
+//! y of the motion and no wear rate w changes by more than
+//!
+//!   |y_r - y| <= 0.002 |y|,   |w_r - w| <= 0.005 w,
+//!
+//! the cycles after it have the longer steps. Some of them are checked: the cycle after such a one, on the same bores, has steps of the
+//! life's own length and is compared with it. These are the first ones at or after each third of the life, and those whose outputs have
+//! moved by more than 0.5 % since the last check. Where the two differ by more than the bounds above, or a cycle with longer steps
+//! fails, the life returns to the check before and goes on with its own steps to its end. What the checks find counts as
+//! that of a [`Probe`] in the stated error.
+//!
+//! Not used if the motion does not repeat itself on the unworn bores, and for [`Tier::Dynamic`].
+//!
+//! # Source
+//! Comparison of two step lengths: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4. Factor and
+//! bounds: measured here (`cargo bench -p worker --bench steps`).
+
+use super::life_in_blocks::{CycleModel, PartialLife};
+use super::probe::{Probe, contains_one_of};
+use super::run::Run;
+use super::side_by_side::join;
+use common::accuracy::{Accuracy, Tier};
+use std::ops::Range;
+
+/// Largest tolerance of the local error of longer steps over that of the life's own [1]: steps twice as long.
+const LONGER: f64 = 16.0;
+/// Largest tolerance of their local error [1], some 3.5 steps a period of the contact vibration.
+const LARGEST_TOLERANCE: f64 = 8e-3;
+/// Smallest gain in the tolerance that is worth the checks [1]: steps longer by a quarter.
+const WORTHWHILE: f64 = 2.5;
+/// Fewest blocks of a life that are worth them.
+const FEWEST_BLOCKS: usize = 8;
+/// Largest relative change of an output of the motion, and of a wear rate, that is no difference [1].
+const SAME_MOTION: f64 = 2e-3;
+const SAME_WEAR: f64 = 5e-3;
+/// Relative change of an output since the last check after which there is another one [1].
+const MOVED: f64 = 5e-3;
+
+/// Longer time steps in use, and the life at the last check.
+pub struct LongerSteps<'a, M> {
+    model: M,
+    accuracy: Accuracy,
+    checked: Checked<'a>,
+}
+
+/// A life at a check that found no difference.
+struct Checked<'a> {
+    runs: Vec<Run<'a>>,
+    life: PartialLife<'a>,
+    /// Its cycles so far.
+    cycles: u32,
+}
+
+impl<'a, M: CycleModel> LongerSteps<'a, M> {
+    /// Tries longer steps on the unworn bores, where the first cycles of the `runs` have been measured and probed, if a life
+    /// under `model` in blocks between these `ends` [cycles] may have them. None if they make a difference.
+    pub(crate) async fn tried(
+        runs: &mut [Run<'a>],
+        model: &M,
+        life: &mut PartialLife<'a>,
+        ends: &[u32],
+    ) -> Option<Self> {
+        let model = model.without_probes()?;
+        let accuracy = longer(runs[0].accuracy).filter(|_| ends.len() > FEWEST_BLOCKS)?;
+        let repeats = life.estimate.conditions.iter().all(|c| c.probes.iter().all(|p| !p.aperiodic));
+        if !repeats || !compare(runs, life, 0, &accuracy).await {
+            return None;
+        }
+        runs.iter_mut().for_each(|run| run.set_step_tolerance(accuracy.step_tolerance));
+        let checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: 0 };
+        Some(LongerSteps { model, accuracy, checked })
+    }
+
+    /// Adds a block with longer steps, and checks the cycles at its end if that is due. If the steps are to have their own length from
+    /// now on, the life [cycles] to go on from, which `runs` and `life` have then.
+    pub(crate) async fn add_block(
+        &mut self,
+        runs: &mut [Run<'a>],
+        life: &mut PartialLife<'a>,
+        block: &Range<u32>,
+    ) -> Option<u32> {
+        let added = life.add_block(runs, &self.model, block).await;
+        if added.is_ok() && !self.is_due(life, block, runs[0].scene.life.cycles) {
+            return None;
+        }
+        let own = *runs[0].accuracy;
+        if added.is_err() || !compare(runs, life, block.end, &own).await {
+            return Some(self.go_back(runs, life));
+        }
+        if block.start == self.checked.cycles {
+            // A check after every block would cost more than longer steps save.
+            runs.iter_mut().for_each(|run| run.set_step_tolerance(own.step_tolerance));
+            return Some(block.end);
+        }
+        self.checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: block.end };
+        None
+    }
+
+    /// True if the cycles at the end of `block` are to be checked, in a life of `cycles`.
+    fn is_due(&self, life: &PartialLife, block: &Range<u32>, cycles: u32) -> bool {
+        let thirds = [cycles / 3, cycles / 3 * 2, cycles].map(|life| life.clamp(1, cycles));
+        let conditions = life.conditions.iter().zip(&self.checked.life.conditions);
+        let moved = |(now, before): (&f64, &f64)| (now - before).abs() > MOVED * before.abs();
+        contains_one_of(block, thirds)
+            || conditions
+                .filter_map(|(now, before)| Some((now.outputs.last()?, before.outputs.last()?)))
+                .any(|(now, before)| now.iter().zip(before).any(moved))
+    }
+
+    /// Returns to the last check, with steps of the life's own length from there on; its cycles.
+    fn go_back(&self, runs: &mut [Run<'a>], life: &mut PartialLife<'a>) -> u32 {
+        let Checked { runs: before, life: checked, cycles } = &self.checked;
+        for (run, before) in runs.iter_mut().zip(before) {
+            let mut returned = before.clone();
+            returned.copy_counts(run);
+            returned.set_step_tolerance(run.accuracy.step_tolerance);
+            *run = returned;
+        }
+        life.clone_from(checked);
+        *cycles
+    }
+}
+
+/// `accuracy` with longer time steps, if they may be tried and are worth it.
+fn longer(accuracy: &Accuracy) -> Option<Accuracy> {
+    let step_tolerance = (LONGER * accuracy.step_tolerance).min(LARGEST_TOLERANCE);
+    let is_worthwhile =
+        accuracy.tier == Tier::Automatic && step_tolerance >= WORTHWHILE * accuracy.step_tolerance;
+    is_worthwhile.then_some(Accuracy { step_tolerance, ..*accuracy })
+}
+
+/// Compares the cycles just measured with further ones that have the time steps of `accuracy`, on the bores of `cycles`. True if they make no
+/// difference; what was found is then added to the estimate of the error.
+async fn compare<'a>(
+    runs: &mut [Run<'a>],
+    life: &mut PartialLife<'a>,
+    cycles: u32,
+    accuracy: &Accuracy,
+) -> bool {
+    let probes = join(runs.iter_mut().map(|run| run.compare_steps(cycles, accuracy))).await;
+    let Ok(probes) = probes.into_iter().collect::<Result<Vec<Probe>, _>>() else { return false };
+    if !probes.iter().zip(runs).all(|(probe, run)| is_same(probe, &run.measured)) {
+        return false;
+    }
+    for (mut probe, estimate) in probes.into_iter().zip(&mut life.estimate.conditions) {
+        probe.aperiodic = false;
+        estimate.add_probe(probe);
+    }
+    true
+}
+
+/// True if the changes that `probe` found are within the bounds, given the outputs `measured` `(outputs,)` [SI].
+fn is_same(probe: &Probe, measured: &[f64]) -> bool {
+    let motion = probe.motion.iter().zip(measured);
+    motion.into_iter().all(|(change, value)| *change <= SAME_MOTION * value.abs())
+        && probe.wear.iter().all(|change| *change <= SAME_WEAR)
+}
