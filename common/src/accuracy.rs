@@ -30,11 +30,11 @@ pub struct Accuracy {
 /// Model of the motion between two wear steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Tier {
-    /// Quasi-static if wear is the only output and a comparison with the dynamics, at the start and at the end of life, stays below
-    /// the wear tolerance; else dynamic.
+    /// Quasi-static if comparisons with the dynamics stay below the wear tolerance; else dynamic, with longer time steps in the cycles where
+    /// comparisons show that these change nothing.
     #[default]
     Automatic,
-    /// Always the dynamics.
+    /// Always the dynamics, with time steps of the given tolerance.
     Dynamic,
 }
 

@@ -54,7 +54,7 @@ fn the_flapping_wing_has_the_numbers_of_the_model() {
         assert_eq!(joint.contact_damping, ContactDamping::HuntCrossley { factor: 7.5 });
         assert_eq!((joint.wear_coefficient, joint.friction), (1.299e-13, 0.025));
         assert_eq!((joint.film_damping, joint.friction_speed), (7.24, 0.0024));
-        assert_eq!((joint.width, joint.control_points), (0.004, 36));
+        assert_eq!((joint.width, joint.control_points.number()), (0.004, 36));
     }
     let thresholds: Vec<_> =
         scene.limit_states.iter().map(|limit| (limit.name.as_str(), limit.threshold)).collect();

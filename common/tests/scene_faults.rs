@@ -116,6 +116,11 @@ fn ranges() {
         ("control_points = 36", "control_points = 7", "7 is out of range, allowed: 8 to 360"),
         (
             "control_points = 36",
+            "control_points = \"36\"",
+            "joints.crank.control_points: unknown word \"36\"",
+        ),
+        (
+            "control_points = 36",
             "control_points = 36.5",
             "36.5 is a number, expected a whole number 8 to 360",
         ),

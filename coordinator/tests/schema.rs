@@ -85,6 +85,8 @@ fn faults_of_structure_are_found() {
         ("width = \"10 mm\"\n", ""),
         ("control_points = 40", "control_points = 7"),
         ("control_points = 40", "control_points = 36.5"),
+        ("control_points = \"auto\"", "control_points = \"automatic\""),
+        ("control_points = 50", "control_points = \"auto\""),
         ("wears = \"both\"\nwear_coefficient = \"2e-13", "wears = \"journal\"\nwear_coefficient = \"2e-13"),
         ("wears = \"both\"\njournal_wear", "wears = \"slider\"\njournal_wear"),
         ("slider_wear_coefficient", "journal_wear_coefficient"),

@@ -5,7 +5,7 @@
 
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
-use common::scene::{ContactLaw, JointKind, OutputKind, Scene, SceneSource};
+use common::scene::{ContactLaw, ControlPoints, JointKind, OutputKind, Scene, SceneSource};
 use worker::simulate::{SimulateOptions, simulate};
 
 /// Numbers of control points.
@@ -19,7 +19,7 @@ fn with(scene: &Scene, law: ContactLaw, points: usize) -> Scene {
     let mut scene = scene.clone();
     for joint in &mut scene.joints {
         if let JointKind::Clearance(clearance) = &mut joint.kind {
-            (clearance.contact_law, clearance.control_points) = (law, points);
+            (clearance.contact_law, clearance.control_points) = (law, ControlPoints::Number(points));
         }
     }
     scene

@@ -30,7 +30,7 @@ fn worn_joint(law: ContactLaw) -> (Contact, Profile) {
     });
     let mut clearance = clearance.expect("a joint with clearance");
     clearance.contact_law = law;
-    let points = clearance.control_points;
+    let points = clearance.control_points.number();
     let mut profile = Profile::round(clearance.bushing_radius, points);
     let angle = |k: usize| std::f64::consts::TAU * k as f64 / points as f64;
     let depth: Vec<f64> = (0..points).map(|k| 2.5e-6 * (1.0 + angle(k).cos())).collect();

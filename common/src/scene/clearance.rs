@@ -2,14 +2,14 @@
 
 use super::context::Range;
 use super::faults::in_first_unit;
-use super::joint::{Clearance, ContactDamping, ContactLaw, Material, RestitutionLaw, WearingSurfaces};
+use super::joint::{
+    Clearance, ContactDamping, ContactLaw, ControlPoints, Material, RestitutionLaw, WearingSurfaces,
+};
 use super::quantity::*;
 use super::section::Section;
 
-/// Range of the number of control points: fewer do not represent a bore, more are finer than any contact arc.
-const CONTROL_POINTS: std::ops::RangeInclusive<i64> = 8..=360;
-/// Default number of control points of the wear profile.
-const CONTROL_POINTS_DEFAULT: i64 = 36;
+/// Range of the number of control points: fewer do not represent a bore.
+const CONTROL_POINTS: std::ops::RangeInclusive<i64> = 8..=ControlPoints::MOST as i64;
 /// Poisson's ratio of isotropic materials, auxetic ones excluded [1].
 const POISSON: Range = Range::Within(0.0, 0.5);
 /// Default of the lowest approach speed of an impact; slower journals roll on their bores [m/s].
@@ -59,7 +59,7 @@ pub(super) fn clearance(row: &mut Section, materials: &[MaterialRow], wears: boo
         Some(_) => row.choice("wears", "bushing, journal or both", &surfaces),
     };
     let journal_wear_coefficient = journal_wear_coefficient(row, surfaces);
-    let control_points = control_points(row);
+    let control_points = bore_points(row);
     let wall = match row.get("wall") {
         Some(_) => row.quantity("wall", LENGTH, Range::Positive).map(Some),
         None => Some(None),
@@ -83,9 +83,21 @@ pub(super) fn clearance(row: &mut Section, materials: &[MaterialRow], wears: boo
     })
 }
 
+/// Reads the control points of a bore and its journal.
+fn bore_points(row: &mut Section) -> Option<ControlPoints> {
+    match row.get("control_points") {
+        Some(value) if value.as_str().is_some() => {
+            let words = [("auto", ControlPoints::ByArc)];
+            row.choice("control_points", "a whole number 8 to 360 without quotes, or \"auto\"", &words)
+        }
+        _ => control_points(row).map(ControlPoints::Number),
+    }
+}
+
 /// Reads the number of control points of a wear profile.
 pub(super) fn control_points(row: &mut Section) -> Option<usize> {
-    row.integer("control_points", CONTROL_POINTS, Some(CONTROL_POINTS_DEFAULT)).map(|points| points as usize)
+    let default = ControlPoints::DEFAULT as i64;
+    row.integer("control_points", CONTROL_POINTS, Some(default)).map(|points| points as usize)
 }
 
 /// Reads the wear coefficient of the journal, which is that of the joint unless both surfaces wear.

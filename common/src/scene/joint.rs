@@ -118,6 +118,30 @@ impl GuideWear {
     }
 }
 
+/// Number of control points of a wear profile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ControlPoints {
+    /// As the scene says.
+    Number(usize),
+    /// Chosen by each evaluation from the contact arc of its first cycle.
+    ByArc,
+}
+
+impl ControlPoints {
+    /// Number where the scene says none.
+    pub const DEFAULT: usize = 36;
+    /// Most control points: more are finer than any contact arc.
+    pub const MOST: usize = 360;
+
+    /// The number given, or that of the profiles whose contact arc is still to be found.
+    pub const fn number(self) -> usize {
+        match self {
+            ControlPoints::Number(number) => number,
+            ControlPoints::ByArc => Self::DEFAULT,
+        }
+    }
+}
+
 /// A revolute joint with clearance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Clearance {
@@ -147,8 +171,8 @@ pub struct Clearance {
     pub wear_coefficient: f64,
     /// Wear coefficient of the journal if both surfaces wear [1/Pa]; `None`: that of the bushing.
     pub journal_wear_coefficient: Option<f64>,
-    /// Number of control points of each wear profile.
-    pub control_points: usize,
+    /// Control points of each wear profile.
+    pub control_points: ControlPoints,
     /// Thickness of the bushing's wall, if it may be worn through [m].
     pub wall: Option<f64>,
 }

@@ -75,8 +75,8 @@ pub use attachment::Attachment;
 pub use drive::{Curve, Drive, Over, Table};
 pub use faults::{Fault, FaultKind, Faults};
 pub use joint::{
-    Clearance, ContactDamping, ContactLaw, GuideClearance, GuideWear, IdealFriction, Joint, JointKind,
-    Material, RestitutionLaw, WearingSurfaces,
+    Clearance, ContactDamping, ContactLaw, ControlPoints, GuideClearance, GuideWear, IdealFriction, Joint,
+    JointKind, Material, RestitutionLaw, WearingSurfaces,
 };
 pub use limits::VALUE_LIMIT;
 pub use load::Load;

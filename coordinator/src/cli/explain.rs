@@ -194,16 +194,19 @@ fn ideal(joint: &Joint, on: &str) -> String {
 }
 
 fn wear(clearance: &Clearance) -> String {
-    let points = clearance.control_points;
+    let points = match clearance.control_points {
+        ControlPoints::Number(number) => format!("{number} control points"),
+        ControlPoints::ByArc => "control points by the contact arc".to_owned(),
+    };
     match clearance.wear_coefficients() {
         [0.0, 0.0] => "does not wear".to_owned(),
-        [bore, 0.0] => format!("the bore wears (Archard, K_H = {bore:e} 1/Pa, {points} control points)"),
+        [bore, 0.0] => format!("the bore wears (Archard, K_H = {bore:e} 1/Pa, {points})"),
         [0.0, journal] => {
-            format!("the journal wears (Archard, K_H = {journal:e} 1/Pa, {points} control points)")
+            format!("the journal wears (Archard, K_H = {journal:e} 1/Pa, {points})")
         }
-        [bore, journal] => format!(
-            "bore and journal wear (Archard, K_H = {bore:e} and {journal:e} 1/Pa, {points} control points each)"
-        ),
+        [bore, journal] => {
+            format!("bore and journal wear (Archard, K_H = {bore:e} and {journal:e} 1/Pa, {points} each)")
+        }
     }
 }
 

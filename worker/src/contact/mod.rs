@@ -104,7 +104,7 @@ contact_laws!(LocalHertz, Foundation);
 impl Contact {
     /// The contact law of a checked joint, on an unworn bore.
     pub fn new(joint: &Clearance) -> Self {
-        Self::with_surface(joint.contact_law, Surface::new(joint), joint.control_points)
+        Self::with_surface(joint.contact_law, Surface::new(joint), joint.control_points.number())
     }
 
     /// Constants of the joint.

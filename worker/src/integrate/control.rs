@@ -11,7 +11,8 @@
 //! 2 to 6 % of critical elsewhere and falls below 1 % there, late in life. A tolerance loosened in proportion to the rate at which
 //! perturbations die (from the eigenvalues of the linearised island, 40 to 100 times a cycle) saved 30 to 50 % of the steps and
 //! left the wear and the early life unchanged; but it displaced the asymmetry from 48 000 cycles on by 2 to 50 % of its limit,
-//! because the weakly damped part of the cycle amplifies the errors of the long steps. The tolerance is therefore constant.
+//! because the weakly damped part of the cycle amplifies the errors of the long steps. The tolerance is therefore constant within a cycle; early
+//! cycles of a life may have a looser one (`simulate/longer_steps.rs`).
 //!
 //! # Source
 //! Hairer, Nørsett, Wanner: Solving Ordinary Differential Equations I (1993), section II.4.

@@ -36,7 +36,7 @@ impl WearingJoint {
     pub(super) fn new(scene_joint: usize, name: &str, clearance: &Clearance, ends: [End; 2]) -> Self {
         let contact = Contact::new(clearance);
         let wear_coefficients = clearance.wear_coefficients();
-        let points = clearance.control_points;
+        let points = clearance.control_points.number();
         WearingJoint {
             scene_joint,
             name: name.to_owned(),

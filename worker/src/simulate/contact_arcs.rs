@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactArc {
     /// Index into the scene's joints.
-    scene_joint: usize,
+    pub(super) scene_joint: usize,
     /// Name of the joint.
     pub joint: String,
     /// Mean contact arc in the first cycle, on unworn surfaces [rad]; zero without contact.

@@ -3,6 +3,8 @@
 use super::blocks::block_ends;
 use super::conditions::condition_scenes;
 use super::contact_arcs::{ContactArc, contact_arcs};
+use super::control_points::with_control_points;
+use super::longer_steps::{is_long_enough, longer, makes_no_difference};
 use super::probe::{FINER, is_probed};
 use super::quasi_static::is_measured;
 use super::run::Run;
@@ -61,7 +63,7 @@ pub struct FirstLook {
     /// Accepted time steps of the measured cycle, all islands and operating conditions together.
     pub steps_per_cycle: u64,
     /// Cycles that a whole evaluation simulates dynamically: settling, measuring, warming up, probing; a cycle with shorter time
-    /// steps counts as more.
+    /// steps counts as more, one with longer steps as less.
     pub dynamic_cycles: f64,
     /// Cycles that it simulates quasi-statically, warming up included.
     pub quasi_static_cycles: f64,
@@ -75,6 +77,8 @@ pub struct FirstLook {
 /// # Errors
 /// [`SimulationFailure`] as in an evaluation.
 pub fn first_look(scene: &Scene, accuracy: &Accuracy) -> Result<FirstLook, SimulationFailure> {
+    let numbered = run_alone(|queue| async move { with_control_points(&queue, scene).await })?;
+    let scene = numbered.as_ref().map_or(scene, |numbered| &numbered.scene);
     let look = |scene| run_alone(|queue| examine(queue, scene, accuracy));
     let mut conditions = condition_scenes(scene).into_iter().map(|(scene, _)| look(scene));
     let Some(first) = conditions.next() else { unreachable!("at least one condition") };
@@ -148,6 +152,7 @@ async fn examine(
     };
     let probes = count(&|block| is_probed(block, life));
     let warm = 1.0 + accuracy.warm_up;
+    let may_be_longer = longer(accuracy).filter(|_| is_long_enough(&lives));
     let wear = worn.time_of_wear(&lives);
     look.expected += wear;
     // Time of a cycle on worn bores over that of the first one, where it begins with the state of the gaps.
@@ -194,7 +199,20 @@ async fn examine(
         } else {
             look.dynamic_cycles += FINER * probes * cycles;
             look.expected += probing.mul_f64(probes);
-            blocks as f64 * warm
+            let mut saved = 0.0;
+            if let Some(accuracy) = may_be_longer.filter(|_| !probe.aperiodic) {
+                let steps = run.counts.steps;
+                let (tried, trying) = timed(run.compare_steps(0, &accuracy)).await?;
+                let share = (run.counts.steps - steps) as f64 / look.steps_per_cycle as f64;
+                look.dynamic_cycles += share;
+                look.expected += trying;
+                if makes_no_difference(&tried, &run.measured) {
+                    // As long as they are expected to make no difference: two thirds of the life.
+                    saved =
+                        (1.0 - share) * count(&|block| 3 * u64::from(block.end) < 2 * u64::from(life.cycles));
+                }
+            }
+            (blocks as f64 - saved) * warm
         }
     } else {
         blocks as f64 * warm

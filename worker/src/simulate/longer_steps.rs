@@ -10,30 +10,32 @@
 //!   |y_r - y| <= 0.002 |y|,   |w_r - w| <= 0.005 w,
 //!
 //! the cycles after it have the longer steps. Some of them are checked: the cycle after such a one, on the same bores, has steps of the
-//! life's own length and is compared with it. These are the first ones at or after each third of the life, and those whose outputs have
+//! life's own length and is compared with it. These are the ones that are probed otherwise, and those whose outputs of the motion have
 //! moved by more than 0.5 % since the last check. Where the two differ by more than the bounds above, or a cycle with longer steps
 //! fails, the life returns to the check before and goes on with its own steps to its end. What the checks find counts as
 //! that of a [`Probe`] in the stated error.
 //!
-//! Not used if the motion does not repeat itself on the unworn bores, and for [`Tier::Dynamic`].
+//! Not used if the motion does not repeat itself on the unworn bores, for [`Tier::Dynamic`], and where the steps of the accuracy are long
+//! already, as those of `draft` are: at `draft` the checks cost what the longer steps save.
 //!
 //! # Source
 //! Comparison of two step lengths: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4. Factor and
 //! bounds: measured here (`cargo bench -p worker --bench steps`).
 
 use super::life_in_blocks::{CycleModel, PartialLife};
-use super::probe::{Probe, contains_one_of};
+use super::probe::{Probe, is_probed};
 use super::run::Run;
 use super::side_by_side::join;
 use common::accuracy::{Accuracy, Tier};
+use common::scene::Life;
 use std::ops::Range;
 
 /// Largest tolerance of the local error of longer steps over that of the life's own [1]: steps twice as long.
 const LONGER: f64 = 16.0;
 /// Largest tolerance of their local error [1], some 3.5 steps a period of the contact vibration.
 const LARGEST_TOLERANCE: f64 = 8e-3;
-/// Smallest gain in the tolerance that is worth the checks [1]: steps longer by a quarter.
-const WORTHWHILE: f64 = 2.5;
+/// Smallest factor of the tolerance that is worth the checks [1]: steps 1.5 times as long.
+const WORTHWHILE: f64 = 5.0;
 /// Fewest blocks of a life that are worth them.
 const FEWEST_BLOCKS: usize = 8;
 /// Largest relative change of an output of the motion, and of a wear rate, that is no difference [1].
@@ -44,8 +46,8 @@ const MOVED: f64 = 5e-3;
 
 /// Longer time steps in use, and the life at the last check.
 pub struct LongerSteps<'a, M> {
+    /// The model of the life, without probes.
     model: M,
-    accuracy: Accuracy,
     checked: Checked<'a>,
 }
 
@@ -67,14 +69,15 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         ends: &[u32],
     ) -> Option<Self> {
         let model = model.without_probes()?;
-        let accuracy = longer(runs[0].accuracy).filter(|_| ends.len() > FEWEST_BLOCKS)?;
+        let accuracy = longer(runs[0].accuracy).filter(|_| is_long_enough(ends))?;
         let repeats = life.estimate.conditions.iter().all(|c| c.probes.iter().all(|p| !p.aperiodic));
         if !repeats || !compare(runs, life, 0, &accuracy).await {
             return None;
         }
         runs.iter_mut().for_each(|run| run.set_step_tolerance(accuracy.step_tolerance));
+        tracing::debug!("time steps are longer while they make no difference");
         let checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: 0 };
-        Some(LongerSteps { model, accuracy, checked })
+        Some(LongerSteps { model, checked })
     }
 
     /// Adds a block with longer steps, and checks the cycles at its end if that is due. If the steps are to have their own length from
@@ -86,7 +89,7 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         block: &Range<u32>,
     ) -> Option<u32> {
         let added = life.add_block(runs, &self.model, block).await;
-        if added.is_ok() && !self.is_due(life, block, runs[0].scene.life.cycles) {
+        if added.is_ok() && !self.is_due(life, block, &runs[0].scene.life) {
             return None;
         }
         let own = *runs[0].accuracy;
@@ -102,12 +105,11 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         None
     }
 
-    /// True if the cycles at the end of `block` are to be checked, in a life of `cycles`.
-    fn is_due(&self, life: &PartialLife, block: &Range<u32>, cycles: u32) -> bool {
-        let thirds = [cycles / 3, cycles / 3 * 2, cycles].map(|life| life.clamp(1, cycles));
+    /// True if the cycles at the end of `block` are to be checked, of a scene with this life.
+    fn is_due(&self, life: &PartialLife, block: &Range<u32>, of: &Life) -> bool {
         let conditions = life.conditions.iter().zip(&self.checked.life.conditions);
         let moved = |(now, before): (&f64, &f64)| (now - before).abs() > MOVED * before.abs();
-        contains_one_of(block, thirds)
+        is_probed(block, of)
             || conditions
                 .filter_map(|(now, before)| Some((now.outputs.last()?, before.outputs.last()?)))
                 .any(|(now, before)| now.iter().zip(before).any(moved))
@@ -116,6 +118,7 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
     /// Returns to the last check, with steps of the life's own length from there on; its cycles.
     fn go_back(&self, runs: &mut [Run<'a>], life: &mut PartialLife<'a>) -> u32 {
         let Checked { runs: before, life: checked, cycles } = &self.checked;
+        tracing::debug!("longer time steps make a difference: back to cycle {cycles}");
         for (run, before) in runs.iter_mut().zip(before) {
             let mut returned = before.clone();
             returned.copy_counts(run);
@@ -128,36 +131,66 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
 }
 
 /// `accuracy` with longer time steps, if they may be tried and are worth it.
-fn longer(accuracy: &Accuracy) -> Option<Accuracy> {
+pub(crate) fn longer(accuracy: &Accuracy) -> Option<Accuracy> {
     let step_tolerance = (LONGER * accuracy.step_tolerance).min(LARGEST_TOLERANCE);
     let is_worthwhile =
         accuracy.tier == Tier::Automatic && step_tolerance >= WORTHWHILE * accuracy.step_tolerance;
     is_worthwhile.then_some(Accuracy { step_tolerance, ..*accuracy })
 }
 
+/// True if a life in blocks between these `ends` [cycles] is worth the checks.
+pub(crate) fn is_long_enough(ends: &[u32]) -> bool {
+    ends.len() > FEWEST_BLOCKS
+}
+
 /// Compares the cycles just measured with further ones that have the time steps of `accuracy`, on the bores of `cycles`. True if they make no
 /// difference; what was found is then added to the estimate of the error.
-async fn compare<'a>(
-    runs: &mut [Run<'a>],
-    life: &mut PartialLife<'a>,
-    cycles: u32,
-    accuracy: &Accuracy,
-) -> bool {
+async fn compare(runs: &mut [Run<'_>], life: &mut PartialLife<'_>, cycles: u32, accuracy: &Accuracy) -> bool {
     let probes = join(runs.iter_mut().map(|run| run.compare_steps(cycles, accuracy))).await;
     let Ok(probes) = probes.into_iter().collect::<Result<Vec<Probe>, _>>() else { return false };
-    if !probes.iter().zip(runs).all(|(probe, run)| is_same(probe, &run.measured)) {
-        return false;
+    let is_same = probes.iter().zip(runs).all(|(probe, run)| makes_no_difference(probe, &run.measured));
+    if is_same {
+        for (probe, estimate) in probes.into_iter().zip(&mut life.estimate.conditions) {
+            // Its small change is that of the time steps.
+            estimate.add_probe(Probe { aperiodic: false, ..probe });
+        }
     }
-    for (mut probe, estimate) in probes.into_iter().zip(&mut life.estimate.conditions) {
-        probe.aperiodic = false;
-        estimate.add_probe(probe);
-    }
-    true
+    is_same
 }
 
 /// True if the changes that `probe` found are within the bounds, given the outputs `measured` `(outputs,)` [SI].
-fn is_same(probe: &Probe, measured: &[f64]) -> bool {
-    let motion = probe.motion.iter().zip(measured);
-    motion.into_iter().all(|(change, value)| *change <= SAME_MOTION * value.abs())
+pub(crate) fn makes_no_difference(probe: &Probe, measured: &[f64]) -> bool {
+    let mut motion = probe.motion.iter().zip(measured);
+    motion.all(|(change, value)| *change <= SAME_MOTION * value.abs())
         && probe.wear.iter().all(|change| *change <= SAME_WEAR)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_accuracies_with_short_steps_are_tried_with_longer_ones() {
+        let factor =
+            |accuracy: Accuracy| longer(&accuracy).map(|l| l.step_tolerance / accuracy.step_tolerance);
+        assert_eq!(factor(Accuracy::balanced()), Some(16.0));
+        assert_eq!(factor(Accuracy::balanced().refined(1.25)), Some(16.0));
+        assert_eq!(factor(Accuracy::draft()), None);
+        assert_eq!(factor(Accuracy::reference()), None);
+    }
+
+    #[test]
+    fn every_output_and_every_wear_rate_has_to_stay() {
+        let probe = |motion: [f64; 2], wear: f64| Probe {
+            life: 0,
+            motion: motion.to_vec(),
+            wear: vec![0.0, wear],
+            aperiodic: false,
+            rattles: false,
+        };
+        let same = |motion, wear| makes_no_difference(&probe(motion, wear), &[-10.0, 0.0]);
+        assert!(same([0.019, 0.0], 0.0049));
+        assert!(!same([0.021, 0.0], 0.0) && !same([0.0, 1e-9], 0.0) && !same([0.0, 0.0], 0.0051));
+        assert!(!same([f64::NAN, 0.0], 0.0));
+    }
 }

@@ -25,11 +25,13 @@
 //! | `grooves.rs` | grooves narrower than their journals |
 //! | `unbounded_forces.rs` | outputs that have no value where ideal joints become dependent |
 //! | `side_by_side/` | several evaluations in the SIMD lanes of one core |
-//! | `first_look.rs`, `contact_arcs.rs` | model and cost of an evaluation beforehand |
+//! | `contact_arcs.rs`, `control_points.rs` | arcs of the contacts in the first cycle; the number of control points by them |
+//! | `first_look.rs` | model and cost of an evaluation beforehand |
 
 mod blocks;
 mod conditions;
 mod contact_arcs;
+mod control_points;
 mod cycle_history;
 mod error_estimate;
 mod finish;
@@ -58,6 +60,7 @@ use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::Scene;
 use conditions::assemble;
+use control_points::{NumberedScene, with_control_points};
 use cycle_history::FirstCycle;
 use finish::finish;
 use life_history::LifeHistory;
@@ -152,10 +155,20 @@ async fn simulate_stages(
     accuracy: &Accuracy,
     options: SimulateOptions,
 ) -> CountedEvaluation {
+    let failed = |failure| CountedEvaluation { result: Err(failure), steps_tried: 0 };
+    let numbered = match with_control_points(&queue, scene).await {
+        Ok(numbered) => numbered,
+        Err(failure) => return failed(failure),
+    };
+    let scene = numbered.as_ref().map_or(scene, |numbered| &numbered.scene);
     let mut runs = match assemble(&queue, scene, accuracy) {
         Ok(runs) => runs,
-        Err(failure) => return CountedEvaluation { result: Err(failure), steps_tried: 0 },
+        Err(failure) => return failed(failure),
     };
+    if let Some(NumberedScene { counts, cycles, .. }) = &numbered {
+        runs[0].counts.add(counts);
+        runs[0].simulated += cycles;
+    }
     runs.iter_mut().for_each(|run| run.display = options.first_cycle.then(WornDisplay::default));
     let result = evaluate(&mut runs).await;
     let steps_tried = runs.iter().map(|run| run.counts.steps + run.counts.rejected).sum();

@@ -1,8 +1,9 @@
 //! A block hung on a turning shaft: a contact that stands still, in directions at and between control points.
 
-use common::scene::{Scene, SceneSource};
+use crate::scenes::every_joint;
+use common::scene::{ControlPoints, Scene, SceneSource};
 use std::f64::consts::TAU;
-use worker::simulate::{SimulateOptions, simulate};
+use worker::simulate::{ContactArc, SimulateOptions, first_look, simulate};
 
 pub const JOURNAL: f64 = 9.95e-3;
 pub const BORE: f64 = 10e-3;
@@ -80,6 +81,35 @@ fn worn(scene: &Scene) -> (f64, f64, f64) {
     let area: f64 = depth.iter().map(|h| 0.5 * ((BORE + h).powi(2) - BORE * BORE)).sum();
     let volume = area * TAU / depth.len() as f64 * WIDTH;
     (volume / (COEFFICIENT * WEIGHT * TAU * JOURNAL * CYCLES), e.histories[0][0], e.errors[0][0])
+}
+
+#[test]
+fn control_points_left_to_the_arc_are_more_for_a_lighter_load() {
+    let mut numbers = vec![];
+    for weight in [1.0, 0.05] {
+        let mut scene = hung(94.0, "local-hertz", 36);
+        scene.gravity = scene.gravity.map(|g| weight * g);
+        let with = |points| {
+            let mut scene = scene.clone();
+            every_joint(&mut scene, |joint| joint.control_points = points);
+            scene
+        };
+        let by_arc = with(ControlPoints::ByArc);
+        let evaluate = |scene: &Scene| {
+            simulate(scene, &scene.accuracy.accuracy, SimulateOptions::default()).expect("simulated")
+        };
+        let found = evaluate(&by_arc);
+        let number = found.joints[0].wear_depth.len();
+        let same = evaluate(&with(ControlPoints::Number(number)));
+        assert_eq!((found.histories, found.errors), (same.histories, same.errors));
+        let look = first_look(&by_arc, &scene.accuracy.accuracy).expect("the first cycle");
+        let per_arc = look.arcs[0].arc / look.arcs[0].spacing;
+        println!("{number} control points, {per_arc:.2} per arc");
+        assert!(per_arc > 0.99 * ContactArc::ENOUGH, "{per_arc}");
+        assert!(per_arc * (number - 12) as f64 / (number as f64) < ContactArc::ENOUGH, "{per_arc}");
+        numbers.push(number);
+    }
+    assert!(numbers[1] > numbers[0] && numbers[0] > 36, "{numbers:?}");
 }
 
 #[test]

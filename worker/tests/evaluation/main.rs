@@ -16,6 +16,7 @@ mod ideal_friction;
 mod islands;
 mod kinematics;
 mod loads;
+mod longer_steps;
 mod n_four_bar;
 mod nominal;
 mod outputs;

@@ -69,6 +69,10 @@ fn mixed() -> Vec<SimulationInput> {
         scene.life.cycles = 3000;
         scene
     };
+    // Longer time steps until the vibration grows, then a return to the last check.
+    let mut quick = wing(("friction", 0.025));
+    every_joint(&mut quick, |joint| joint.wear_coefficient *= 72.0);
+    let many_blocks = Accuracy { cycle_jump: 50, ..Accuracy::balanced() };
     let mut few = Accuracy::draft();
     few.steps_bound = 2000;
     vec![
@@ -94,6 +98,8 @@ fn mixed() -> Vec<SimulationInput> {
         // Guides that wear, which are integrated by themselves.
         input(worn(0.05), Accuracy::draft(), SHOWN),
         input(worn(0.0), Accuracy::draft(), PLAIN),
+        input(quick.clone(), many_blocks, PLAIN),
+        input(quick, many_blocks, SHOWN),
     ]
 }
 
@@ -102,7 +108,7 @@ fn an_evaluation_does_not_depend_on_those_next_to_it() {
     let inputs = mixed();
     let alone: Vec<Outcome> = inputs.iter().map(|o| simulate(&o.scene, &o.accuracy, o.options)).collect();
     assert!(matches!(alone[4], Err(SimulationFailure::TooManySteps { .. })), "{:?}", alone[4]);
-    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 20);
+    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 22);
     let mut inputs: Vec<_> = inputs.into_iter().map(Ok).collect();
     assert_eq!(together(LaneWidth::Widest, 8, &inputs), alone);
     // In another order and next to other evaluations.

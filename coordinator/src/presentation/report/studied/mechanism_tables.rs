@@ -7,8 +7,8 @@ use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::{table, table_of_text};
 use crate::presentation::report::written::WrittenScene;
 use common::scene::{
-    Attachment, Clearance, ContactDamping, Drive, Joint, JointKind, Material, Motion, RestitutionLaw, Scene,
-    WearingSurfaces,
+    Attachment, Clearance, ContactDamping, ControlPoints, Drive, Joint, JointKind, Material, Motion,
+    RestitutionLaw, Scene, WearingSurfaces,
 };
 use maud::{Markup, Render, html};
 
@@ -231,7 +231,10 @@ fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
             texts.number(&key("friction"), clearance.friction),
             texts.value(&key("friction_speed"), clearance.friction_speed, "mm/s"),
             texts.value(&key("film_damping"), clearance.film_damping, "N s/m"),
-            clearance.control_points.to_string(),
+            match clearance.control_points {
+                ControlPoints::Number(number) => number.to_string(),
+                ControlPoints::ByArc => "by the contact arc".to_owned(),
+            },
             format!(
                 "{}; {}{wall}",
                 clearance.contact_law.name(),
