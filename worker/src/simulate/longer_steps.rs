@@ -9,11 +9,11 @@
 //!
 //!   |y_r - y| <= 0.002 |y|,   |w_r - w| <= 0.005 w,
 //!
-//! the cycles after it have the longer steps. Some of them are checked: the cycle after such a one, on the same bores, has steps of the
-//! life's own length and is compared with it. These are the ones that are probed otherwise, and those whose outputs of the motion have
+//! the cycles after it have the longer steps. Some of them are checked: the cycle after such a one, on the same bores, has steps shorter by
+//! [`FINER`] and is compared with it, as in a [`Probe`]. These are the ones that are probed otherwise, and those whose outputs of the motion have
 //! moved by more than 0.5 % since the last check. Where the two differ by more than the bounds above, or a cycle with longer steps
-//! fails, the life returns to the check before and goes on with its own steps to its end. What the checks find counts as
-//! that of a [`Probe`] in the stated error.
+//! fails, the life returns to the check before and goes on with its own steps to its end. What the checks find counts in the stated error
+//! as that of the probes.
 //!
 //! Not used if the motion does not repeat itself on the unworn bores, for [`Tier::Dynamic`], and where the steps of the accuracy are long
 //! already, as those of `draft` are: at `draft` the checks cost what the longer steps save.
@@ -23,7 +23,7 @@
 //! bounds: measured here (`cargo bench -p worker --bench steps`).
 
 use super::life_in_blocks::{CycleModel, PartialLife};
-use super::probe::{Probe, is_probed};
+use super::probe::{FINER, Probe, is_probed};
 use super::run::Run;
 use super::side_by_side::join;
 use common::accuracy::{Accuracy, Tier};
@@ -48,6 +48,8 @@ const MOVED: f64 = 5e-3;
 pub struct LongerSteps<'a, M> {
     /// The model of the life, without probes.
     model: M,
+    /// Accuracy of the cycles that check others.
+    finer: Accuracy,
     checked: Checked<'a>,
 }
 
@@ -77,7 +79,7 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         runs.iter_mut().for_each(|run| run.set_step_tolerance(accuracy.step_tolerance));
         tracing::debug!("time steps are longer while they make no difference");
         let checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: 0 };
-        Some(LongerSteps { model, checked })
+        Some(LongerSteps { model, finer: accuracy.refined(FINER), checked })
     }
 
     /// Adds a block with longer steps, and checks the cycles at its end if that is due. If the steps are to have their own length from
@@ -92,13 +94,12 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         if added.is_ok() && !self.is_due(life, block, &runs[0].scene.life) {
             return None;
         }
-        let own = *runs[0].accuracy;
-        if added.is_err() || !compare(runs, life, block.end, &own).await {
+        if added.is_err() || !compare(runs, life, block.end, &self.finer).await {
             return Some(self.go_back(runs, life));
         }
         if block.start == self.checked.cycles {
             // A check after every block would cost more than longer steps save.
-            runs.iter_mut().for_each(|run| run.set_step_tolerance(own.step_tolerance));
+            runs.iter_mut().for_each(|run| run.set_step_tolerance(run.accuracy.step_tolerance));
             return Some(block.end);
         }
         self.checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: block.end };
