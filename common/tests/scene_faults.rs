@@ -117,7 +117,7 @@ fn ranges() {
         (
             "control_points = 36",
             "control_points = \"36\"",
-            "joints.crank.control_points: unknown word \"36\"",
+            "joints.crank.control_points: \"36\" is a text, expected a whole number 8 to 360, or \"auto\"",
         ),
         (
             "control_points = 36",

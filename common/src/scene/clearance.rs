@@ -86,9 +86,11 @@ pub(super) fn clearance(row: &mut Section, materials: &[MaterialRow], wears: boo
 /// Reads the control points of a bore and its journal.
 fn bore_points(row: &mut Section) -> Option<ControlPoints> {
     match row.get("control_points") {
-        Some(value) if value.as_str().is_some() => {
-            let words = [("auto", ControlPoints::ByArc)];
-            row.choice("control_points", "a whole number 8 to 360 without quotes, or \"auto\"", &words)
+        Some(word) if word.as_str() == Some("auto") => Some(ControlPoints::ByArc),
+        Some(word) if word.as_str().is_some() => {
+            let (from, to) = (CONTROL_POINTS.start(), CONTROL_POINTS.end());
+            row.wrong_type("control_points", word, format!("a whole number {from} to {to}, or \"auto\""));
+            None
         }
         _ => control_points(row).map(ControlPoints::Number),
     }

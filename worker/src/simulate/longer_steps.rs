@@ -15,6 +15,9 @@
 //! fails, the life returns to the check before and goes on with its own steps to its end. What the checks find counts in the stated error
 //! as that of the probes.
 //!
+//! Where the quasi-static model drives the wear (`quasi_static.rs`), its dynamic cycles have the longer steps too, and its probes check them: if one
+//! finds a difference, that life is repeated with steps of its own.
+//!
 //! Not used if the motion does not repeat itself on the unworn bores, for [`Tier::Dynamic`], and where the steps of the accuracy are long
 //! already, as those of `draft` are: at `draft` the checks cost what the longer steps save.
 //!
@@ -22,7 +25,7 @@
 //! Comparison of two step lengths: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4. Factor and
 //! bounds: measured here (`cargo bench -p worker --bench steps`).
 
-use super::life_in_blocks::{CycleModel, PartialLife};
+use super::partial_life::{CycleModel, PartialLife};
 use super::probe::{FINER, Probe, is_probed};
 use super::run::Run;
 use super::side_by_side::join;
@@ -48,8 +51,6 @@ const MOVED: f64 = 5e-3;
 pub struct LongerSteps<'a, M> {
     /// The model of the life, without probes.
     model: M,
-    /// Accuracy of the cycles that check others.
-    finer: Accuracy,
     checked: Checked<'a>,
 }
 
@@ -71,15 +72,11 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         ends: &[u32],
     ) -> Option<Self> {
         let model = model.without_probes()?;
-        let accuracy = longer(runs[0].accuracy).filter(|_| is_long_enough(ends))?;
-        let repeats = life.estimate.conditions.iter().all(|c| c.probes.iter().all(|p| !p.aperiodic));
-        if !repeats || !compare(runs, life, 0, &accuracy).await {
+        if !is_long_enough(ends) || !try_longer(runs, life).await {
             return None;
         }
-        runs.iter_mut().for_each(|run| run.set_step_tolerance(accuracy.step_tolerance));
-        tracing::debug!("time steps are longer while they make no difference");
         let checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: 0 };
-        Some(LongerSteps { model, finer: accuracy.refined(FINER), checked })
+        Some(LongerSteps { model, checked })
     }
 
     /// Adds a block with longer steps, and checks the cycles at its end if that is due. If the steps are to have their own length from
@@ -94,12 +91,12 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         if added.is_ok() && !self.is_due(life, block, &runs[0].scene.life) {
             return None;
         }
-        if added.is_err() || !compare(runs, life, block.end, &self.finer).await {
+        if added.is_err() || !compare(runs, life, block.end, &runs[0].steps.refined(FINER)).await {
             return Some(self.go_back(runs, life));
         }
         if block.start == self.checked.cycles {
             // A check after every block would cost more than longer steps save.
-            runs.iter_mut().for_each(|run| run.set_step_tolerance(run.accuracy.step_tolerance));
+            runs.iter_mut().for_each(|run| run.set_steps(run.accuracy));
             return Some(block.end);
         }
         self.checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: block.end };
@@ -123,7 +120,7 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         for (run, before) in runs.iter_mut().zip(before) {
             let mut returned = before.clone();
             returned.copy_counts(run);
-            returned.set_step_tolerance(run.accuracy.step_tolerance);
+            returned.set_steps(run.accuracy);
             *run = returned;
         }
         life.clone_from(checked);
@@ -137,6 +134,19 @@ pub(crate) fn longer(accuracy: &Accuracy) -> Option<Accuracy> {
     let is_worthwhile =
         accuracy.tier == Tier::Automatic && step_tolerance >= WORTHWHILE * accuracy.step_tolerance;
     is_worthwhile.then_some(Accuracy { step_tolerance, ..*accuracy })
+}
+
+/// Tries longer steps on the unworn bores, where the first cycles of the `runs` have been measured and probed. True if they make no
+/// difference; the following cycles then have them.
+pub(crate) async fn try_longer(runs: &mut [Run<'_>], life: &mut PartialLife<'_>) -> bool {
+    let Some(steps) = longer(runs[0].accuracy) else { return false };
+    let repeats = life.estimate.conditions.iter().all(|c| c.probes.iter().all(|p| !p.aperiodic));
+    let is_same = repeats && compare(runs, life, 0, &steps).await;
+    if is_same {
+        tracing::debug!("time steps are longer while they make no difference");
+        runs.iter_mut().for_each(|run| run.set_steps(&steps));
+    }
+    is_same
 }
 
 /// True if a life in blocks between these `ends` [cycles] is worth the checks.

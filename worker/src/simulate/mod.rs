@@ -14,7 +14,8 @@
 //! |---|---|
 //! | `mod.rs` | the evaluation as a page of stages |
 //! | `run.rs` | the stages: settle, measure a cycle, wear a block, warm up |
-//! | `life_in_blocks.rs`, `blocks.rs`, `life_history.rs` | a life block by block; the ends of the blocks; the outputs over it |
+//! | `life_in_blocks.rs`, `partial_life.rs` | a life block by block; a life as far as it has been simulated |
+//! | `blocks.rs`, `life_history.rs` | the ends of the blocks; the outputs over a life |
 //! | `no_wear.rs`, `quasi_static.rs`, `quasi_static_island.rs` | lives without wear; wear by the quasi-static model |
 //! | `conditions.rs` | several operating conditions on the same bores |
 //! | `longer_steps.rs` | longer time steps while they make no difference |
@@ -45,6 +46,7 @@ mod life_in_blocks;
 mod longer_steps;
 mod motion_estimate;
 mod no_wear;
+mod partial_life;
 mod probe;
 mod quasi_static;
 mod quasi_static_island;

@@ -24,6 +24,8 @@ pub struct Run<'a> {
     /// The scene, under one of its operating conditions if it has any.
     pub scene: &'a Scene,
     pub accuracy: &'a Accuracy,
+    /// The accuracy with the tolerance of the time steps that are in use.
+    pub steps: Accuracy,
     /// Share of the cycles of the life [1].
     pub share: f64,
     /// Contact histories of all conditions together, which wear the bores `(islands, pairs)`; empty with one condition.
@@ -98,6 +100,7 @@ impl<'a> Run<'a> {
             queue,
             scene,
             accuracy,
+            steps: *accuracy,
             share: 1.0,
             mixed: vec![],
             starts: islands.iter().map(|state| state.cycle_start.clone()).collect(),
@@ -153,6 +156,14 @@ impl<'a> Run<'a> {
         self.simulated += of.simulated;
     }
 
+    /// Copies the counts of an attempt that began as a copy of this run.
+    pub(crate) fn copy_counts(&mut self, attempt: &Run) {
+        self.counts = attempt.counts;
+        self.wear_counts = attempt.wear_counts;
+        self.newton = attempt.newton;
+        self.simulated = attempt.simulated;
+    }
+
     /// Takes over the bores of another run of the same mechanism.
     pub(crate) fn take_bores(&mut self, from: &Run) {
         self.cycle = from.cycle;
@@ -177,9 +188,10 @@ impl<'a> Run<'a> {
         self.integrate(-self.accuracy.warm_up * period..0.0, false).await
     }
 
-    /// Gives the time steps of the following cycles this tolerance of their local error [1].
-    pub(crate) fn set_step_tolerance(&mut self, tolerance: f64) {
-        self.islands.iter_mut().for_each(|state| state.stepper.control.tolerance = tolerance);
+    /// Gives the time steps of the following cycles the tolerance of `steps`.
+    pub(crate) fn set_steps(&mut self, steps: &Accuracy) {
+        self.steps = *steps;
+        self.islands.iter_mut().for_each(|state| state.stepper.control.tolerance = steps.step_tolerance);
     }
 
     /// Returns to the start of the cycle just measured, with time steps of another accuracy.
