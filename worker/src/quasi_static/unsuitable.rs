@@ -26,9 +26,6 @@ pub enum Unsuitable {
         /// Difference relative to its value [1].
         share: f64,
     },
-    /// Longer time steps in the dynamic cycles have made a difference: the life is repeated with steps of its own.
-    #[error("longer time steps make a difference")]
-    LongerSteps,
     /// A joint has no clearance: its force is not a function of the gaps.
     #[error("joint {joint} has no clearance")]
     IdealJoint {

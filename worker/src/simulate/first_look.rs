@@ -5,7 +5,7 @@ use super::conditions::condition_scenes;
 use super::contact_arcs::{ContactArc, contact_arcs};
 use super::control_points::with_control_points;
 use super::longer_steps::{is_long_enough, longer, makes_no_difference};
-use super::probe::{FINER, Probe, is_probed};
+use super::probe::{FINER, is_probed};
 use super::quasi_static::is_measured;
 use super::run::Run;
 use super::several_cycles::MOTIONS;
@@ -177,27 +177,14 @@ async fn examine(
         None
     };
     look.expected += tried;
-    // Time steps of a cycle with longer ones over those of one with its own, if these may be expected to make no difference [1].
-    let mut share = 1.0;
-    let steps = longer(accuracy).filter(|_| look.tier.is_ok() || is_long_enough(&lives));
-    if let (Some(steps), Some((Probe { aperiodic: false, .. }, ..))) = (steps, &probe) {
-        let before = run.counts.steps;
-        let (trial, trying) = timed(run.compare_steps(0, &steps)).await?;
-        let of_trial = (run.counts.steps - before) as f64 / look.steps_per_cycle as f64;
-        look.dynamic_cycles += of_trial;
-        look.expected += trying;
-        if makes_no_difference(&trial, &run.measured) {
-            share = of_trial;
-        }
-    }
     let measured = if look.tier.is_ok() {
         look.quasi_static_cycles = (blocks + 1) as f64 * warm;
         // What was tried is one quasi-static cycle with its comparison.
         look.expected += tried.mul_f64(blocks as f64);
         if let Some((_, cycles, probing)) = probe {
-            look.dynamic_cycles += FINER * probes * cycles * share;
-            look.expected += probing.mul_f64(slower * probes * share);
-            count(&|block| is_measured(block, life)) * warm * share
+            look.dynamic_cycles += FINER * probes * cycles;
+            look.expected += probing.mul_f64(slower * probes);
+            count(&|block| is_measured(block, life)) * warm
         } else {
             warm
         }
@@ -211,9 +198,20 @@ async fn examine(
         } else {
             look.dynamic_cycles += FINER * probes * cycles;
             look.expected += probing.mul_f64(probes);
-            // Longer steps are expected to last for two thirds of the life.
-            let early = count(&|block| 3 * u64::from(block.end) <= 2 * u64::from(life.cycles));
-            (blocks as f64 - (1.0 - share) * early) * warm
+            let mut saved = 0.0;
+            if let Some(steps) = longer(accuracy).filter(|_| !probe.aperiodic && is_long_enough(&lives)) {
+                let before = run.counts.steps;
+                let (trial, trying) = timed(run.compare_steps(0, &steps)).await?;
+                let share = (run.counts.steps - before) as f64 / look.steps_per_cycle as f64;
+                look.dynamic_cycles += share;
+                look.expected += trying;
+                if makes_no_difference(&trial, &run.measured) {
+                    // Longer steps are expected to last for two thirds of the life.
+                    let early = |block: &Range<u32>| 3 * u64::from(block.end) <= 2 * u64::from(life.cycles);
+                    saved = (1.0 - share) * count(&early);
+                }
+            }
+            (blocks as f64 - saved) * warm
         }
     } else {
         blocks as f64 * warm

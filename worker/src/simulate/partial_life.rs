@@ -30,14 +30,9 @@ pub trait CycleModel {
         None
     }
 
-    /// Tries longer time steps for all dynamic cycles after those on the unworn bores, if the model uses them without checks of its own.
-    async fn try_longer_steps(&self, runs: &mut [Run<'_>], life: &mut PartialLife<'_>) {
-        let _ = (runs, life);
-    }
-
-    /// Checks that the model may stay in use, where a probe of the cycle of `run` measured last has been made.
-    fn check_probe(&self, run: &Run, probe: &Probe) -> Result<(), Self::Error> {
-        let _ = (run, probe);
+    /// Checks that the model may stay in use, where a probe has been made.
+    fn check_probe(&self, probe: &Probe) -> Result<(), Self::Error> {
+        let _ = probe;
         Ok(())
     }
 
@@ -76,7 +71,7 @@ impl<'a> ConditionLife<'a> {
         let mut motions = None;
         if model.is_probed(run, None) {
             let probe = run.probe(0).await?;
-            model.check_probe(run, &probe)?;
+            model.check_probe(&probe)?;
             motions = probe.rattles.then(SeveralMotions::default);
             estimate.add_probe(probe);
         }
@@ -102,7 +97,7 @@ impl<'a> ConditionLife<'a> {
         self.outputs.push(mean_outputs(run, block.end, self.motions.as_mut(), estimate).await?);
         if self.motions.is_none() && model.is_probed(run, Some(block)) {
             let probe = run.probe(block.end).await?;
-            model.check_probe(run, &probe)?;
+            model.check_probe(&probe)?;
             estimate.add_probe(probe);
         }
         Ok(())
@@ -137,9 +132,7 @@ impl<'a> PartialLife<'a> {
         let started = join(starts.map(|(run, estimate)| ConditionLife::start(run, model, estimate))).await;
         let conditions = started.into_iter().collect::<Result<_, _>>()?;
         runs[0].keep_bores(0);
-        let mut life = PartialLife { conditions, estimate, wear: vec![vec![]; scene.outputs.len()] };
-        model.try_longer_steps(runs, &mut life).await;
-        Ok(life)
+        Ok(PartialLife { conditions, estimate, wear: vec![vec![]; scene.outputs.len()] })
     }
 
     /// Wears the bores of the `runs` over a `block` [cycles], and simulates the cycles at its end.

@@ -68,7 +68,7 @@ impl Run<'_> {
     /// [`SimulationFailure`] if the further cycle fails.
     pub(crate) async fn probe(&mut self, life: u32) -> Result<Probe, SimulationFailure> {
         let measured = CycleValues { motion: self.measured.clone(), wear: self.wear_rates(life)? };
-        let mut tools = self.tools_for(&self.steps.refined(FINER));
+        let mut tools = self.tools_for(&self.accuracy.refined(FINER));
         self.exchange_tools(&mut tools);
         let found = self.compare_further_cycles(life, &measured).await;
         self.exchange_tools(&mut tools);

@@ -7,9 +7,8 @@
 use super::island_state::CycleSpan;
 use super::life_history::LifeHistory;
 use super::life_in_blocks::simulate_life;
-use super::longer_steps::{makes_no_difference, try_longer};
 use super::motion_estimate::{MeasuredLives, MotionEstimate, largest_bend};
-use super::partial_life::{CycleModel, PartialLife};
+use super::partial_life::CycleModel;
 use super::probe::{Probe, SURFACES, contains_one_of, is_probed};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::run::Run;
@@ -32,22 +31,17 @@ const STRAIGHT: f64 = 0.25;
 /// The whole life under the quasi-static model, if the accuracy and the outputs of the scene allow it and all
 /// comparisons with the dynamics agree under every operating condition; else `None`, and of the `runs` only the counts have changed.
 pub(crate) async fn try_quasi_static(runs: &mut [Run<'_>]) -> Option<LifeHistory> {
-    let mut model = QuasiStaticCycles { longer_steps: true };
-    loop {
-        let mut trials = runs.to_vec();
-        let reason = match simulate_quasi_static_life(&mut trials, &model).await {
-            Ok(life) => {
-                runs.clone_from_slice(&trials);
-                return Some(life);
-            }
-            Err(reason) => reason,
-        };
-        runs.iter_mut().zip(&trials).for_each(|(run, trial)| run.copy_counts(trial));
-        if reason != Unsuitable::LongerSteps {
-            tracing::debug!("the dynamics drives the wear: {reason}");
-            return None;
+    let mut trials = runs.to_vec();
+    match simulate_quasi_static_life(&mut trials).await {
+        Ok(life) => {
+            runs.clone_from_slice(&trials);
+            Some(life)
         }
-        model.longer_steps = false;
+        Err(reason) => {
+            tracing::debug!("the dynamics drives the wear: {reason}");
+            runs.iter_mut().zip(&trials).for_each(|(run, trial)| run.copy_counts(trial));
+            None
+        }
     }
 }
 
@@ -55,12 +49,9 @@ pub(crate) async fn try_quasi_static(runs: &mut [Run<'_>]) -> Option<LifeHistory
 ///
 /// # Errors
 /// [`Unsuitable`] if the dynamics has to drive the wear instead.
-async fn simulate_quasi_static_life(
-    runs: &mut [Run<'_>],
-    model: &QuasiStaticCycles,
-) -> Result<LifeHistory, Unsuitable> {
+async fn simulate_quasi_static_life(runs: &mut [Run<'_>]) -> Result<LifeHistory, Unsuitable> {
     runs.iter_mut().try_for_each(Run::start_quasi_static)?;
-    let mut life = simulate_life(runs, *model).await?;
+    let mut life = simulate_life(runs, QuasiStaticCycles).await?;
     for (k, (errors, values)) in life.errors.iter_mut().zip(&life.histories).enumerate() {
         let share = runs.iter().map(|run| run.tier_difference[k]).fold(0.0, f64::max);
         errors.iter_mut().zip(values).for_each(|(error, value)| *error += share * value.abs());
@@ -79,11 +70,7 @@ pub(crate) fn is_measured(block: &Range<u32>, life: &Life) -> bool {
 
 /// Quasi-static cycles, and dynamic ones at the end of life and, if outputs of the motion are asked for, at some lives before; those
 /// are probed.
-#[derive(Clone, Copy)]
-struct QuasiStaticCycles {
-    /// True if the dynamic cycles may have longer time steps.
-    longer_steps: bool,
-}
+struct QuasiStaticCycles;
 
 impl CycleModel for QuasiStaticCycles {
     type Error = Unsuitable;
@@ -106,17 +93,8 @@ impl CycleModel for QuasiStaticCycles {
         run.first_motion_output().is_some() && block.is_none_or(|block| is_probed(block, &run.scene.life))
     }
 
-    async fn try_longer_steps(&self, runs: &mut [Run<'_>], life: &mut PartialLife<'_>) {
-        if self.longer_steps && runs[0].first_motion_output().is_some() {
-            try_longer(runs, life).await;
-        }
-    }
-
-    /// Outputs that change from cycle to cycle have to be measured after every block, and longer time steps have to make no difference.
-    fn check_probe(&self, run: &Run, probe: &Probe) -> Result<(), Unsuitable> {
-        if run.steps != *run.accuracy && !makes_no_difference(probe, &run.measured) {
-            return Err(Unsuitable::LongerSteps);
-        }
+    /// Outputs that change from cycle to cycle have to be measured after every block.
+    fn check_probe(&self, probe: &Probe) -> Result<(), Unsuitable> {
         if probe.aperiodic { Err(Unsuitable::Aperiodic) } else { Ok(()) }
     }
 

@@ -24,8 +24,6 @@ pub struct Run<'a> {
     /// The scene, under one of its operating conditions if it has any.
     pub scene: &'a Scene,
     pub accuracy: &'a Accuracy,
-    /// The accuracy with the tolerance of the time steps that are in use.
-    pub steps: Accuracy,
     /// Share of the cycles of the life [1].
     pub share: f64,
     /// Contact histories of all conditions together, which wear the bores `(islands, pairs)`; empty with one condition.
@@ -100,7 +98,6 @@ impl<'a> Run<'a> {
             queue,
             scene,
             accuracy,
-            steps: *accuracy,
             share: 1.0,
             mixed: vec![],
             starts: islands.iter().map(|state| state.cycle_start.clone()).collect(),
@@ -188,10 +185,10 @@ impl<'a> Run<'a> {
         self.integrate(-self.accuracy.warm_up * period..0.0, false).await
     }
 
-    /// Gives the time steps of the following cycles the tolerance of `steps`.
-    pub(crate) fn set_steps(&mut self, steps: &Accuracy) {
-        self.steps = *steps;
-        self.islands.iter_mut().for_each(|state| state.stepper.control.tolerance = steps.step_tolerance);
+    /// Gives the following cycles the time steps of `accuracy`.
+    pub(crate) fn set_steps(&mut self, accuracy: &Accuracy) {
+        let tolerance = accuracy.step_tolerance;
+        self.islands.iter_mut().for_each(|state| state.stepper.control.tolerance = tolerance);
     }
 
     /// Returns to the start of the cycle just measured, with time steps of another accuracy.

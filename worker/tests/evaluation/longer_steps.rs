@@ -43,7 +43,7 @@ fn early_cycles_of_the_drive_take_longer_steps_and_late_ones_its_own() {
         let share = found.diagnostics.steps as f64 / plain.diagnostics.steps as f64;
         println!("steps {share:.2}");
         assert!((0.4..0.75).contains(&share), "{share}");
-        // With longer steps to the end the asymmetry is off by a fifth of its limit there, by 3 % at 60 000 cycles.
+        // With longer steps to the end the asymmetry is off by a tenth of its limit there.
         for (k, life, bound) in [
             (WEAR, 72_000, 1e-3),
             (ASYMMETRY, 48_000, 1e-3),
