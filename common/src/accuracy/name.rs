@@ -66,7 +66,7 @@ pub enum AccuracyNameError {
 /// List of the knobs for messages and help texts.
 pub const KNOBS: &str = "step-xF: time steps longer by the factor F; jump-N: wear steps of at most N cycles; \
                          wear-tolerance-T; samples-N: of a cycle, for the wear; warm-up-W: cycles; steps-N: most \
-                         time steps of a cycle; dynamic: no quasi-static tier";
+                         time steps of a cycle; dynamic: no quasi-static tier and no longer time steps where they make no difference";
 
 impl FromStr for NamedAccuracy {
     type Err = AccuracyNameError;

@@ -232,7 +232,8 @@ fn relative_change(now: &[f64], was: &[f64]) -> f64 {
 }
 
 /// True if the cycle simulated at the end of this block of a life is probed: the first ones at or after two thirds of the life, and at
-/// its end. With the probe on the unworn bores the drive simulates 3 of its 45 cycles for them (`balanced+jump-2000`), an eighth of its time steps.
+/// its end. With the probe on the unworn bores and the checks of longer steps (`longer_steps.rs`) they take about a sixth of the time steps of the drive
+/// (`balanced+jump-2000`).
 pub(crate) fn is_probed(block: &Range<u32>, life: &Life) -> bool {
     let end = life.cycles;
     contains_one_of(block, [end / 3 * 2, end].map(|life| life.clamp(1, end)))
