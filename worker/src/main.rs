@@ -110,12 +110,13 @@ Examples:
   worker --connect tls/farm.example:7447 --config worker.json5
       encrypted connection with the certificates named in worker.json5
   worker --connect tcp/127.0.0.1:7447 --walltime 3600 --idle-timeout 120 --drain 30
-      in a batch job of one hour: leaves in time, or after two minutes without tasks; 30 s to finish when stopped
+      in a batch job of one hour: leaves in time, or after two minutes without tasks;
+      30 s to finish when stopped
   worker --connect tcp/127.0.0.1:7447 --connect tcp/127.0.0.1:7448 --stay
       for studies at either address; while both run, each gets half of the slots
   worker --connect tcp/192.168.1.20:7447 --simulator beam.toml --slots 2
-      two processes of the program that beam.toml names here, for studies of the same scene; the coordinator sends samples,
-      never a command; it may bound the processes on all workers together (licences)
+      two processes of the program that beam.toml names here, for studies of the same scene; the
+      coordinator sends samples, never a command; it may bound the processes on all workers (licences)
   worker --serve-umbridge 4242 --scene four-bar --accuracy draft
       model `forward` at http://127.0.0.1:4242: random variables in, outputs over life out
 

@@ -29,16 +29,16 @@ pub struct CalibrateArguments {
     #[command(flatten)]
     pub accuracy: AccuracyArguments,
     /// Simulations of the first round [default: four per random variable and free parameter, at least 40]
-    #[arg(long, value_name = "N", value_parser = positive)]
+    #[arg(long, value_name = "N", value_parser = positive, help_heading = "Method")]
     pub simulations: Option<usize>,
     /// Further rounds around the optimum, each with a third as many simulations
-    #[arg(long, value_name = "N", default_value = "2", value_parser = whole)]
+    #[arg(long, value_name = "N", default_value = "2", value_parser = whole, help_heading = "Method")]
     pub rounds: usize,
     /// Seed of every random draw
-    #[arg(long, value_name = "N", default_value = "1", value_parser = seed)]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = seed, help_heading = "Method")]
     pub seed: u64,
     /// Write the report (Markdown, or JSON with --json) to this file instead of standard output
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub out: Option<PathBuf>,
 }
 

@@ -24,15 +24,16 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Groups of the first page of the help.
-const GROUPS: [(&str, &[&str]); 4] = [
+const GROUPS: [(&str, &[&str]); 5] = [
     ("Study", &["run", "resume", "report", "sensitivity", "compare"]),
     ("Decide", &["what-if", "designs", "optimise", "update", "replace"]),
     ("Look", &["simulate", "explain", "draw", "status", "scenes"]),
-    ("Check", &["init", "check", "tradeoff", "calibrate"]),
+    ("Check", &["init", "check", "doctor", "extremes"]),
+    ("Measure", &["tradeoff", "calibrate", "verify"]),
 ];
 
 /// Commands that the first page of the help names without a description.
-const MORE: [&str; 6] = ["verify", "extremes", "doctor", "schema", "completions", "man"];
+const MORE: [&str; 3] = ["schema", "completions", "man"];
 
 const EXAMPLE: &str = "\
 Without a command, `coordinator --workers auto` runs a study with the options of `run`.
@@ -124,7 +125,7 @@ Examples:
     Run(Box<RunArguments>),
     /// Continue an interrupted study, or go on with other settings; no finished evaluation is run again
     #[command(after_help = "\
-With another budget, target error or share of failures the result is that of a study that had these settings from the
+With another budget, target error or share of failures the result is that of a study that had these settings from the \
 start. A larger population (ak) keeps all results and grows once learning has ended on the present one.
 
 Examples:
@@ -142,7 +143,7 @@ Examples:
     Simulate(SimulateArguments),
     /// Compare extreme cases of a scene with runs at half the time step
     #[command(after_help = "\
-Each case agrees with half the step within its stated error, or is refused with a reason. Anything else is a
+Each case agrees with half the step within its stated error, or is refused with a reason. Anything else is a \
 disagreement, with exit code 1.
 
 Examples:
@@ -152,9 +153,9 @@ Examples:
     Extremes(ExtremesArguments),
     /// Measure time against error for the accuracy settings of a scene
     #[command(after_help = "\
-Runs the presets and settings near them at the nominal point and at random points of the variables, and compares them
-with `reference`: time, error of each output, coverage of the stated errors, and the effect on the reliability.
-Writes tradeoff.md, tradeoff.csv (one line per setting), values.csv (one line per value) and one figure per output to the
+Runs the presets and settings near them at the nominal point and at random points of the variables, and compares them \
+with `reference`: time, error of each output, coverage of the stated errors, and the effect on the reliability. \
+Writes tradeoff.md, tradeoff.csv (one line per setting), values.csv (one line per value) and one figure per output to the \
 folder, and prints tradeoff.md. If interrupted, it writes the points that are complete.
 
 Examples:
@@ -165,8 +166,8 @@ Examples:
     Tradeoff(TradeoffArguments),
     /// Fit free parameters of a scene to measured or published targets
     #[command(after_help = "\
-The file names the free parameters with their bounds (keys of the scene, factors on means or standard deviations of random
-variables) and the targets with their tolerances. The report lists the fit of each target, the uncertainty of each
+The file names the free parameters with their bounds (keys of the scene, factors on means or standard deviations of random \
+variables) and the targets with their tolerances. The report lists the fit of each target, the uncertainty of each \
 parameter, the correlations, and targets that contradict each other.
 
 Examples:
@@ -175,9 +176,10 @@ Examples:
     Calibrate(Box<CalibrateArguments>),
     /// Validate the surrogates of a study against simulations that they were not fitted to
     #[command(after_help = "\
-With --against, surrogates are fitted to the simulations of the first study and classify the very points that the second
-study simulated, so that the sampling error cancels. With --rounds, a direct Monte Carlo study is learned again with its
-samples as the population: the true error of every round is known. Studies need not be finished; nothing is simulated.
+With --against, the surrogates with which the first study ended, found by repeating its learning, classify the points \
+that the second study simulated, so that the sampling error cancels. With --rounds, a direct Monte Carlo study is \
+learned again with its samples as the population: the true error of every round is known. Studies need not be finished; \
+nothing is simulated.
 
 Examples:
   coordinator run --scene four-bar --out study
@@ -201,8 +203,8 @@ Examples:
     Report(ReportArguments),
     /// Compare the reliability curves of several finished studies on one page
     #[command(after_help = "\
-Writes a page with curves and bands per limit state and in total, the lives at R = 0.99, 0.9 and 0.5, and the cost of each
-study, and the curves as CSV under the same name. The studies need limit states of the same names and the same
+Writes a page with curves and bands per limit state and in total, the lives at R = 0.99, 0.9 and 0.5, and the cost of each \
+study, and the curves as CSV under the same name. The studies need limit states of the same names and the same \
 checkpoints.
 
 Examples:
@@ -288,8 +290,8 @@ Examples:
     Check {
         /// Scene file, or name of a built-in scene
         file: String,
-        /// Write a drawing of the mechanism
-        #[arg(long, value_name = "FILE.svg")]
+        /// Write a drawing of the mechanism, as SVG or PNG by the end of the name
+        #[arg(long, value_name = "FILE.svg|FILE.png")]
         draw: Option<PathBuf>,
     },
     /// Describe the model of a scene, the reasons for it, and its expected cost
@@ -314,7 +316,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     /// Most lines of the first help page: one screen.
-    const SCREEN: usize = 40;
+    const SCREEN: usize = 44;
 
     fn parse(line: &str) -> Result<CommandLine, clap::Error> {
         let matches = accept_negative_numbers(grouped()).try_get_matches_from(line.split_whitespace())?;

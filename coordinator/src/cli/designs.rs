@@ -23,7 +23,7 @@ use coordinator::study::{FurtherLearning, LEVELS, Method, Settings, StoredOutcom
 use std::path::{Path, PathBuf};
 
 pub const EXAMPLES: &str = "\
-For studies that were started with `run --design KEY=LOWER..UPPER`: reliability and lives of the designs of a grid over the
+For studies that were started with `run --design KEY=LOWER..UPPER`: reliability and lives of the designs of a grid over the \
 ranges, the best one, and those that cannot be told from it. Without --refine nothing is simulated.
 
 Examples:

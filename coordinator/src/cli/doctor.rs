@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 
 /// Shown below `coordinator doctor --help`.
 pub const EXAMPLES: &str = "\
-Run it on the machine of a worker, with the --config of the worker. The checks: name, reachability, session (TLS, user and
-password), claim (answer, access control, version), status, clock, liveliness. Each prints one line, `ok` or `failed` with
+Run it on the machine of a worker, with the --config of the worker. The checks: name, reachability, session (TLS, user and \
+password), claim (answer, access control, version), status, clock, liveliness. Each prints one line, `ok` or `failed` with \
 advice; checks that cannot be made after a failure are omitted.
 
 Examples:

@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 use worker::mechanism::Prescribed;
 
 pub const EXAMPLES: &str = "\
-Without --out the drawing is a sketch in the terminal. It shows bodies and joints with their names, supports, sliders on their
-rails, drives with the angle of the crank, and loads; as SVG or PNG in true proportions, with a scale. With --json it is printed as
+Without --out the drawing is a sketch in the terminal. It shows bodies and joints with their names, supports, sliders on their \
+rails, drives with the angle of the crank, and loads; as SVG or PNG in true proportions, with a scale. With --json it is printed as \
 data: outlines of bodies, positions of joints, loads and drives in m and deg.
 
 Examples:

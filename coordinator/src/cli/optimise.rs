@@ -25,8 +25,8 @@ use coordinator::study::{
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
-The problem file has [[quantities]], means, standard deviations or tolerances of random variables with bounds and costs,
-and [[targets]], reliabilities to be reached. The optimum is found on the surrogates of the study and confirmed by
+The problem file has [[quantities]], means, standard deviations or tolerances of random variables with bounds and costs, \
+and [[targets]], reliabilities to be reached. The optimum is found on the surrogates of the study and confirmed by \
 simulations there, which are kept in the study for later questions; its own results do not change.
 
 A problem file:

@@ -15,9 +15,9 @@ use coordinator::study::{LifeModel, Method, Settings, learn_from_results};
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
-Costs are in any currency; only their ratios decide. Intervals are 95 % intervals with every error that the study states.
-What lies beyond the last checkpoint is not known: it is stated as a bound. With --inspect-every or --inspect-at the study must have
-surrogates (--method ak), from which lives and measured values of 20 000 units follow.
+Costs are in any currency; only their ratios decide. Intervals are 95 % intervals with every error that the study states. \
+What lies beyond the last checkpoint is not known: it is stated as a bound. With --inspect-every or --inspect-at the study must \
+have surrogates (--method ak), from which lives and measured values of 20 000 units follow.
 
 Examples:
   coordinator replace study --failure-cost 10
@@ -51,7 +51,7 @@ pub struct ReplaceArguments {
     /// Cost of an inspection
     #[arg(long, value_name = "C", default_value = "0", value_parser = cost_or_zero, requires = "schedule")]
     pub inspect_cost: f64,
-    /// Output that is measured [default: that of the limit states, if it is one]
+    /// Output that is measured [default: that of the limit states, if all have the same]
     #[arg(long, value_name = "OUTPUT", requires = "schedule")]
     pub inspect_output: Option<String>,
     /// Standard deviation of the measurement's error, with a unit [default: exact]

@@ -33,10 +33,10 @@ pub struct SimulateArguments {
     #[command(flatten)]
     pub accuracy: AccuracyArguments,
     /// Write the JSON to this file instead of standard output
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub out: Option<PathBuf>,
     /// Write a page with figures: outputs over life against the limits, motion, worn bores, first and last cycle
-    #[arg(long, value_name = "FILE.html")]
+    #[arg(long, value_name = "FILE.html", help_heading = "Output")]
     pub report: Option<PathBuf>,
 }
 

@@ -37,17 +37,17 @@ pub struct TradeoffArguments {
     #[command(flatten)]
     pub farm: FarmArguments,
     /// Number of points of the variables, the nominal one included
-    #[arg(long, default_value = "3", value_name = "N", value_parser = positive)]
+    #[arg(long, default_value = "3", value_name = "N", value_parser = positive, help_heading = "Method")]
     pub points: usize,
     /// Settings to measure
-    #[arg(long, value_enum, default_value = "full")]
+    #[arg(long, value_enum, default_value = "full", help_heading = "Method")]
     pub settings: SettingsGrid,
     /// Measure this setting, and others by repeating the option: a preset, or one with changed parameters, e.g.
     /// draft+step-x0.71+jump-4000
-    #[arg(long, value_name = "NAME", conflicts_with = "settings")]
+    #[arg(long, value_name = "NAME", conflicts_with = "settings", help_heading = "Method")]
     pub setting: Vec<NamedAccuracy>,
     /// Folder for the results, created if missing
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: PathBuf,
 }
 

@@ -16,7 +16,7 @@ use coordinator::results::result_files::write_text;
 use std::path::{Path, PathBuf};
 
 pub const EXAMPLES: &str = "\
-The file has one observation a line: unit, cycles, quantity, value, standard deviation of its error. The quantity is an output
+The file has one observation a line: unit, cycles, quantity, value, standard deviation of its error. The quantity is an output \
 or a random variable of the scene with a unit, or `survived` or `failed`, which have no value:
 
   unit, cycles, quantity,       value,    error

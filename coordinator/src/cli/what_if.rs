@@ -20,10 +20,11 @@ use coordinator::study::{FurtherLearning, Method, Observed, Settings, StoredOutc
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
-KEY is VARIABLE.mean, .std, .lower, .upper, .mode, .truncation or .distribution, LIMIT_STATE.threshold, or
-correlation(VARIABLE,VARIABLE), each with a value as in a scene file. The answer has the reliability, the lives and the
-first failures before and after, and their changes with 95 % intervals. Without --refine and --target-error nothing is
-simulated. Further simulations are kept in the study for later questions; its own results do not change.
+KEY is VARIABLE.mean, .std, .lower, .upper, .mode, .truncation or .distribution, LIMIT_STATE.threshold, .lower or \
+.upper, correlation(VARIABLE,VARIABLE) or rank_correlation(VARIABLE,VARIABLE), each with a value as in a scene file. \
+The answer has the reliability, the lives and the first failures before and after, and their changes with 95 % \
+intervals. Without --refine and --target-error nothing is simulated. Further simulations are kept in the study for \
+later questions; its own results do not change.
 
 Examples:
   coordinator what-if study --set wear_coefficient.std='2 %' --set wear.threshold='9 um'

@@ -211,7 +211,8 @@ fn not_a_key(source: &SceneSource, setting: &str, key: &str) -> Faults {
     refused(
         setting,
         format!(
-            "expected VARIABLE.KEY with one of the keys {}, LIMIT_STATE.threshold (of two, .lower and .upper), or correlation(VARIABLE,VARIABLE)",
+            "expected VARIABLE.KEY with one of the keys {}, LIMIT_STATE.threshold (of two, .lower and .upper), \
+             correlation(VARIABLE,VARIABLE) or rank_correlation(VARIABLE,VARIABLE)",
             VARIABLE_KEYS.join(", ")
         ),
     )

@@ -134,7 +134,7 @@ pub fn lives(input: &ReportInput) -> Markup {
         @if numerical {
             p.none {
                 "95 %: interval of sampling, surrogates, interpolation between checkpoints and, where not excluded, the stated \
-                 numerical errors of the simulations, all in the same direction."
+                 numerical errors of the simulations, all with the same sign."
             }
         }
     }

@@ -86,11 +86,11 @@ fn over_life(summary: &StudySummary, names: &[&str]) -> String {
     }
     if states_numerical_errors(summary) {
         let (_, without) = life_and_limits(life_at(summary, "total", 0.5, Included::Statistical));
-        text += "intervals of lives contain the stated numerical errors, all in the same direction";
+        text += "intervals of lives include the stated numerical errors (all with the same sign)";
         text += &if without.is_empty() {
             "\n".to_owned()
         } else {
-            format!("; without them R = 0.5: {without}\n")
+            format!("; without them, life at R = 0.5: {without}\n")
         };
         text += &widest_numerical_range(summary);
     }
@@ -109,7 +109,7 @@ fn widest_numerical_range(summary: &StudySummary) -> String {
     });
     rows.max_by(|a, b| width(a.1).total_cmp(&width(b.1))).map_or(String::new(), |(row, range)| {
         format!(
-            "those of R do not: with these errors R total({}) is {} to {}\n",
+            "intervals of R do not include them; with them, R total({}) is {} to {}\n",
             count(row.cycles.into()),
             fixed(range.lower, 2),
             fixed(range.upper, 2)
@@ -149,8 +149,8 @@ mod tests {
         for part in [
             "life at R = 0.5: 65 4",
             "cycles (95 % interval 6",
-            "without them R = 0.5: 65 ",
-            "those of R do not: with these errors R total(",
+            "without them, life at R = 0.5: 65 ",
+            "intervals of R do not include them; with them, R total(",
             "stopped because the estimated error",
             "noise: 3.0 % of the variance of wear is numerical noise",
             "evaluations: 216 (120 initial, 96 added by learning, 1 failed)",
