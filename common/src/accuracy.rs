@@ -42,9 +42,9 @@ impl Accuracy {
     /// Names of the presets, from the quickest to the most exact.
     pub const NAMES: [&str; 3] = ["draft", "balanced", "reference"];
 
-    /// The preset for a first impression. For the flapping-wing drive at four points, `coordinator tradeoff` found errors of 0.04 % of
-    /// the limit for the wear and 3.8 % for the asymmetry, which displaces the life it ends by 480 of 66 000 cycles, in half the
-    /// time of `balanced` (`coordinator/doc/tradeoff.md`).
+    /// The preset for a first impression. For the flapping-wing drive at 201 points, `coordinator tradeoff` found errors of at most 0.04 %
+    /// of the limit for the wear and 4.8 % for the asymmetry, which displaces the life it ends by up to 600 of 66 000 cycles, in 0.62 of
+    /// the time of `balanced` (`coordinator/doc/tradeoff/stated-errors.md`).
     pub const fn draft() -> Self {
         Accuracy {
             step_tolerance: 2e-3,
@@ -56,7 +56,7 @@ impl Accuracy {
     }
 
     /// The preset for studies, and the default. The measurement named in [`Accuracy::draft`] found the wear within 0.03 %, the
-    /// asymmetry within 2.0 % (0.6 % up to its limit), and the life it ends within 120 cycles. Shorter time steps alone gain nothing.
+    /// asymmetry within 3.2 % (1.1 % up to its limit), and the life it ends within 240 cycles. Shorter time steps alone gain little.
     pub const fn balanced() -> Self {
         Accuracy {
             step_tolerance: 5e-4,
