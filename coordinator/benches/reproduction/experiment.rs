@@ -3,6 +3,7 @@
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use common::scene::{SceneSource, published_results};
+use coordinator::presentation::nominal_life::{Reached, nominal_lives};
 use std::error::Error;
 use std::f64::consts::PI;
 use worker::simulate::{SimulateOptions, simulate};
@@ -116,8 +117,8 @@ pub fn as_it_stands() -> Result<Measured, Box<dyn Error>> {
 
 /// The nominal drive of the scene through its whole life.
 pub struct WholeLife {
-    /// First checkpoint at which the wear has reached its limit [cycles].
-    pub worn: Option<u32>,
+    /// Life at which the wear reaches its limit [cycles].
+    pub worn: Option<f64>,
     /// Least and largest difference of the angular velocities of the wings [r/min].
     pub speeds: [f64; 2],
     /// Largest difference of their angles [deg].
@@ -139,8 +140,10 @@ pub fn whole_life(load: Option<[f64; 2]>) -> Result<WholeLife, Box<dyn Error>> {
             scene.outputs.iter().position(|output| output.name == name).ok_or("an output is missing")?;
         Ok::<&Vec<f64>, Box<dyn Error>>(&evaluation.histories[place])
     };
-    let limit = &scene.limit_states[0];
-    let reached = evaluation.histories[limit.output].iter().position(|depth| *depth >= limit.threshold);
+    let worn = match nominal_lives(&scene, &evaluation)[0].reached {
+        Reached::After(life) => Some(life),
+        Reached::FromTheStart | Reached::Beyond(_) => None,
+    };
     let speeds = history("angular_velocity_difference")?.iter().map(|speed| speed * 30.0 / PI);
     let depths = history("max_wear_depth")?;
     let last = evaluation.cycles.len() - 1;
@@ -149,7 +152,7 @@ pub fn whole_life(load: Option<[f64; 2]>) -> Result<WholeLife, Box<dyn Error>> {
     let cycles = [measured, last].map(|n| f64::from(evaluation.cycles[n]));
     Ok(WholeLife {
         power: (depths[last] / depths[measured]).ln() / (cycles[1] / cycles[0]).ln(),
-        worn: reached.map(|n| evaluation.cycles[n]),
+        worn,
         speeds: [speeds.clone().fold(f64::INFINITY, f64::min), speeds.fold(0.0, f64::max)],
         angle: history("angle_difference")?.iter().copied().fold(0.0, f64::max).to_degrees(),
     })

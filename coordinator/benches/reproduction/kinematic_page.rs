@@ -69,8 +69,8 @@ pub fn write(out: &mut String, nominal: &Run) -> Result<(), Box<dyn Error>> {
         out,
         "## Could the asymmetry be kinematic?\n\nThe signs of the published sensitivities suggest so: clearance and wear displace the \
          rockers' angles. Links without mass whose journals keep contact have differences of the angular velocities in closed form \
-         ([kinematics.rs](../benches/reproduction/kinematics.rs)): a rod is shorter by the rest offsets of its two journals if it is pushed, longer if it \
-         is pulled, and a rocker gives way by that of its hinge. Change of the largest difference in r/min per um, unworn:\n\n\
+         ([kinematics.rs](../benches/reproduction/kinematics.rs)): a rod is shorter by the distances of its two journals from the bore centres while they keep contact if it is \
+         pushed, longer if it is pulled, and a rocker gives way by that of its hinge. Change of the largest difference in r/min per um, unworn:\n\n\
          | | published sign | load downwards, as simulated | load upwards | upwards, frame pins 0.1 mm nearer and 0.05 mm higher |\n\
          |---|---|---|---|---|"
     )?;
@@ -139,11 +139,11 @@ fn bounds(
         out,
         "The six published signs can be had together (last column). The published means and reliabilities cannot:\n\n\
          - **Wear that grows in proportion.** While journals keep contact, the difference at any instant of the cycle is a + b s, with the depth s of the wear, up to second order in \
-         offset over length (0.5 %). Before wear it is below {limit:.0} r/min, since R of the asymmetry is 0.9989 even at 64 000 cycles, so |a| < {limit:.0}; at the \
+         the distance over the length (0.5 %). Before wear it is below {limit:.0} r/min, since R of the asymmetry is 0.9989 even at 64 000 cycles, so |a| < {limit:.0}; at the \
          published {:.1} um of 64 000 cycles it is at most {:.2} r/min. Hence at the {:.1} um of 68 000 cycles it is at most \
          ({:.2} + {limit:.0}) {:.1} / {:.1} - {limit:.0} = {most:.1} r/min, and {:.2} are published. That needs an instant at which the difference \
          changes its sign through life; without, it is {:.2} r/min at most. No length, mass or load enters.\n\
-         - **Wear of any shape.** From 64 000 to 68 000 cycles the published wear grows by {:.1} um. If the rest offset of every journal grows by any \
+         - **Wear of any shape.** From 64 000 to 68 000 cycles the published wear grows by {:.1} um. If this distance of every journal grows by any \
          amount up to that, from point to point as steeply as a spline through 36 control points can (2 growth / spacing), while the journals keep contact, the difference changes by {any:.1} r/min \
          at most in these linkages; the published mean changes by {:.2}.\n\
          - **Spread.** A reliability of 0.9989 with a mean of {:.2} r/min needs a standard deviation of {needed:.2} r/min. Lengths and bores give {:.4} r/min \

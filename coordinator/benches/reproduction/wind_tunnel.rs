@@ -86,7 +86,7 @@ fn numbers(out: &mut String, run: &Measured, life: &WholeLife) -> Result<(), Box
     write_number(
         out,
         &of("life of the specimens", ("specimen_life", "cycles", 0), Goal::None, Free, why),
-        life.worn.map(f64::from),
+        life.worn,
     )?;
     Ok(())
 }
@@ -140,7 +140,7 @@ fn joints(out: &mut String) -> Result<(), Box<dyn Error>> {
         "\n- By its depths, the bore is that of joint 1 or 2. If it were that of a rod's upper joint (3, 4) or of a hinge of \
          the frame (5, 6), the joints at the crank, whose journals make a full turn in every cycle, would be two to three times as deep at the same \
          time, beyond the published limit of 0.03 mm, unless their wear coefficient is lower by as much.\n\
-         - By its angles alone, seen in the drive standing upright, it is that of joint 3 or 4, with the wing 28 degrees from the middle (seen from behind, as in the row of the clockwise crank below, it is 16 to 22 degrees off): \
+         - By its angles alone, seen in the drive standing upright, it is that of joint 3 or 4, with the wing 28 degrees from the middle: \
          over the stroke the rod leans to one side on its way up and to the other on its way down, so that the two places are not \
          opposite. Joints 1 and 2 stay 10 degrees off in both places, within the 15 degrees aimed at, but need a bushing taken out and turned.\n\
          - No joint meets depths and angles as mounted with one wear coefficient for all joints.\n"
@@ -258,7 +258,7 @@ fn reliability(out: &mut String, studies: &[Finished], life: &WholeLife) -> Resu
         one_sign.speeds[1],
         life.angle.max(one_sign.angle),
         results["specimen_life"],
-        life.worn.map_or("no life".to_owned(), |cycles| cycles.to_string()),
+        life.worn.map_or("no life".to_owned(), |cycles| format!("{cycles:.0}")),
         (limit / results["specimen_first_peak"]).ln()
             / (results["specimen_life"] / experiment::MEASURED).ln(),
         life.power,
