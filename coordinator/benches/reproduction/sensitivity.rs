@@ -87,8 +87,8 @@ pub fn write(out: &mut String, study: &Finished) -> std::fmt::Result {
         out,
         "Change of the failure probability if the mean grows by one standard deviation, or if the standard \
          deviation doubles (both linearised), at the life where R of the mode is nearest to one half, and \
-         rank among the thirty variables. The publication lists six variables for the means and three for the asymmetry's \
-         standard deviations as the strongest, with their signs, without the life. Differences below two standard errors have no sign.\n"
+         rank among the thirty variables. The publication lists six variables (three for the standard \
+         deviations of the asymmetry) as the strongest, with their signs, without the life. Differences below two standard errors have no sign.\n"
     )?;
     for figure in &FIGURES {
         let cycles = study.half_life(figure.limit_state);
