@@ -17,8 +17,8 @@
 // Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
 #![allow(clippy::needless_range_loop)]
 
-use super::integrals::{Integrals, Weights};
-use super::stretch::{GROUP, STRETCH, Stretch, Stretches};
+use super::integrals::{Integrals, UnitIntegrals, Weights};
+use super::stretch::{GROUP, Stretch, Stretches};
 use crate::bore::Profile;
 use crate::extremum::smallest;
 use crate::lanes::Real;
@@ -32,20 +32,23 @@ pub struct Arc {
     journal_radius: f64,
     /// Eccentricity up to which the journal does not touch the bore [m].
     reach: f64,
+    /// Spacing s of the angles [rad].
+    spacing: f64,
     /// c s^2, with the clearance c [m].
     scale: f64,
+    per_scale: f64,
     /// R - R'' s^2 / 12 at equal angles `(intervals,)` [m].
     radius: Vec<f64>,
     /// (1 + s^2 / 12) times the unit vectors at those angles `(intervals, 2)` [1].
     direction: Vec<[f64; 2]>,
-    /// Stretches of [`STRETCH`] intervals.
+    /// Stretches of [`super::stretch::STRETCH`] intervals.
     stretches: Stretches,
 }
 
 /// A tabulated bore, or one per lane.
 pub trait Arcs<R: Real> {
-    /// Integrals over the arc in contact at the eccentricity `e` [m].
-    fn integrate(&self, e: [R; 2]) -> Integrals<R>;
+    /// Integrals over the arc in contact at the eccentricity `e` [m]; zeros for the second derivative unless `SECOND`.
+    fn integrate<const SECOND: bool>(&self, e: [R; 2]) -> Integrals<R>;
     /// Penetration in free flight, not above zero, at the eccentricity `e` [m]; zero where `touches` is above zero.
     fn free_penetration(&self, e: [R; 2], touches: R) -> R;
     /// Direction in which the journal is nearest to the bore at the eccentricity `e` [m], which is not zero; zeros where `penetration` is above
@@ -68,7 +71,16 @@ impl Arc {
         let mut stretches = Stretches::default();
         stretches.tabulate(journal_radius, &radius, &direction);
         let scale = clearance * spacing * spacing;
-        Arc { journal_radius, reach: clearance / lift, scale, radius, direction, stretches }
+        Arc {
+            journal_radius,
+            reach: clearance / lift,
+            spacing,
+            scale,
+            per_scale: 1.0 / scale,
+            radius,
+            direction,
+            stretches,
+        }
     }
 
     /// A bore that no journal reaches.
@@ -76,7 +88,9 @@ impl Arc {
         Arc {
             journal_radius: 0.0,
             reach: f64::MAX,
+            spacing: 1.0,
             scale: 1.0,
+            per_scale: 1.0,
             radius: vec![],
             direction: vec![],
             stretches: Stretches::default(),
@@ -92,6 +106,11 @@ impl Arc {
     /// of contact is one interval long.
     pub(super) fn scale(&self) -> f64 {
         self.scale
+    }
+
+    /// One over [`Self::scale`] [1/m].
+    pub(super) fn per_scale(&self) -> f64 {
+        self.per_scale
     }
 
     /// Stretches of its intervals.
@@ -146,9 +165,15 @@ impl Arc {
     /// of their stretch; at the two ends of an arc only the part with g > 0 counts.
     #[inline(always)]
     pub(crate) fn integrate(&self, e: [f64; 2]) -> Integrals {
+        self.integrate_units(e).scaled(self.spacing())
+    }
+
+    /// The same for intervals of length one.
+    #[inline(always)]
+    pub(super) fn integrate_units(&self, e: [f64; 2]) -> UnitIntegrals {
         let mut sum = Integrals::default();
         if length(e) <= self.reach {
-            return sum;
+            return UnitIntegrals::none(0.0);
         }
         let stretches = &self.stretches;
         // Stretches wholly in contact under way: the first, and the one after the last.
@@ -171,18 +196,13 @@ impl Arc {
             }
         }
         self.add_stretches(&mut sum, e, first, end);
-        self.finished(sum)
+        UnitIntegrals { sums: sum, extent: sum.d[0] + sum.d[2] }
     }
 
-    /// The integrals for intervals of their length from those for intervals of length one, with twice the potential.
+    /// Length of the intervals [rad].
     #[inline(always)]
-    pub(super) fn finished(&self, mut sum: Integrals) -> Integrals {
-        // Of contacts below a tenth of a picometre rounding leaves less than this bound (Cauchy and Schwarz).
-        let extent = sum.d[0] + sum.d[2];
-        if extent > 0.0 {
-            sum.v = sum.v.max(dot(sum.p, sum.p) / extent);
-        }
-        sum.scaled(TAU / self.radius.len() as f64)
+    pub(super) fn spacing(&self) -> f64 {
+        self.spacing
     }
 
     /// Adds to `whole`, for intervals of length one, the intervals in contact from end to end at all eccentricities within `margin` of
@@ -239,34 +259,11 @@ impl Arc {
         if radius <= self.reach { radius - self.reach } else { self.gap_along(e).min(0.0) }
     }
 
-    /// Calls `weigh` with each angle of the table in contact, or next to it, at the eccentricity `e` [m] and the part of the integral
-    /// of g that belongs to it [m rad]; with an angle between two stretches once for each.
+    /// Unit vector `(2,)` [1] and R - R1 [m] at table angle `k`, of which the one after the last is the first.
     #[inline(always)]
-    pub(crate) fn weigh(&self, e: [f64; 2], mut weigh: impl FnMut(usize, f64)) {
-        let n = self.radius.len();
-        let spacing = TAU / n as f64;
-        for (g, group) in self.stretches.groups.iter().enumerate() {
-            let touched = group.touched(e, self.stretches.widening, 0.0).any;
-            for s in (0..GROUP).filter(|i| (touched >> i) & 1 == 1).map(|i| g * GROUP + i) {
-                let stretch = &self.stretches.each[s];
-                let mut parts = [0.0; STRETCH + 1];
-                let mut a = self.gap(e, s * STRETCH);
-                for k in 0..stretch.intervals {
-                    let (v, to) = stretch.angle(k + 1);
-                    let b = dot(e, v) - to;
-                    if a > 0.0 || b > 0.0 {
-                        let [first, second] = Weights::new(a, b).first;
-                        parts[k] += first;
-                        parts[k + 1] += second;
-                    }
-                    a = b;
-                }
-                for (k, part) in parts.iter().enumerate().filter(|(_, part)| **part > 0.0) {
-                    let angle = s * STRETCH + k;
-                    weigh(if angle == n { 0 } else { angle }, part * spacing);
-                }
-            }
-        }
+    pub(crate) fn angle(&self, k: usize) -> ([f64; 2], f64) {
+        let k = if k == self.radius.len() { 0 } else { k };
+        (self.direction[k], self.radius[k] - self.journal_radius)
     }
 }
 
@@ -299,7 +296,7 @@ fn add_runs(sum: &mut Integrals, e: [f64; 2], stretch: &Stretch, mut whole: u32)
 
 impl Arcs<f64> for Arc {
     #[inline(always)]
-    fn integrate(&self, e: [f64; 2]) -> Integrals {
+    fn integrate<const SECOND: bool>(&self, e: [f64; 2]) -> Integrals {
         Arc::integrate(self, e)
     }
 
@@ -330,7 +327,7 @@ mod tests {
                 sum.add([a, b], &Weights::new(a, b), arc.direction[k], arc.direction[next]);
             }
         }
-        sum.scaled(TAU / n as f64)
+        UnitIntegrals { sums: sum, extent: sum.d[0] + sum.d[2] }.scaled(TAU / n as f64)
     }
 
     #[test]

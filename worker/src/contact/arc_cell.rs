@@ -17,9 +17,9 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::arc::Arc;
-use super::integrals::Integrals;
+use super::integrals::{Integrals, UnitIntegrals};
 use crate::lanes::Real;
-use crate::plane::{dot, length};
+use crate::plane::{fused_dot, length};
 
 /// Side of the widest cells over c a^2 [1].
 const SIDE: f64 = 40.0;
@@ -77,29 +77,34 @@ impl ArcCell {
         groups: None,
     };
 
-    /// Integrals over the arc of the bore `arc` in contact at the eccentricity `e` [m]; the bore is that of the call before, unless
-    /// the cells have been replaced by [`Self::NONE`].
+    /// Integrals over the arc of the bore `arc` in contact at the eccentricity `e` [m], for intervals of length one; the bore is that of
+    /// the call before, unless the cells have been replaced by [`Self::NONE`]. Zeros for the second derivative unless `SECOND`.
     #[inline(always)]
-    pub(super) fn integrate(&mut self, arc: &Arc, e: [f64; 2]) -> Integrals {
+    pub(super) fn integrate<const SECOND: bool>(&mut self, arc: &Arc, e: [f64; 2]) -> UnitIntegrals {
         if length(e) <= arc.reach() {
-            return Integrals::default();
+            return UnitIntegrals::none(0.0);
         }
         self.find(arc, e);
-        let Some(groups) = self.groups else { return arc.integrate(e) };
+        let Some(groups) = self.groups else { return arc.integrate_units(e) };
         let centre = self.centres[self.size];
         let x = [e[0] - centre[0], e[1] - centre[1]];
-        let mut sums = [[0.0; AT_ONCE]; 6];
+        let mut ends = EndSums::NONE;
         for g in 0..groups {
-            add_ends(&mut sums, &self.ends[g], x);
+            ends.add::<SECOND>(&self.ends[g], x);
         }
-        let [v, px, py] = [sum(&sums[0]), sum(&sums[1]), sum(&sums[2])];
-        let [xx, xy, yy] = [sum(&sums[3]), sum(&sums[4]), sum(&sums[5])];
-        let mut all = self.whole;
-        let moved = [all.d[0] * x[0] + all.d[1] * x[1], all.d[1] * x[0] + all.d[2] * x[1]];
-        all.v += v + 2.0 * dot(all.p, x) + dot(moved, x);
-        all.p = [all.p[0] + moved[0] + px, all.p[1] + moved[1] + py];
-        all.d = [all.d[0] + xx, all.d[1] + xy, all.d[2] + yy];
-        arc.finished(all)
+        let Integrals { v, p, d } = self.whole;
+        let moved = [fused_dot([d[0], d[1]], x), fused_dot([d[1], d[2]], x)];
+        let mut sums = Integrals {
+            v: sum(&ends.v) + v + fused_dot([2.0 * p[0] + moved[0], 2.0 * p[1] + moved[1]], x),
+            p: [p[0] + moved[0] + sum(&ends.p[0]), p[1] + moved[1] + sum(&ends.p[1])],
+            d: [0.0; 3],
+        };
+        if SECOND {
+            for k in 0..3 {
+                sums.d[k] = d[k] + sum(&ends.d[k]);
+            }
+        }
+        UnitIntegrals { sums, extent: d[0] + d[2] + sum(&ends.extent) }
     }
 
     /// Prepares the largest cell about `e` [m] with few enough intervals to look at. Whether the cell of one size will do depends on the
@@ -107,8 +112,9 @@ impl ArcCell {
     #[inline(always)]
     fn find(&mut self, arc: &Arc, e: [f64; 2]) {
         let mut side = SIDE * arc.scale();
+        let mut per_side = arc.per_scale() * (1.0 / SIDE);
         for size in 0..SIZES {
-            let centre = [Real::round(e[0] / side) * side, Real::round(e[1] / side) * side];
+            let centre = [Real::round(e[0] * per_side) * side, Real::round(e[1] * per_side) * side];
             if centre != self.centres[size] {
                 for smaller in size..SIZES {
                     self.centres[smaller] = [f64::NAN; 2];
@@ -123,6 +129,7 @@ impl ArcCell {
                 return;
             }
             side *= SMALLER;
+            per_side *= 1.0 / SMALLER;
         }
     }
 
@@ -154,34 +161,58 @@ impl ArcCell {
     }
 }
 
-/// Adds twice the potential, its gradient x, y and its second derivative xx, xy, yy of these intervals at the eccentricity `x` from
-/// the centre of the cell [m], for intervals of length one.
-///
-/// Of an interval with the larger gap h and the smaller one l the share f = h / (h - l), at most one, is in contact; the formulas are
-/// those of `arc.rs`, without branches.
-#[inline(always)]
-fn add_ends(sums: &mut [[f64; AT_ONCE]; 6], ends: &EndIntervals, x: [f64; 2]) {
-    for i in 0..AT_ONCE {
-        let (ux, uy, vx, vy) = (ends.u[0][i], ends.u[1][i], ends.v[0][i], ends.v[1][i]);
-        let a = ends.a[i] + (x[0] * ux + x[1] * uy);
-        let b = ends.b[i] + (x[0] * vx + x[1] * vy);
-        let falls = b < a;
-        let (high, low) = if falls { (a, b) } else { (b, a) };
-        let high = if high > 0.0 { high } else { 0.0 };
-        let (over, under) = if low > 0.0 { (low, 0.0) } else { (0.0, low) };
-        let f = high / (high - under + f64::MIN_POSITIVE);
-        let (f2, f3) = (f * f, f * f * f * (1.0 / 3.0));
-        let near = high * (0.5 * f - f2 * (1.0 / 6.0)) + over * (1.0 / 6.0);
-        let far = high * f2 * (1.0 / 6.0) + over * (1.0 / 3.0);
-        let (near_2, mixed, far_2) = (f - f2 + f3, 0.5 * f2 - f3, f3);
-        let (wa, wb) = if falls { (near, far) } else { (far, near) };
-        let (aa, bb) = if falls { (near_2, far_2) } else { (far_2, near_2) };
-        sums[0][i] += wa * a + wb * b;
-        sums[1][i] += wa * ux + wb * vx;
-        sums[2][i] += wa * uy + wb * vy;
-        sums[3][i] += aa * ux * ux + 2.0 * mixed * ux * vx + bb * vx * vx;
-        sums[4][i] += aa * ux * uy + mixed * (ux * vy + vx * uy) + bb * vx * vy;
-        sums[5][i] += aa * uy * uy + 2.0 * mixed * uy * vy + bb * vy * vy;
+/// Sums over intervals about the ends of an arc, for intervals of length one, in [`AT_ONCE`] parts each.
+struct EndSums {
+    /// Twice the potential, its gradient x, y, and its second derivative xx, xy, yy.
+    v: [f64; AT_ONCE],
+    p: [[f64; AT_ONCE]; 2],
+    d: [[f64; AT_ONCE]; 3],
+    /// Shares in contact [1].
+    extent: [f64; AT_ONCE],
+}
+
+impl EndSums {
+    /// Nothing.
+    const NONE: Self =
+        EndSums { v: [0.0; AT_ONCE], p: [[0.0; AT_ONCE]; 2], d: [[0.0; AT_ONCE]; 3], extent: [0.0; AT_ONCE] };
+
+    /// Adds these intervals at the eccentricity `x` from the centre of the cell [m]; without second derivatives unless `SECOND`.
+    ///
+    /// Of an interval with the larger gap h and the smaller one l the share f = h / (h - l), at most one, is in contact; the formulas are
+    /// those of `integrals.rs`, without branches and with fused operations.
+    #[inline(always)]
+    fn add<const SECOND: bool>(&mut self, ends: &EndIntervals, x: [f64; 2]) {
+        const SIXTH: f64 = 1.0 / 6.0;
+        for i in 0..AT_ONCE {
+            let (ux, uy, vx, vy) = (ends.u[0][i], ends.u[1][i], ends.v[0][i], ends.v[1][i]);
+            let a = ends.a[i].plus_product(x[0], ux).plus_product(x[1], uy);
+            let b = ends.b[i].plus_product(x[0], vx).plus_product(x[1], vy);
+            let falls = b < a;
+            let (high, low) = if falls { (a, b) } else { (b, a) };
+            let high = if high > 0.0 { high } else { 0.0 };
+            let (over, under) = if low > 0.0 { (low, 0.0) } else { (0.0, low) };
+            let f = high / (high - under + f64::MIN_POSITIVE);
+            let f2 = f * f;
+            // Half and a sixth of the parts h f and h f^2.
+            let (half, sixth) = (high * f * 0.5, high * f2 * SIXTH);
+            let near = (half - sixth).plus_product(over, SIXTH);
+            let far = sixth.plus_product(over, 2.0 * SIXTH);
+            let (wa, wb) = if falls { (near, far) } else { (far, near) };
+            self.v[i] = self.v[i].plus_product(wa, a).plus_product(wb, b);
+            self.p[0][i] = self.p[0][i].plus_product(wa, ux).plus_product(wb, vx);
+            self.p[1][i] = self.p[1][i].plus_product(wa, uy).plus_product(wb, vy);
+            self.extent[i] += f;
+            if SECOND {
+                let f3 = f2 * f * (1.0 / 3.0);
+                let (near, mixed, far) = (f - f2 + f3, 0.5 * f2 - f3, f3);
+                let (aa, bb) = if falls { (near, far) } else { (far, near) };
+                let (ax, bx) = ((aa * ux).plus_product(mixed, vx), (mixed * ux).plus_product(bb, vx));
+                let (ay, by) = ((aa * uy).plus_product(mixed, vy), (mixed * uy).plus_product(bb, vy));
+                self.d[0][i] = self.d[0][i].plus_product(ax, ux).plus_product(bx, vx);
+                self.d[1][i] = self.d[1][i].plus_product(ay, ux).plus_product(by, vx);
+                self.d[2][i] = self.d[2][i].plus_product(ay, uy).plus_product(by, vy);
+            }
+        }
     }
 }
 
@@ -195,6 +226,7 @@ fn sum(x: &[f64; AT_ONCE]) -> f64 {
 mod tests {
     use super::*;
     use crate::bore::Profile;
+    use crate::plane::dot;
     use std::f64::consts::TAU;
 
     const JOURNAL: f64 = 1.5e-3;
@@ -252,9 +284,12 @@ mod tests {
             for step in [1e-9, 3e-8, 1e-5] {
                 let mut cell = ArcCell::NONE;
                 for e in walk(&arc, step, &mut state) {
-                    let (found, exact) = (cell.integrate(&arc, e), arc.integrate(e));
+                    let found = cell.integrate::<true>(&arc, e).scaled(arc.spacing());
+                    let first = cell.integrate::<false>(&arc, e).scaled(arc.spacing());
+                    assert_eq!((first.v, first.p, first.d), (found.v, found.p, [0.0; 3]));
+                    let exact = arc.integrate(e);
                     let mut fresh = ArcCell::NONE;
-                    let anew = fresh.integrate(&arc, e);
+                    let anew = fresh.integrate::<true>(&arc, e).scaled(arc.spacing());
                     let bits = |of: &Integrals| {
                         [of.v, of.p[0], of.p[1], of.d[0], of.d[1], of.d[2]].map(f64::to_bits)
                     };
@@ -293,7 +328,7 @@ mod tests {
             let (t, length) = ([direction.cos(), direction.sin()], 4e-7);
             let mut at = |s: f64| {
                 let e = [0, 1].map(|k| (reach + 1e-7) * u[k] + s * length * t[k]);
-                let found = cell.integrate(&arc, e);
+                let found = cell.integrate::<true>(&arc, e).scaled(arc.spacing());
                 (found.v, dot(found.p, t))
             };
             let steps = 4000;

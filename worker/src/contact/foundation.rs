@@ -55,8 +55,6 @@ pub struct Foundation<R = f64, A = Arc> {
 pub struct FoundationLoad<R = f64> {
     /// Potential U [J].
     pub energy: R,
-    /// Modulus in effect, kappa = dU/dV: pressure times bore radius and width is kappa g [N/(m rad)].
-    pub modulus: R,
     /// Elastic force on the bushing, dU/de `(2,)` [N].
     pub force: [R; 2],
     /// Its derivative to e, entries xx, xy, yy [N/m].
@@ -125,19 +123,23 @@ impl<R: Real, A: Arcs<R>> Foundation<R, A> {
     /// Elastic potential, force and stiffness at the eccentricity `e` [m].
     #[inline(always)]
     pub(crate) fn load(&self, e: [R; 2]) -> FoundationLoad<R> {
-        let sum = self.arc.integrate(e);
+        self.load_to::<true>(e)
+    }
+
+    /// The same, without the stiffness unless `SECOND`.
+    #[inline(always)]
+    fn load_to<const SECOND: bool>(&self, e: [R; 2]) -> FoundationLoad<R> {
+        let sum = self.arc.integrate::<SECOND>(e);
         let potential = self.modulus.potential(sum.v);
         let (modulus, growth, [px, py]) = (potential.modulus, potential.growth, sum.p);
-        FoundationLoad {
-            energy: potential.energy,
-            modulus,
-            force: [modulus * px, modulus * py],
-            stiffness: [
-                modulus * sum.d[0] + growth * px * px,
-                modulus * sum.d[1] + growth * px * py,
-                modulus * sum.d[2] + growth * py * py,
-            ],
+        let mut stiffness = sum.d;
+        if SECOND {
+            let products = [px * px, px * py, py * py];
+            for k in 0..3 {
+                stiffness[k] = modulus * sum.d[k] + growth * products[k];
+            }
         }
+        FoundationLoad { energy: potential.energy, force: [modulus * px, modulus * py], stiffness }
     }
 
     /// Force on the journal; with `JACOBIAN` its exact derivative, else no slopes.
@@ -154,7 +156,7 @@ impl<R: Real, A: Arcs<R>> Foundation<R, A> {
     ) -> (JointForce<R>, ForceSlopes<R>) {
         let s = &self.surface;
         let JointMotion { e, w, omega_journal, omega_bushing, .. } = *motion;
-        let loaded = self.load(e);
+        let loaded = self.load_to::<JACOBIAN>(e);
         let nothing = e[0].zero();
         let one = nothing.like(1.0);
         let size = length(loaded.force);

@@ -163,7 +163,6 @@ impl<R: Real, A: JournalInArc<R>> Foundation<R, A> {
         TurnedLoad {
             to_e: FoundationLoad {
                 energy: potential.energy,
-                modulus,
                 force: [modulus * px, modulus * py],
                 stiffness: [
                     modulus * sum.d[0] + growth * px * px,

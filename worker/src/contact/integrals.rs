@@ -7,6 +7,8 @@
 //! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
 
 use super::stretch::Quadratic;
+use crate::lanes::Real;
+use crate::plane::dot;
 
 /// Integrals over the arc in contact.
 #[derive(Debug, Clone, Copy, Default)]
@@ -17,6 +19,35 @@ pub struct Integrals<R = f64> {
     pub p: [R; 2],
     /// Its second derivative to e, entries xx, xy, yy [rad].
     pub d: [R; 3],
+}
+
+/// The same for intervals of length one, with twice the potential.
+#[derive(Debug, Clone, Copy)]
+pub struct UnitIntegrals<R = f64> {
+    /// V and its derivatives.
+    pub sums: Integrals<R>,
+    /// Number of intervals in contact, those in part by that part [1].
+    pub extent: R,
+}
+
+impl<R: Real> UnitIntegrals<R> {
+    /// Nothing in contact.
+    #[inline(always)]
+    pub(super) fn none(nothing: R) -> Self {
+        UnitIntegrals { sums: Integrals { v: nothing, p: [nothing; 2], d: [nothing; 3] }, extent: nothing }
+    }
+
+    /// The integrals for intervals of length `spacing` [rad].
+    #[inline(always)]
+    pub(super) fn scaled(self, spacing: R) -> Integrals<R> {
+        let UnitIntegrals { sums: Integrals { v, p, d }, extent } = self;
+        let zero = v.zero();
+        let touches = zero.below(extent);
+        // Of contacts below a tenth of a picometre rounding leaves less than this bound (Cauchy and Schwarz).
+        let least = dot(p, p) / R::select(touches, extent, zero.like(1.0));
+        let v = R::select(R::both(touches, v.below(least)), least, v);
+        Integrals { v: v * spacing * 0.5, p: p.map(|p| p * spacing), d: d.map(|d| d * spacing) }
+    }
 }
 
 /// Weights of the two ends a, b of one interval: derivatives of its potential, the integral of g^2 / 2 over
@@ -78,17 +109,5 @@ impl Integrals {
         self.d[0] += xx;
         self.d[1] += xy;
         self.d[2] += yy;
-    }
-
-    /// The integrals for intervals of length `spacing` [rad].
-    #[inline(always)]
-    pub(super) fn scaled(mut self, spacing: f64) -> Self {
-        self.v *= 0.5 * spacing;
-        self.p[0] *= spacing;
-        self.p[1] *= spacing;
-        for k in 0..3 {
-            self.d[k] *= spacing;
-        }
-        self
     }
 }

@@ -6,7 +6,7 @@
 use super::arc::{Arc, Arcs};
 use super::arc_cell::ArcCell;
 use super::foundation::Foundation;
-use super::integrals::Integrals;
+use super::integrals::{Integrals, UnitIntegrals};
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::journal::{Surfaces, within_a_turn, worn_radius};
 use super::journal_lanes::JournalLanes;
@@ -22,7 +22,7 @@ pub enum LawLanes<R> {
     /// Hertz's force along the eccentricity, with one bore per lane, and the depths of one journal if that wears.
     LocalHertz(LocalHertz<R>, Bores, Option<Bores>),
     /// Elastic foundation along the bore, with one bore per lane.
-    Foundation(Foundation<R, ArcLanes>),
+    Foundation(Foundation<R, ArcLanes<R>>),
     /// Elastic foundation along the bore, with one bore and one worn journal per lane.
     FoundationWithJournal(Foundation<R, JournalLanes<R>>),
 }
@@ -30,7 +30,27 @@ pub enum LawLanes<R> {
 /// Tabulated bores, one per lane `(lanes,)`, with the cell of eccentricities met last. What an arc of contact needs differs too much
 /// from lane to lane for operations of all lanes at once: they are summed lane by lane, each in loops over its own bore.
 #[derive(Debug, Clone)]
-pub struct ArcLanes(Vec<(Arc, RefCell<ArcCell>)>);
+pub struct ArcLanes<R> {
+    arcs: Vec<(Arc, RefCell<ArcCell>)>,
+    /// Length of the intervals [rad].
+    spacing: R,
+}
+
+impl<R: Real> ArcLanes<R> {
+    /// The same bore in every lane; `like` sets the number of lanes.
+    fn new(arc: &Arc, like: R) -> Self {
+        ArcLanes {
+            arcs: vec![(arc.clone(), RefCell::new(ArcCell::NONE)); R::LANES],
+            spacing: like.like(arc.spacing()),
+        }
+    }
+
+    /// Replaces the bore of a lane.
+    fn set(&mut self, lane: usize, arc: Arc) {
+        self.spacing.set_lane(lane, arc.spacing());
+        self.arcs[lane] = (arc, RefCell::new(ArcCell::NONE));
+    }
+}
 
 impl<R: Real> LawLanes<R> {
     /// The law of a joint and its surfaces in every lane; `like` sets the number of lanes.
@@ -46,7 +66,7 @@ impl<R: Real> LawLanes<R> {
                 let modulus = law.modulus.in_lanes(like);
                 match journal.and_then(|journal| Some((journal, journal.table()?))) {
                     None => {
-                        let arc = ArcLanes(vec![(law.arc.clone(), RefCell::new(ArcCell::NONE)); R::LANES]);
+                        let arc = ArcLanes::new(&law.arc, like);
                         LawLanes::Foundation(Foundation { surface, modulus, arc })
                     }
                     Some((journal, table)) => {
@@ -110,7 +130,7 @@ impl<R: Real> LawLanes<R> {
             }
             (LawLanes::Foundation(to), Contact::Foundation(from)) => {
                 from.modulus.write_lane::<R>(lane, &mut to.modulus);
-                to.arc.0[lane] = (from.arc.clone(), RefCell::new(ArcCell::NONE));
+                to.arc.set(lane, from.arc.clone());
             }
             (LawLanes::FoundationWithJournal(to), Contact::Foundation(from)) => {
                 from.modulus.write_lane::<R>(lane, &mut to.modulus);
@@ -126,9 +146,7 @@ impl<R: Real> LawLanes<R> {
     pub(crate) fn leave_idle(&mut self, lane: usize) {
         match self {
             LawLanes::LocalHertz(..) => {}
-            LawLanes::Foundation(law) => {
-                law.arc.0[lane] = (Arc::out_of_reach(), RefCell::new(ArcCell::NONE));
-            }
+            LawLanes::Foundation(law) => law.arc.set(lane, Arc::out_of_reach()),
             LawLanes::FoundationWithJournal(law) => law.arc.leave_idle(lane),
         }
     }
@@ -163,30 +181,34 @@ impl<R: Real> LawLanes<R> {
     }
 }
 
-impl<R: Real> Arcs<R> for ArcLanes {
+impl<R: Real> Arcs<R> for ArcLanes<R> {
     #[inline(always)]
-    fn integrate(&self, e: [R; 2]) -> Integrals<R> {
-        let nothing = e[0].zero();
-        let mut all = Integrals { v: nothing, p: [nothing; 2], d: [nothing; 3] };
+    fn integrate<const SECOND: bool>(&self, e: [R; 2]) -> Integrals<R> {
+        let mut all = UnitIntegrals::none(e[0].zero());
         for lane in 0..R::LANES {
-            let (arc, cell) = &self.0[lane];
-            let one = cell.borrow_mut().integrate(arc, [e[0].lane(lane), e[1].lane(lane)]);
-            all.v.set_lane(lane, one.v);
+            let (arc, cell) = &self.arcs[lane];
+            let one = cell.borrow_mut().integrate::<SECOND>(arc, [e[0].lane(lane), e[1].lane(lane)]);
+            all.extent.set_lane(lane, one.extent);
+            let (of, one) = (&mut all.sums, one.sums);
+            of.v.set_lane(lane, one.v);
             for k in 0..2 {
-                all.p[k].set_lane(lane, one.p[k]);
+                of.p[k].set_lane(lane, one.p[k]);
             }
-            for k in 0..3 {
-                all.d[k].set_lane(lane, one.d[k]);
+            if SECOND {
+                for k in 0..3 {
+                    of.d[k].set_lane(lane, one.d[k]);
+                }
             }
         }
-        all
+        all.scaled(self.spacing)
     }
 
     #[inline(always)]
     fn nearest_free(&self, e: [R; 2], penetration: R) -> [R; 2] {
         let mut out = [e[0].zero(); 2];
         for lane in 0..R::LANES {
-            let one = self.0[lane].0.nearest_free([e[0].lane(lane), e[1].lane(lane)], penetration.lane(lane));
+            let one =
+                self.arcs[lane].0.nearest_free([e[0].lane(lane), e[1].lane(lane)], penetration.lane(lane));
             out[0].set_lane(lane, one[0]);
             out[1].set_lane(lane, one[1]);
         }
@@ -198,7 +220,7 @@ impl<R: Real> Arcs<R> for ArcLanes {
         let mut out = e[0].zero();
         for lane in 0..R::LANES {
             if touches.lane(lane) <= 0.0 {
-                out.set_lane(lane, self.0[lane].0.free_penetration([e[0].lane(lane), e[1].lane(lane)]));
+                out.set_lane(lane, self.arcs[lane].0.free_penetration([e[0].lane(lane), e[1].lane(lane)]));
             }
         }
         out

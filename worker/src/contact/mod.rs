@@ -22,6 +22,7 @@
 
 mod arc;
 mod arc_cell;
+mod arc_visitor;
 mod coulomb;
 mod damping;
 mod energy;
@@ -48,6 +49,8 @@ mod surface;
 mod tests;
 mod turned_arc;
 
+pub(crate) use arc::Arc;
+pub(crate) use arc_visitor::ArcVisitor;
 pub(crate) use coulomb::coulomb;
 pub use damping::Restitution;
 pub(crate) use damping::initial as initial_damping;

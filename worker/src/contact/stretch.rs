@@ -204,12 +204,13 @@ impl Stretch {
     /// Coefficients of all its intervals for eccentricities counted from zero.
     #[inline(always)]
     fn counted_from_zero(&self) -> Quadratic {
-        let mut sum = Quadratic::default();
-        for i in 0..self.intervals {
-            let ((u, a), (v, b)) = (self.angle(i), self.angle(i + 1));
-            sum = sum.plus(&Quadratic::of_interval(u, v, a, b));
+        let Quadratic { d, h, c } = self.sums[self.intervals];
+        let moved = [dot([d[0], d[1]], self.centre), dot([d[1], d[2]], self.centre)];
+        Quadratic {
+            d,
+            h: [h[0] + moved[0], h[1] + moved[1]],
+            c: c + dot([2.0 * h[0] + moved[0], 2.0 * h[1] + moved[1]], self.centre),
         }
-        sum
     }
 }
 

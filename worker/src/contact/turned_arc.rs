@@ -15,7 +15,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::arc::Arc;
-use super::integrals::Integrals;
+use super::integrals::{Integrals, UnitIntegrals};
 use super::journal_table::{JournalTable, Turned};
 use super::stretch::{GROUP, STRETCH, Stretch};
 use crate::plane::{dot, length};
@@ -73,9 +73,9 @@ impl TurnedArc<'_> {
         }
         let sum = sums.map(|of| of.iter().sum::<f64>());
         let to_e = Integrals { v: sum[0], p: [sum[1], sum[2]], d: [sum[3], sum[4], sum[5]] };
-        let spacing = TAU / self.arc.intervals() as f64;
+        let spacing = self.arc.spacing();
         TurnedIntegrals {
-            to_e: self.arc.finished(to_e),
+            to_e: UnitIntegrals { sums: to_e, extent: to_e.d[0] + to_e.d[2] }.scaled(spacing),
             t: sum[6] * spacing,
             et: [sum[7] * spacing, sum[8] * spacing],
             tt: sum[9] * spacing,

@@ -18,9 +18,9 @@ use super::interval::ContactSample;
 use std::f64::consts::TAU;
 
 /// Ratio of the largest to the smallest penetration of a group [1].
-const LEVEL: f64 = 1.1;
+const LEVEL: f64 = 1.2;
 /// Width of a sector over the half angle of the arc [1], and its least and largest one over the spacing of the control points.
-const TURN: f64 = 0.25;
+const TURN: f64 = 0.35;
 const NARROW: f64 = 0.05;
 const WIDE: f64 = 0.5;
 

@@ -1,9 +1,9 @@
 //! Wear under `foundation`: the pressure that carries a frozen force on the present bore, and its share per
 //! control point.
 //!
-//! Share of control point i: q_i = (F S / |F_el|) integral of kappa g phi_i over the arc [N rad], with the
-//! work F S [N m] of a sample, the equilibrium force F_el [N] of the foundation, its modulus kappa [N/(m
-//! rad)], the gap function g [m] and the hat function phi_i of the point [1]. `archard.rs` multiplies by K_H
+//! Share of control point i: q_i = F S integral of g phi_i / |integral of g u| over the arc [N m], with the
+//! work F S [N m] of a sample, the gap function g [m], the unit vector u and the hat function phi_i of the point [1]: the
+//! pressure is in proportion to g and carries F. `archard.rs` multiplies by K_H
 //! / (spacing R2 L), which makes it K_H p_i S. A journal that wears has its shares of the same pressure at its own control points,
 //! with R1 in the place of R2; the equilibrium is that of both worn surfaces, with the journal turned as it was in the sample.
 //!
@@ -13,6 +13,7 @@
 
 use super::condense::{Condenser, Touched};
 use super::equilibrium::{ElasticSurfaces, Equilibrium, NoEquilibrium, equilibrium};
+use super::hat_sums::{ArcShares, HatSums};
 use super::interval::ContactSample;
 use crate::bore::Profile;
 use crate::contact::{Foundation, Journal, Surface, equivalent_penetration};
@@ -33,8 +34,12 @@ pub struct ConformalContacts {
     /// The journal, if it wears.
     journal: Option<Journal>,
     condenser: Condenser,
-    /// Control point before every angle of the tabulated bore, and the hat function of the one after it there [1].
-    hats: Vec<(usize, f64)>,
+    /// Sums for the shares on the tabulated bore, if the journal is round.
+    sums: HatSums,
+    /// Shares of the sample at hand on a bore with a round journal, and with a worn one the angles of the table in contact and the part of the
+    /// integral of g that belongs to each [m rad].
+    shares: ArcShares,
+    parts: Vec<(usize, f64)>,
     /// Means of groups of samples.
     samples: Vec<ContactSample>,
     /// Evaluations of the foundation so far.
@@ -45,9 +50,10 @@ impl ConformalContacts {
     /// Without samples, for a bore with `points` control points and a journal with as many, if that `wears`.
     pub(crate) fn new(surface: Surface, points: usize, wears: bool) -> Self {
         let law = Foundation::with_intervals(surface, points, INTERVALS);
-        let sub = law.arc().intervals() / points;
         ConformalContacts {
-            hats: (0..points * sub).map(|k| (k / sub, (k % sub) as f64 / sub as f64)).collect(),
+            sums: HatSums::new(law.arc(), points),
+            shares: ArcShares::default(),
+            parts: Vec::new(),
             journal: wears.then(|| law.new_journal(points)),
             law,
             condenser: Condenser::new(surface.clearance, points),
@@ -81,7 +87,7 @@ impl ConformalContacts {
         self.evaluations
     }
 
-    /// Shares q_i of all samples on the present profile `(points,)` [N rad], and then those of a journal that wears, whose depths are
+    /// Shares q_i of all samples on the present profile `(points,)` [N m], and then those of a journal that wears, whose depths are
     /// `of_journal` [m].
     ///
     /// # Errors
@@ -112,64 +118,91 @@ impl Vectorised for SharedPressures<'_> {
     fn run(self) -> Self::Output {
         let SharedPressures { contacts, profile, of_journal, shares } = self;
         contacts.law.profile_changed(profile);
-        let ConformalContacts { law, journal, hats, samples, evaluations, .. } = contacts;
-        let Some(journal) = journal else {
-            for sample in samples {
-                *evaluations += u64::from(add_share(law, hats, sample, shares)?);
+        if contacts.journal.is_none() {
+            contacts.add_shares(shares)
+        } else {
+            contacts.add_both(of_journal, shares)
+        }
+    }
+}
+
+impl ConformalContacts {
+    /// Adds the shares of all samples on the tabulated bore with a round journal.
+    #[inline(always)]
+    fn add_shares(&mut self, to: &mut [f64]) -> Result<(), NoEquilibrium> {
+        let ConformalContacts { law, sums, shares, samples, evaluations, .. } = self;
+        sums.tabulate(law.arc());
+        for sample in samples {
+            let Some(Equilibrium { e, evaluations: spent }) = find_equilibrium(law, sample)? else {
+                continue;
+            };
+            *evaluations += u64::from(spent);
+            sums.shares(law.arc(), e, shares);
+            let scale = work_per_pressure(sample, shares.pressed)?;
+            for &(i, [here, next]) in &shares.each {
+                to[i] += scale * here;
+                to[if i + 1 == to.len() { 0 } else { i + 1 }] += scale * next;
             }
-            return Ok(());
-        };
+        }
+        Ok(())
+    }
+
+    /// Adds the shares of all samples on the tabulated bore with a journal worn to the depths `of_journal` [m]: those of the bore and
+    /// then those of the journal.
+    #[inline(always)]
+    fn add_both(&mut self, of_journal: &[f64], to: &mut [f64]) -> Result<(), NoEquilibrium> {
+        let ConformalContacts { law, journal, samples, parts, evaluations, .. } = self;
+        let Some(journal) = journal else { return Ok(()) };
         journal.set_depth(of_journal);
-        let (shares, of_journal) = shares.split_at_mut(profile.points());
+        let (bore, journals) = to.split_at_mut(of_journal.len());
+        let (points, intervals) = (bore.len() as f64, law.arc().intervals() as f64);
         for sample in samples {
             let Some(law) = law.with_journal(journal) else { continue };
             let law = (law, sample.turn);
-            let Some((found, scale)) = find_equilibrium(&law, sample)? else { continue };
+            let Some(found) = find_equilibrium(&law, sample)? else { continue };
             *evaluations += u64::from(found.evaluations);
-            let (points, intervals) = (shares.len() as f64, hats.len() as f64);
-            let turn = sample.turn * points / TAU;
-            law.0.turned_arc().weigh(found.e, sample.turn, |k, part| {
-                add_hats(shares, hats[k], scale * part);
-                let place = (k as f64 * (points / intervals) - turn).rem_euclid(points);
-                let i = (place as usize).min(shares.len() - 1);
-                add_hats(of_journal, (i, place - i as f64), scale * part);
+            parts.clear();
+            let mut pressed = [0.0; 2];
+            let arc = law.0.turned_arc();
+            arc.weigh(found.e, sample.turn, |k, part| {
+                let (u, _) = arc.arc.angle(k);
+                pressed = [pressed[0] + part * u[0], pressed[1] + part * u[1]];
+                parts.push((k, part));
             });
+            let scale = work_per_pressure(sample, pressed)?;
+            let turn = sample.turn * points / TAU;
+            for &(k, part) in &*parts {
+                let place = k as f64 * (points / intervals);
+                add_hats(bore, place, scale * part);
+                add_hats(journals, (place - turn).rem_euclid(points), scale * part);
+            }
         }
         Ok(())
     }
 }
 
-/// Adds the share of one sample: the pressure that carries its force on the present profile, distributed over
-/// the control points by their hat functions `hats`, times the work per unit of force. Moves the sample's
-/// eccentricity and penetration to the equilibrium found, as the start for the next stage. Returns the number
-/// of evaluations of the contact.
+/// The sample's work over what its arc presses with, the integral of g u `pressed` [m rad]: [N].
 ///
 /// # Errors
-/// [`NoEquilibrium`] if no equilibrium was found.
+/// [`NoEquilibrium`] if nothing presses.
 #[inline(always)]
-fn add_share(
-    law: &Foundation,
-    hats: &[(usize, f64)],
-    sample: &mut ContactSample,
-    shares: &mut [f64],
-) -> Result<u32, NoEquilibrium> {
-    let Some((Equilibrium { e, evaluations, .. }, scale)) = find_equilibrium(law, sample)? else {
-        return Ok(0);
-    };
-    law.arc().weigh(e, |k, part| add_hats(shares, hats[k], scale * part));
-    Ok(evaluations)
+fn work_per_pressure(sample: &ContactSample, pressed: [f64; 2]) -> Result<f64, NoEquilibrium> {
+    let size = length(pressed);
+    if size > 0.0 { Ok(sample.work / size) } else { Err(NoEquilibrium(f64::INFINITY)) }
 }
 
-/// Adds `amount` to the point before a place and the one after it: the place is at a fraction of the interval behind its point.
+/// Adds `amount` to the point before a `place`, counted in points, and the one after it.
 #[inline(always)]
-fn add_hats(shares: &mut [f64], (i, s): (usize, f64), amount: f64) {
+fn add_hats(shares: &mut [f64], place: f64, amount: f64) {
     let n = shares.len();
+    let i = (place as usize).min(n - 1);
+    let s = place - i as f64;
     shares[i] += amount * (1.0 - s);
     shares[if i + 1 == n { 0 } else { i + 1 }] += amount * s;
 }
 
-/// The equilibrium of a sample's force, and the sample's work times the foundation's modulus per force [N/rad]; `None` without a force. Moves the
-/// sample's eccentricity and penetration to it.
+/// The equilibrium of a sample's force; `None` without a force. Moves the sample's eccentricity and penetration to it, as the start for
+/// the next stage.
 ///
 /// # Errors
 /// [`NoEquilibrium`] if no equilibrium was found.
@@ -177,9 +210,8 @@ fn add_hats(shares: &mut [f64], (i, s): (usize, f64), amount: f64) {
 fn find_equilibrium(
     law: &impl ElasticSurfaces,
     sample: &mut ContactSample,
-) -> Result<Option<(Equilibrium, f64)>, NoEquilibrium> {
-    let wanted = libm::hypot(sample.force[0], sample.force[1]);
-    if wanted <= 0.0 {
+) -> Result<Option<Equilibrium>, NoEquilibrium> {
+    if libm::hypot(sample.force[0], sample.force[1]) <= 0.0 {
         return Ok(None);
     }
     // The search starts at the last penetration, measured from the present surfaces.
@@ -188,7 +220,5 @@ fn find_equilibrium(
     let found = equilibrium(law, sample.force, [follow * sample.e[0], follow * sample.e[1]])?;
     sample.e = found.e;
     sample.penetration = law.gap_along(found.e);
-    let load = found.load;
-    let scale = sample.work * load.modulus / libm::hypot(load.force[0], load.force[1]);
-    Ok(Some((found, scale)))
+    Ok(Some(found))
 }

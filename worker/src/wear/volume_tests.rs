@@ -80,11 +80,12 @@ fn pressure_over_force(depth: &[f64]) -> f64 {
         })
         .collect();
     let sums = |e: f64| {
-        let modulus = law.load([e, 0.0]).modulus;
-        bore.iter().fold((0.0, 0.0), |(force, pressure), (cos, radius)| {
-            let p = modulus * (e * cos + SURFACE.journal_radius - radius).max(0.0) * TAU / GRID as f64;
-            (force + p * cos, pressure + p)
-        })
+        let (along, all) = bore.iter().fold((0.0, 0.0), |(along, all), (cos, radius)| {
+            let gap = (e * cos + SURFACE.journal_radius - radius).max(0.0);
+            (along + gap * cos, all + gap)
+        });
+        let force = law.load([e, 0.0]).force[0];
+        (force, if along > 0.0 { force * all / along } else { 0.0 })
     };
     let (mut low, mut high) = (0.0, 2.0 * SURFACE.clearance);
     for _ in 0..60 {
