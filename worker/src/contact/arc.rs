@@ -36,7 +36,6 @@ pub struct Arc {
     spacing: f64,
     /// c s^2, with the clearance c [m].
     scale: f64,
-    per_scale: f64,
     /// R - R'' s^2 / 12 at equal angles `(intervals,)` [m].
     radius: Vec<f64>,
     /// (1 + s^2 / 12) times the unit vectors at those angles `(intervals, 2)` [1].
@@ -71,16 +70,7 @@ impl Arc {
         let mut stretches = Stretches::default();
         stretches.tabulate(journal_radius, &radius, &direction);
         let scale = clearance * spacing * spacing;
-        Arc {
-            journal_radius,
-            reach: clearance / lift,
-            spacing,
-            scale,
-            per_scale: 1.0 / scale,
-            radius,
-            direction,
-            stretches,
-        }
+        Arc { journal_radius, reach: clearance / lift, spacing, scale, radius, direction, stretches }
     }
 
     /// A bore that no journal reaches.
@@ -90,7 +80,6 @@ impl Arc {
             reach: f64::MAX,
             spacing: 1.0,
             scale: 1.0,
-            per_scale: 1.0,
             radius: vec![],
             direction: vec![],
             stretches: Stretches::default(),
@@ -106,11 +95,6 @@ impl Arc {
     /// of contact is one interval long.
     pub(super) fn scale(&self) -> f64 {
         self.scale
-    }
-
-    /// One over [`Self::scale`] [1/m].
-    pub(super) fn per_scale(&self) -> f64 {
-        self.per_scale
     }
 
     /// Stretches of its intervals.

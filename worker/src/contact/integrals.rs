@@ -37,6 +37,20 @@ impl<R: Real> UnitIntegrals<R> {
         UnitIntegrals { sums: Integrals { v: nothing, p: [nothing; 2], d: [nothing; 3] }, extent: nothing }
     }
 
+    /// Replaces the integrals of a lane.
+    #[inline(always)]
+    pub(super) fn set_lane(&mut self, lane: usize, one: UnitIntegrals) {
+        let (to, from) = (&mut self.sums, one.sums);
+        to.v.set_lane(lane, from.v);
+        for k in 0..2 {
+            to.p[k].set_lane(lane, from.p[k]);
+        }
+        for k in 0..3 {
+            to.d[k].set_lane(lane, from.d[k]);
+        }
+        self.extent.set_lane(lane, one.extent);
+    }
+
     /// The integrals for intervals of length `spacing` [rad].
     #[inline(always)]
     pub(super) fn scaled(self, spacing: R) -> Integrals<R> {

@@ -4,9 +4,9 @@
 //! The laws: see [`LocalHertz`] and [`Foundation`].
 
 use super::arc::{Arc, Arcs};
-use super::arc_cell::ArcCell;
+use super::arc_cells::ArcCells;
 use super::foundation::Foundation;
-use super::integrals::{Integrals, UnitIntegrals};
+use super::integrals::Integrals;
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::journal::{Surfaces, within_a_turn, worn_radius};
 use super::journal_lanes::JournalLanes;
@@ -27,11 +27,11 @@ pub enum LawLanes<R> {
     FoundationWithJournal(Foundation<R, JournalLanes<R>>),
 }
 
-/// Tabulated bores, one per lane `(lanes,)`, with the cell of eccentricities met last. What an arc of contact needs differs too much
-/// from lane to lane for operations of all lanes at once: they are summed lane by lane, each in loops over its own bore.
+/// Tabulated bores, one per lane `(lanes,)`, with the cells of eccentricities met last.
 #[derive(Debug, Clone)]
 pub struct ArcLanes<R> {
-    arcs: Vec<(Arc, RefCell<ArcCell>)>,
+    arcs: Vec<Arc>,
+    cells: RefCell<ArcCells<R>>,
     /// Length of the intervals [rad].
     spacing: R,
 }
@@ -40,7 +40,8 @@ impl<R: Real> ArcLanes<R> {
     /// The same bore in every lane; `like` sets the number of lanes.
     fn new(arc: &Arc, like: R) -> Self {
         ArcLanes {
-            arcs: vec![(arc.clone(), RefCell::new(ArcCell::NONE)); R::LANES],
+            arcs: vec![arc.clone(); R::LANES],
+            cells: RefCell::new(ArcCells::new(arc, like)),
             spacing: like.like(arc.spacing()),
         }
     }
@@ -48,7 +49,8 @@ impl<R: Real> ArcLanes<R> {
     /// Replaces the bore of a lane.
     fn set(&mut self, lane: usize, arc: Arc) {
         self.spacing.set_lane(lane, arc.spacing());
-        self.arcs[lane] = (arc, RefCell::new(ArcCell::NONE));
+        self.cells.get_mut().set(lane, &arc);
+        self.arcs[lane] = arc;
     }
 }
 
@@ -184,23 +186,7 @@ impl<R: Real> LawLanes<R> {
 impl<R: Real> Arcs<R> for ArcLanes<R> {
     #[inline(always)]
     fn integrate<const SECOND: bool>(&self, e: [R; 2]) -> Integrals<R> {
-        let mut all = UnitIntegrals::none(e[0].zero());
-        for lane in 0..R::LANES {
-            let (arc, cell) = &self.arcs[lane];
-            let one = cell.borrow_mut().integrate::<SECOND>(arc, [e[0].lane(lane), e[1].lane(lane)]);
-            all.extent.set_lane(lane, one.extent);
-            let (of, one) = (&mut all.sums, one.sums);
-            of.v.set_lane(lane, one.v);
-            for k in 0..2 {
-                of.p[k].set_lane(lane, one.p[k]);
-            }
-            if SECOND {
-                for k in 0..3 {
-                    of.d[k].set_lane(lane, one.d[k]);
-                }
-            }
-        }
-        all.scaled(self.spacing)
+        self.cells.borrow_mut().integrate::<SECOND>(&self.arcs, e).scaled(self.spacing)
     }
 
     #[inline(always)]
@@ -208,7 +194,7 @@ impl<R: Real> Arcs<R> for ArcLanes<R> {
         let mut out = [e[0].zero(); 2];
         for lane in 0..R::LANES {
             let one =
-                self.arcs[lane].0.nearest_free([e[0].lane(lane), e[1].lane(lane)], penetration.lane(lane));
+                self.arcs[lane].nearest_free([e[0].lane(lane), e[1].lane(lane)], penetration.lane(lane));
             out[0].set_lane(lane, one[0]);
             out[1].set_lane(lane, one[1]);
         }
@@ -220,7 +206,7 @@ impl<R: Real> Arcs<R> for ArcLanes<R> {
         let mut out = e[0].zero();
         for lane in 0..R::LANES {
             if touches.lane(lane) <= 0.0 {
-                out.set_lane(lane, self.arcs[lane].0.free_penetration([e[0].lane(lane), e[1].lane(lane)]));
+                out.set_lane(lane, self.arcs[lane].free_penetration([e[0].lane(lane), e[1].lane(lane)]));
             }
         }
         out

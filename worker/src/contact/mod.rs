@@ -21,7 +21,9 @@
 //! Andersson, Soderberg, Bjorklund (2007), Tribology International 40, 580-587.
 
 mod arc;
-mod arc_cell;
+mod arc_cells;
+#[cfg(test)]
+mod arc_cells_tests;
 mod arc_visitor;
 mod coulomb;
 mod damping;
