@@ -206,6 +206,11 @@ async fn examine(
                 look.dynamic_cycles += share;
                 look.expected += trying;
                 if makes_no_difference(&trial, &run.measured) {
+                    if !trial.aperiodic && !run.depends_on_last_impact() {
+                        // The trial takes the place of the probe on the unworn bores.
+                        look.dynamic_cycles -= FINER * cycles;
+                        look.expected = look.expected.saturating_sub(probing);
+                    }
                     // Longer steps are expected to last for two thirds of the life.
                     let early = |block: &Range<u32>| 3 * u64::from(block.end) <= 2 * u64::from(life.cycles);
                     saved = (1.0 - share) * count(&early);

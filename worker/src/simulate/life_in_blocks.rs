@@ -70,8 +70,7 @@ pub(crate) async fn simulate_life<M: CycleModel>(
     let (scene, accuracy) = (runs[0].scene, runs[0].accuracy);
     let end = scene.life.cycles;
     let ends = block_ends(end, accuracy.cycle_jump, scene.life.checkpoint_every);
-    let mut life = PartialLife::start(runs, &model).await?;
-    let mut longer = LongerSteps::tried(runs, &model, &mut life, &ends).await;
+    let (mut life, mut longer) = LongerSteps::start(runs, &model, &ends).await?;
     let mut simulated = 0;
     while simulated + 1 < ends.len() {
         let block = ends[simulated]..ends[simulated + 1];

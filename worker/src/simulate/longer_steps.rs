@@ -4,7 +4,7 @@
 //! is low: late in the life of the flapping-wing drive, where the worn bores feed it. Before, longer steps change neither the wear
 //! nor the outputs by a thousandth. Steps 2.5 times as long would be too long: with them the scheme itself feeds the vibration.
 //!
-//! A life starts with its own steps. On the unworn bores the cycle after the measured one is repeated with steps longer by [`FINER`]. If no output
+//! A life starts with its own steps. On the unworn bores the cycle after the measured one has steps longer by [`FINER`]. If no output
 //! y of the motion and no wear rate w changes by more than
 //!
 //!   |dy| <= 0.002 |y|,   |dw| <= 0.005 w,
@@ -13,7 +13,8 @@
 //! own and is compared with it, as in a [`Probe`]. These are the ones that are probed otherwise, and those whose outputs of the motion have
 //! moved by more than 0.5 % since the last check. Where the two differ by more than the bounds above, or a cycle with longer steps
 //! fails, the life returns to the check before and goes on with its own steps to its end. What the checks find counts in the stated error
-//! as that of the probes.
+//! as that of the probes. If the motion repeats itself with the longer steps on the unworn bores, that comparison takes the place of the probe
+//! there, which costs more.
 //!
 //! Not used if the motion does not repeat itself on the unworn bores, for [`Tier::Dynamic`], and where the steps of the accuracy are long
 //! already, as those of `draft` are: there the checks cost what the longer steps save. Dynamic cycles beside the quasi-static model keep their steps
@@ -58,24 +59,52 @@ struct Checked<'a> {
 }
 
 impl<'a, M: CycleModel> LongerSteps<'a, M> {
-    /// Tries longer steps on the unworn bores, where the first cycles of the `runs` have been measured and probed, if a life
-    /// under `model` in blocks between these `ends` [cycles] may have them. None if they make a difference.
-    pub(crate) async fn tried(
+    /// Starts a life under `model` in blocks between these `ends` [cycles] with the settled first cycles of the `runs`, which have been
+    /// measured, and tries longer steps on the unworn bores if it may have them. None if they make a difference.
+    ///
+    /// # Errors
+    /// The first error of a cycle, of a probe or of a check of the model.
+    pub(crate) async fn start(
         runs: &mut [Run<'a>],
         model: &M,
-        life: &mut PartialLife<'a>,
         ends: &[u32],
-    ) -> Option<Self> {
-        let model = model.without_probes()?;
-        let accuracy = longer(runs[0].accuracy).filter(|_| is_long_enough(ends))?;
-        let repeats = life.estimate.conditions.iter().all(|c| c.probes.iter().all(|p| !p.aperiodic));
-        if !repeats || !compare(runs, life, 0, &accuracy).await {
-            return None;
+    ) -> Result<(PartialLife<'a>, Option<Self>), M::Error> {
+        let may_have_them = longer(runs[0].accuracy).filter(|_| is_long_enough(ends));
+        let Some((plain, accuracy)) = model.without_probes().zip(may_have_them) else {
+            return Ok((PartialLife::start(runs, model).await?, None));
+        };
+        if model.is_probed(&runs[0], None) && !runs.iter().any(Run::depends_on_last_impact) {
+            let before = runs.to_vec();
+            let mut life = PartialLife::start(runs, &plain).await?;
+            let probes = compare(runs, 0, &accuracy).await;
+            if let Some(probes) = probes.filter(|probes| probes.iter().all(|probe| !probe.aperiodic)) {
+                let steps = LongerSteps::taken(runs, plain, &mut life, probes, &accuracy);
+                return Ok((life, Some(steps)));
+            }
+            runs.iter_mut().zip(before).for_each(|(run, before)| return_to(run, before));
         }
-        runs.iter_mut().for_each(|run| run.set_steps(&accuracy));
+        let mut life = PartialLife::start(runs, model).await?;
+        if life.estimate.conditions.iter().any(|c| c.probes.iter().any(|p| p.aperiodic)) {
+            return Ok((life, None));
+        }
+        let probes = compare(runs, 0, &accuracy).await;
+        let steps = probes.map(|probes| LongerSteps::taken(runs, plain, &mut life, probes, &accuracy));
+        Ok((life, steps))
+    }
+
+    /// Longer steps, those of `accuracy`, from the unworn bores on, where `probes` have found no difference.
+    fn taken(
+        runs: &mut [Run<'a>],
+        model: M,
+        life: &mut PartialLife<'a>,
+        probes: Vec<Probe>,
+        accuracy: &Accuracy,
+    ) -> Self {
         tracing::debug!("time steps are longer while they make no difference");
+        note(life, probes);
+        runs.iter_mut().for_each(|run| run.set_steps(accuracy));
         let checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: 0 };
-        Some(LongerSteps { model, checked })
+        LongerSteps { model, checked }
     }
 
     /// Adds a block with longer steps, and checks the cycles at its end if that is due. If the steps are to have their own length from
@@ -91,9 +120,9 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
             return None;
         }
         let own = runs[0].accuracy;
-        if added.is_err() || !compare(runs, life, block.end, own).await {
-            return Some(self.go_back(runs, life));
-        }
+        let probes = if added.is_ok() { compare(runs, block.end, own).await } else { None };
+        let Some(probes) = probes else { return Some(self.go_back(runs, life)) };
+        note(life, probes);
         if block.start == self.checked.cycles {
             // A check after every block would cost more than longer steps save.
             runs.iter_mut().for_each(|run| run.set_steps(own));
@@ -118,10 +147,8 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         let Checked { runs: before, life: checked, cycles } = &self.checked;
         tracing::debug!("longer time steps make a difference: back to cycle {cycles}");
         for (run, before) in runs.iter_mut().zip(before) {
-            let mut returned = before.clone();
-            returned.copy_counts(run);
-            returned.set_steps(run.accuracy);
-            *run = returned;
+            return_to(run, before.clone());
+            run.set_steps(run.accuracy);
         }
         life.clone_from(checked);
         *cycles
@@ -140,19 +167,27 @@ pub(crate) fn is_long_enough(ends: &[u32]) -> bool {
     ends.len() > FEWEST_BLOCKS
 }
 
-/// Compares the cycles just measured with further ones that have the time steps of `accuracy`, on the bores of `cycles`. True if they make no
-/// difference; what was found is then added to the estimate of the error.
-async fn compare(runs: &mut [Run<'_>], life: &mut PartialLife<'_>, cycles: u32, accuracy: &Accuracy) -> bool {
+/// Returns a run to what it was `before`; its counts go on.
+fn return_to<'a>(run: &mut Run<'a>, mut before: Run<'a>) {
+    before.copy_counts(run);
+    *run = before;
+}
+
+/// Compares the cycles just measured with further ones that have the time steps of `accuracy`, on the bores of `cycles`. What was found if
+/// they make no difference.
+async fn compare(runs: &mut [Run<'_>], cycles: u32, accuracy: &Accuracy) -> Option<Vec<Probe>> {
     let probes = join(runs.iter_mut().map(|run| run.compare_steps(cycles, accuracy))).await;
-    let Ok(probes) = probes.into_iter().collect::<Result<Vec<Probe>, _>>() else { return false };
+    let probes = probes.into_iter().collect::<Result<Vec<Probe>, _>>().ok()?;
     let is_same = probes.iter().zip(runs).all(|(probe, run)| makes_no_difference(probe, &run.measured));
-    if is_same {
-        for (probe, estimate) in probes.into_iter().zip(&mut life.estimate.conditions) {
-            // Its small change is that of the time steps.
-            estimate.add_probe(Probe { aperiodic: false, ..probe });
-        }
+    is_same.then_some(probes)
+}
+
+/// Adds what comparisons found, one for each condition, to the estimate of the error.
+fn note(life: &mut PartialLife, probes: Vec<Probe>) {
+    for (probe, estimate) in probes.into_iter().zip(&mut life.estimate.conditions) {
+        // Its small change is that of the time steps.
+        estimate.add_probe(Probe { aperiodic: false, ..probe });
     }
-    is_same
 }
 
 /// True if the changes that `probe` found are within the bounds, given the outputs `measured` `(outputs,)` [SI].
