@@ -1,6 +1,9 @@
 //! The wear step under a frozen contact history: its order, its agreement with many small steps, and that it
 //! does not zig-zag however long its blocks are.
 
+use super::amounts::SurfaceSizes;
+use super::equilibrium::NoEquilibrium;
+use super::wear_law::WearLaw;
 use super::{BoreWearRate, ContactHistory, ContactInstant, WearStep, WearStepStats};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz, Surface};
@@ -168,6 +171,51 @@ fn following_a_rest_through_a_block_costs_a_few_evaluations() {
     let each = rate.evaluations() as f64 / (stats.stages as f64 * cycle().samples().len() as f64);
     println!("{each} evaluations of the contact per equilibrium, {stats:?}");
     assert!(each > 0.2 && each < 1.2, "{each}");
+}
+
+/// The rates of single samples, which have no others to be grouped with.
+struct OneByOne(Vec<BoreWearRate>);
+
+impl WearLaw for OneByOne {
+    type History = ContactHistory;
+
+    fn freeze(&mut self, history: &ContactHistory) {
+        for (rate, sample) in self.0.iter_mut().zip(history.samples()) {
+            let mut alone = history.clone();
+            alone.clear();
+            alone.add(*sample);
+            rate.freeze(&alone);
+        }
+    }
+
+    fn sizes(&self) -> SurfaceSizes {
+        WearLaw::sizes(&self.0[0])
+    }
+
+    fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), NoEquilibrium> {
+        let mut of_one = vec![0.0; rate.len()];
+        rate.fill(0.0);
+        for one in &mut self.0 {
+            one.rate(depth, &mut of_one)?;
+            rate.iter_mut().zip(&of_one).for_each(|(sum, one)| *sum += one);
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn groups_of_samples_wear_a_bore_as_the_samples_one_by_one() {
+    let grouped = wear(&foundation(), &[0.0; POINTS], 8, 2000.0, 1e-3).depth;
+    let mut all = OneByOne(vec![rate(&foundation()); cycle().samples().len()]);
+    all.freeze(&cycle());
+    let (mut step, mut depth) = (WearStep::new(POINTS, 1e-3), vec![0.0; POINTS]);
+    for _ in 0..8 {
+        step.advance(&mut all, &mut depth, 2000.0, &[], |_, _| {}, &mut WearStepStats::default())
+            .expect("the force has an equilibrium");
+    }
+    let off = distance(&grouped, &depth) / largest(&depth);
+    println!("depths with groups are off by {off:.1e}");
+    assert!(off < 3e-4, "{off}");
 }
 
 #[test]
