@@ -136,14 +136,15 @@ fn write_inspections(out: &mut String, report: &ReplacementReport, scene: &Scene
     let unit = output.map(|output| output.kind.unit());
     writeln!(
         out,
-        "\nReplacement above a measured {}, at a last age in any case; lives and ages in cycles, cost with its standard error by counting",
+        "\nReplacement above a measured {}, at a last age in any case; lives and ages in cycles, cost with 95 % limits by the number \
+         of units, the upper one with failures that none of them shows",
         first.output
     )?;
     let head = [
         "inspected every",
         "replaced from",
         "last age",
-        "cost per cycle",
+        "cost per cycle (95 %)",
         "failed",
         "replaced by level",
         "mean life",
@@ -158,7 +159,7 @@ fn write_inspections(out: &mut String, report: &ReplacementReport, scene: &Scene
             row.every.map_or("given".to_owned(), |every| format!("{every:.0}")),
             if levels.is_empty() { "the age only".to_owned() } else { levels.join(", ") },
             format!("{:.0}", row.age),
-            format!("{:.4e} ± {:.1e}", row.cost_rate, row.standard_error),
+            format!("{:.4e} ({:.4e} to {:.4e})", row.cost_rate, row.lower, row.upper),
             format!("{:.2} %", 100.0 * row.failed),
             format!("{:.1} %", 100.0 * row.by_level),
             format!("{:.0}", row.mean_life),
