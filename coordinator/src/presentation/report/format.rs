@@ -49,6 +49,15 @@ pub fn with_width(value: f64, width: f64) -> String {
     text.replace('-', "\u{2212}")
 }
 
+/// A change with its sign and two digits of the half-width of its interval, e.g. `+1.97e−4 ± 6.2e−5`; `0` without either.
+pub fn signed_with_width(value: f64, width: f64) -> String {
+    if value == 0.0 {
+        return if width > 0.0 { format!("0 ± {}", three_digits(width)) } else { "0".to_owned() };
+    }
+    let text = with_width(value, width);
+    if value > 0.0 { format!("+{text}") } else { text }
+}
+
 /// A reliability with its 95 % interval: `0.3730 ± 0.0043`, or the limit alone where no failure, or no survivor, was seen.
 pub fn reliability(r: f64, lower: f64, upper: f64) -> String {
     // Two digits of the distance from 1, rounded away from it.
@@ -202,6 +211,9 @@ mod tests {
         assert_eq!(with_width(0.373_04, 0.004_31), "0.3730 ± 0.0043");
         assert_eq!(with_width(1.973e-4, 6.2e-6), "1.973e\u{2212}4 ± 6.2e\u{2212}6");
         assert_eq!(with_width(0.5, f64::NAN), "0.500");
+        assert_eq!(signed_with_width(1.973e-7, 6.2e-9), "+1.973e\u{2212}7 ± 6.2e\u{2212}9");
+        assert_eq!(signed_with_width(-0.0137, 0.0021), "\u{2212}0.0137 ± 0.0021");
+        assert_eq!([(0.0, 0.0), (0.0, 0.01)].map(|(x, w)| signed_with_width(x, w)), ["0", "0 ± 0.0100"]);
         assert_eq!(reliability(1.0, 0.998_52, 1.0), "> 0.9985");
         assert_eq!(reliability(1.0, 0.99997, 1.0), "> 0.999970");
         assert_eq!(reliability(1.0, 1.0 - 1.95e-12, 1.0), "> 1 \u{2212} 2.0e\u{2212}12");

@@ -120,7 +120,7 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
     let named =
         |name: &str| criterion(name).map_or(name.to_string(), |criterion| format!("{name} ({criterion})"));
     match leaders(summary).as_slice() {
-        [] => text.push("No limit state is reached within the life studied.".to_string()),
+        [] => text.push(without_leader(summary, input.subject())),
         [(from, only)] if summary.limit_states.len() == 1 => {
             text.push(format!(
                 "The {} fails by {}; the failed share exceeds 0.1 % from {} cycles on.",
@@ -168,6 +168,28 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
         }
     }
     text
+}
+
+/// Where no limit state leads: nothing fails, or several fail about as often.
+fn without_leader(summary: &StudySummary, subject: &str) -> String {
+    let share = |name: &str| {
+        let r = summary.reliability.last().and_then(|row| row.reliability.get(name));
+        1.0 - r.copied().unwrap_or(1.0)
+    };
+    let failed = share("total");
+    if failed <= 0.0 {
+        return "No limit state is reached within the life studied.".to_owned();
+    }
+    let Some(last) = summary.reliability.last() else { return String::new() };
+    let by = match summary.limit_states.as_slice() {
+        [only] => format!(" by {only}"),
+        _ => {
+            format!(
+                ": no limit state is ahead of the others by more than 0.1 % of the {subject}s at any checkpoint"
+            )
+        }
+    };
+    format!("By {} cycles, {} have failed{by}.", count(last.cycles.into()), percent(failed))
 }
 
 /// Simulations without a result, the share of the population they represent, and the first cause; `None` if there are
@@ -219,4 +241,26 @@ pub fn effort(summary: &StudySummary) -> String {
         count(counts.total as u64),
         duration(summary.timing_s.total)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn issue_failures_without_a_leading_limit_state_were_denied() {
+        let mut summary = crate::test_study::study().summary;
+        let names = summary.limit_states.clone();
+        for row in &mut summary.reliability {
+            row.reliability.extend(names.iter().map(|name| (name.clone(), 0.955)));
+            row.reliability.insert("total".to_owned(), 0.955);
+        }
+        assert!(super::super::life::leaders(&summary).is_empty());
+        let said = without_leader(&summary, "mechanism");
+        assert!(said.contains("4.5") && said.contains("have failed: no limit state is ahead"), "{said}");
+        for row in &mut summary.reliability {
+            row.reliability.values_mut().for_each(|r| *r = 1.0);
+        }
+        assert!(without_leader(&summary, "mechanism").starts_with("No limit state is reached"));
+    }
 }

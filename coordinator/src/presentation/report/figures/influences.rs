@@ -22,10 +22,11 @@ fn finite(value: f64) -> f64 {
     if value.is_finite() { value } else { 0.0 }
 }
 
-/// The rows of one limit state at the checkpoint nearest to the governing one, longest bar first.
+/// The rows of one limit state at the checkpoint nearest to the governing one where derivatives are known, longest bar first.
 pub fn rows_at_governing<'a>(input: &'a ReportInput, limit_state: &str) -> Vec<&'a SensitivityRow> {
     let all = input.summary.sensitivity.iter().filter(|row| row.limit_state == limit_state);
-    let Some(cycles) = nearest_to_governing(input, all.clone().map(|row| row.cycles)) else { return vec![] };
+    let known = all.clone().filter(|row| row.is_known()).map(|row| row.cycles);
+    let Some(cycles) = nearest_to_governing(input, known) else { return vec![] };
     let length = |row: &SensitivityRow| finite(row.scaled.d_pf_d_mean.abs().max(row.scaled.d_pf_d_std.abs()));
     let mut rows: Vec<_> = all.filter(|row| row.cycles == cycles).collect();
     rows.sort_by(|a, b| length(b).total_cmp(&length(a)));
