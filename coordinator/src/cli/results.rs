@@ -6,7 +6,7 @@ use super::pdf::print_page;
 use super::stored_study::{not_finished, scene_of, summary_of};
 use clap::Args;
 use coordinator::presentation::report;
-use coordinator::presentation::report::format::signed_with_width;
+use coordinator::presentation::report::format::{number_of_cycles, signed_with_width};
 use coordinator::presentation::text_table::in_columns;
 use coordinator::results::store::CampaignFile;
 use coordinator::results::summary::{SensitivityRow, SobolRow, StudySummary};
@@ -121,8 +121,9 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
         };
         writeln!(
             out,
-            "{state}, at {cycles} cycles: change of the failure probability if the mean or the standard deviation (std) of a \
+            "{state}, at {}: change of the failure probability if the mean or the standard deviation (std) of a \
              variable increases by one standard deviation{}, with 95 % intervals",
+            number_of_cycles(cycles).replace('\u{a0}', ""),
             if bounded { ", with the bounds of bounded variables held" } else { "" }
         )?;
         let shares = summary.sobol.iter().any(|row| row.limit_state == *state && row.cycles == cycles);

@@ -159,14 +159,16 @@ fn unresolved_fall(
 ) -> Option<UnresolvedFall> {
     let failed = shares.failed.last()?;
     let reliability = |k: usize| 1.0 - shares.condition.probability * failed[k];
+    let at_start = total.reliability.first().copied().unwrap_or(1.0);
     let falls = |k: &usize| {
-        let before = if *k == 0 { 1.0 } else { reliability(k - 1) };
+        let before = if *k == 0 { at_start } else { reliability(k - 1) };
         before > FALL.0 && reliability(*k) < FALL.1
     };
     let bounded = |life: &LifeRow| {
         let level = life.reliability;
         let k = (0..checkpoints.len()).find(|k| reliability(*k) <= level)?;
-        life.cycles.is_none().then_some(k)
+        // A level that is not reached even unworn is known.
+        (life.cycles.is_none() && life.interval.upper != Some(0.0)).then_some(k)
     };
     let k = (0..checkpoints.len()).find(falls).or_else(|| lives.iter().find_map(bounded))?;
     let (from, to) = (if k == 0 { 0 } else { checkpoints[k - 1] }, checkpoints[k]);

@@ -86,7 +86,8 @@ pub(super) fn failure_rows(scene: &Scene, inputs: &InputModel, failed: &[Failed]
     failed.iter().map(row).collect()
 }
 
-/// Moments at one checkpoint: `{limit state}_mean_m` and `_std_m`, or `_rpm` for angular velocities.
+/// Moments at one checkpoint: `{limit state}_mean_m` and `_std_m`, or `_rpm` for angular velocities; one that is too large for a
+/// number is left out.
 pub(super) fn moments(
     scene: &Scene,
     distributions: &[Vec<OutputDistribution>],
@@ -97,8 +98,12 @@ pub(super) fn moments(
     for limit in &scene.limit_states {
         let unit = scene.outputs[limit.output].kind.unit();
         let at = &distributions[limit.output][n];
-        row.insert(unit.key(&format!("{}_mean", limit.name)), unit.to_file(at.mean));
-        row.insert(unit.key(&format!("{}_std", limit.name)), unit.to_file(at.std));
+        for (name, value) in [("mean", at.mean), ("std", at.std)] {
+            let value = unit.to_file(value);
+            if value.is_finite() {
+                row.insert(unit.key(&format!("{}_{name}", limit.name)), value);
+            }
+        }
     }
     MomentsRow { cycles, moments: row }
 }

@@ -16,6 +16,11 @@ pub fn count(value: u64) -> String {
     text
 }
 
+/// A number of cycles with its unit, e.g. `64 000 cycles`, `1 cycle`.
+pub fn number_of_cycles(cycles: u32) -> String {
+    format!("{} cycle{}", count(cycles.into()), if cycles == 1 { "" } else { "s" })
+}
+
 /// A life in whole cycles, e.g. `63 215`.
 pub fn whole(life: f64) -> String {
     count(life.round().max(0.0) as u64)
@@ -188,6 +193,7 @@ mod tests {
     fn numbers_read_as_people_write_them() {
         assert_eq!(count(64_000), "64\u{a0}000");
         assert_eq!(count(999), "999");
+        assert_eq!([1, 2000].map(number_of_cycles), ["1 cycle", "2\u{a0}000 cycles"]);
         assert_eq!(count(1_234_567), "1\u{a0}234\u{a0}567");
         assert_eq!(fixed(-0.0001, 2), "0.00");
         assert_eq!(fixed(-1.25, 1), "\u{2212}1.2");

@@ -1,7 +1,7 @@
 //! Results of a study in sentences.
 
 use super::figures::shares_of_failures;
-use super::format::{count, duration, fixed, percent, short_percent, whole};
+use super::format::{count, duration, fixed, number_of_cycles, percent, short_percent, whole};
 use super::input::ReportInput;
 use super::life::{
     Included, LEVELS, LifeAt, failure_probability, governing, leaders, life_and_limits, life_at,
@@ -20,6 +20,7 @@ pub fn life(summary: &StudySummary, level: f64) -> (String, String) {
             format!("95 % interval {limits}, widened by the stated numerical error")
         }
         LifeAt::Cycles { .. } => format!("95 % interval {limits}"),
+        LifeAt::Between { upper: Some(upper), .. } if upper <= 0.0 => "more exceed a limit unworn".into(),
         LifeAt::Between { .. } => "95 % bound; not resolved by the checkpoints".into(),
         LifeAt::Beyond { lower, end } if lower < end => "95 % bound".into(),
         LifeAt::Beyond { .. } => "end of the life studied".into(),
@@ -89,6 +90,9 @@ fn cycles(life_at_level: LifeAt) -> String {
             format!("more than the {} cycles studied", whole(end))
         }
         LifeAt::Beyond { lower, .. } => format!("more than {} cycles", whole(lower.floor())),
+        LifeAt::Between { upper: Some(upper), .. } if upper <= 0.0 => {
+            "no cycle: more than the others exceed a limit unworn".to_owned()
+        }
         LifeAt::Between { lower, upper: Some(upper) } if lower <= 0.0 => {
             format!("an age that is not resolved, before {} cycles", whole(upper.ceil()))
         }
@@ -123,10 +127,10 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
         [] => text.push(without_leader(summary, input.subject())),
         [(from, only)] if summary.limit_states.len() == 1 => {
             text.push(format!(
-                "The {} fails by {}; the failed share exceeds 0.1 % from {} cycles on.",
+                "The {} fails by {}; the failed share exceeds 0.1 % from {} on.",
                 input.subject(),
                 named(only),
-                count((*from).into())
+                number_of_cycles(*from)
             ));
         }
         [(from, first), rest @ ..] => {
@@ -142,8 +146,8 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
             ));
             for (from, next) in rest {
                 text.push(format!(
-                    "From {} cycles on, {} has caused the most failures.",
-                    count((*from).into()),
+                    "From {} on, {} has caused the most failures.",
+                    number_of_cycles(*from),
                     named(next)
                 ));
             }
@@ -155,8 +159,8 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
             summary.limit_states.iter().map(|name| format!("{} by {name}", percent(failed(name)))).collect();
         if failed("total") > 5e-4 {
             text.push(format!(
-                "At {} cycles, {} have failed: {} (a {} that failed in several ways is counted in each).",
-                count(row.cycles.into()),
+                "At {}, {} have failed: {} (a {} that failed in several ways is counted in each).",
+                number_of_cycles(row.cycles),
                 percent(failed("total")),
                 parts.join(", "),
                 input.subject()
@@ -189,7 +193,7 @@ fn without_leader(summary: &StudySummary, subject: &str) -> String {
             )
         }
     };
-    format!("By {} cycles, {} have failed{by}.", count(last.cycles.into()), percent(failed))
+    format!("By {}, {} have failed{by}.", number_of_cycles(last.cycles), percent(failed))
 }
 
 /// Simulations without a result, the share of the population they represent, and the first cause; `None` if there are

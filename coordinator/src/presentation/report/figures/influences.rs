@@ -4,7 +4,7 @@
 use super::{file_name, governing_cycles, words};
 use crate::presentation::report::bars::{BarPair, Bars};
 use crate::presentation::report::figure::Figure;
-use crate::presentation::report::format::count;
+use crate::presentation::report::format::number_of_cycles;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::plot::PlotError;
 use crate::results::summary::{SensitivityRow, SobolRow};
@@ -61,10 +61,10 @@ pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         let Some(first) = rows.first() else { continue };
         let cause = if name == "total" { "any limit state" } else { name };
         let caption = format!(
-            "Change of the probability of failure by {cause} at {} cycles if the mean or the standard deviation of a variable \
+            "Change of the probability of failure by {cause} at {} if the mean or the standard deviation of a variable \
              increases by one standard deviation, with the bounds of bounded variables held; positive: more failures. Thin \
              lines: 1.96 standard errors. The {} largest of {}.",
-            count(first.cycles.into()),
+            number_of_cycles(first.cycles),
             rows.len().min(SHOWN),
             rows.len()
         );
@@ -106,9 +106,9 @@ pub fn variance_contributions(input: &ReportInput) -> Result<Vec<Figure>, PlotEr
         rows.sort_by(|a, b| finite(b.total).total_cmp(&finite(a.total)));
         let output = words(&input.outputs[state.output].name);
         let caption = format!(
-            "Sobol indices of the surrogate at {} cycles: share of the variance of the {output} due to a variable alone \
+            "Sobol indices of the surrogate at {}: share of the variance of the {output} due to a variable alone \
              (first order) and with its interactions (total). Thin lines: 1.96 standard errors. The {} largest of {}.",
-            count(cycles.into()),
+            number_of_cycles(cycles),
             rows.len().min(SHOWN),
             rows.len()
         );
