@@ -34,7 +34,11 @@ pub(super) fn learned_lives(scene: &Scene, learned: &CampaignResult) -> LifeCoun
     let parts = layout.modes.iter().zip(&learned.assessment.surrogates).map(|(mode, surrogate)| {
         let values = observations.running_maxima(mode.output);
         let mut model = surrogate.model.clone();
-        if let Some(start) = observations.starts(mode.output) {
+        if let Some(sides) = observations.sides(mode.output) {
+            if let Some(with_start) = sides.with_start() {
+                model.set_sides(with_start.as_ref());
+            }
+        } else if let Some(start) = observations.starts(mode.output) {
             let with_start = |i: usize, n: usize| if n == 0 { start[i] } else { values[(i, n - 1)] };
             model.set_values(Mat::from_fn(values.nrows(), values.ncols() + 1, with_start).as_ref());
         }

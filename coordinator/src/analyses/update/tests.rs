@@ -111,7 +111,7 @@ fn survival_lengthens_and_an_improbable_value_is_warned_of() {
     let warning = report.units[5].warning.as_ref().unwrap();
     assert!(warning.contains("line 7) agrees with none of the points"), "{warning}");
     let bound = warning.split("below ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
-    assert!(bound.parse::<f64>().unwrap() >= 1.5e-4 && !warning.contains("impossible"), "{warning}");
+    assert!(bound.parse::<f64>().unwrap() >= 7e-5 && !warning.contains("impossible"), "{warning}");
 }
 
 #[test]
