@@ -1,6 +1,7 @@
 //! The answer of `coordinator replace` as text.
 
 use super::{RateRow, ReplacementReport, Stated};
+use crate::presentation::report::format::short_percent;
 use crate::presentation::text_table::in_columns;
 use crate::results::life_summary::LifeRow;
 use common::scene::Scene;
@@ -172,7 +173,7 @@ fn write_inspections(out: &mut String, report: &ReplacementReport, scene: &Scene
             if levels.is_empty() { "the age only".to_owned() } else { levels.join(", ") },
             life(row.age, report.end),
             format!("{:.4e} ({:.4e} to {:.4e})", row.cost_rate, row.lower, row.upper),
-            format!("{:.2} %", 100.0 * row.failed),
+            short_percent(row.failed),
             format!("{:.1} %", 100.0 * row.by_level),
             life(row.mean_life, report.end),
             format!("{:.1}", row.inspections),
