@@ -113,14 +113,14 @@ impl Renewal {
 
 /// Sums over units of one level and one last inspection.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sums {
+struct RenewalSums {
     cost: f64,
     length: f64,
     /// Largest probability of failure of a unit [1].
     worst: f64,
 }
 
-impl Sums {
+impl RenewalSums {
     /// Cost rate with the failures of units that are not among these.
     fn rate(&self, costs: &PolicyCosts) -> f64 {
         (self.cost + 0.5 * self.worst * (costs.failure - costs.planned)) / self.length
@@ -172,8 +172,8 @@ impl InspectedSamples {
     }
 
     /// Sums over some units for a level and every last inspection `(k,)`.
-    fn sums(&self, units: &[usize], level: f64, costs: &PolicyCosts) -> Vec<Sums> {
-        let mut sums = vec![Sums::default(); self.times.len()];
+    fn sums(&self, units: &[usize], level: f64, costs: &PolicyCosts) -> Vec<RenewalSums> {
+        let mut sums = vec![RenewalSums::default(); self.times.len()];
         for j in units {
             self.renewals(*j, level, costs, |last, renewal| {
                 let sum = &mut sums[last];
