@@ -44,7 +44,10 @@ fn conditions() {
     let braked = set("brake = -0.9 N m");
     assert_eq!((braked[0].2, braked[1].2), (-1.5, -0.9));
     let fault = source.resolve_with(&[("conditions.full.share".into(), 0.4)]).unwrap_err().to_string();
-    assert!(fault.contains("the shares add up to 1.1, not to 1"), "{fault}");
+    assert!(
+        fault.contains("the shares add up to 1.1, not to 1; shares that vary are written by a parameter p"),
+        "{fault}"
+    );
     // All conditions together are the whole text.
     let again = SceneSource::parse(source.text(), "again").unwrap();
     assert_eq!(again.nominal(), scene);

@@ -53,6 +53,7 @@ mod run_times;
 mod samples;
 mod settings;
 mod step;
+mod stopped;
 mod surrogate_state;
 mod surrogates;
 mod verification;

@@ -224,12 +224,14 @@ impl Distribution {
         self.law().given_std()
     }
 
-    /// Density f(x) [1/unit of the variable]; zero outside the support, infinite at the value of a constant.
+    /// Density f(x) [1/unit of the variable]; zero outside the support, infinite at the value of a constant. The jumps of an
+    /// empirical distribution at equal values are not in it.
     pub fn pdf(&self, x: f64) -> f64 {
         self.law().pdf(x)
     }
 
-    /// Distribution function F(x) = P(X <= x) [1], relative accuracy kept in the lower tail.
+    /// Distribution function F(x) = P(X <= x) [1], relative accuracy kept in the lower tail; at a jump of an empirical
+    /// distribution its middle.
     pub fn cdf(&self, x: f64) -> f64 {
         self.law().cdf(x)
     }

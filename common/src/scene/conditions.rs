@@ -72,7 +72,11 @@ fn read_changes(changes: &Section, key: &str, value: &Value, found: &mut Overrid
 fn check(file: &Section, rows: &[ConditionRow], life: Option<&Life>) {
     let sum: f64 = rows.iter().map(|row| row.share).sum();
     if (sum - 1.0).abs() > WHOLE {
-        file.inconsistent("conditions", format!("the shares add up to {sum}, not to 1"));
+        let message = format!(
+            "the shares add up to {sum}, not to 1; shares that vary are written by a parameter p, \"p\" and \"1 - p\", which a \
+             variable changes"
+        );
+        file.inconsistent("conditions", message);
     }
     if life.is_some_and(Life::is_single_cycle) {
         file.inconsistent("conditions", "a motion that is seen once, in one cycle, has no conditions");

@@ -44,4 +44,20 @@ pub enum DecisionError {
         /// Method of the study.
         method: String,
     },
+    /// A study with more simulations than surrogates are fitted to.
+    #[error(
+        "{}: this study of --method {method} has {simulations} simulations, and the answer needs surrogates, which are fitted to at most \
+         {most}; start a study with --method ak",
+        dir.display()
+    )]
+    TooManySimulations {
+        /// Folder of the study.
+        dir: PathBuf,
+        /// Method of the study.
+        method: String,
+        /// Simulations that the study has.
+        simulations: usize,
+        /// Largest number for surrogates.
+        most: usize,
+    },
 }

@@ -6,6 +6,7 @@ use super::pdf::print_page;
 use super::stored_study::{not_finished, scene_of, summary_of};
 use clap::Args;
 use coordinator::presentation::report;
+use coordinator::presentation::report::format::{number_of_cycles, signed_with_width};
 use coordinator::presentation::text_table::in_columns;
 use coordinator::results::store::CampaignFile;
 use coordinator::results::summary::{SensitivityRow, SobolRow, StudySummary};
@@ -95,7 +96,7 @@ pub fn write_results(campaign: &CampaignFile, out: &Path) -> Result<PathBuf, Com
 pub fn sensitivity(dir: &Path, as_json: bool) -> Result<(), CommandError> {
     let summary = summary_of(&CampaignFile::look(dir)?)?;
     if as_json {
-        return print(&to_json(&summary.sensitivity)?);
+        return print(&to_json(&json!({ "sensitivity": summary.sensitivity, "sobol": summary.sobol }))?);
     }
     print(&table(&summary))
 }
@@ -109,6 +110,7 @@ fn table(summary: &StudySummary) -> String {
 
 fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
     let total = "total".to_owned();
+    let bounded = summary.variables.iter().any(|row| row.lower.is_some() || row.upper.is_some());
     for state in summary.limit_states.iter().chain([&total]) {
         let Some(cycles) = checkpoint_nearest_one_half(summary, state) else {
             writeln!(
@@ -119,8 +121,10 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
         };
         writeln!(
             out,
-            "{state}, at {cycles} cycles: change of the failure probability if the mean or the standard deviation (std) of a \
-             variable increases by one standard deviation, with 95 % intervals"
+            "{state}, at {}: change of the failure probability if the mean or the standard deviation (std) of a \
+             variable increases by one standard deviation{}, with 95 % intervals",
+            number_of_cycles(cycles).replace('\u{a0}', ""),
+            if bounded { ", with the bounds of bounded variables held" } else { "" }
         )?;
         let shares = summary.sobol.iter().any(|row| row.limit_state == *state && row.cycles == cycles);
         let mut head = vec!["variable", "mean + 1 std", "std + 1 std"];
@@ -133,8 +137,9 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
             head.extend(["Sobol first order", "Sobol total"]);
         }
         let mut table = vec![head.into_iter().map(str::to_owned).collect::<Vec<String>>()];
-        for row in strongest(summary, state, cycles) {
-            let pair = |value: f64, error: f64| format!("{value:+.4} ± {:.4}", REACH * error);
+        let (rows, all) = strongest(summary, state, cycles);
+        for row in rows {
+            let pair = |value: f64, error: f64| signed_with_width(value, REACH * error);
             // The errors of the derivatives, on the scale of the scaled derivatives.
             let std_of = |derivative: f64, scaled: f64| {
                 if derivative == 0.0 { 0.0 } else { (scaled / derivative).abs() }
@@ -158,6 +163,9 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
             table.push(cells);
         }
         out.push_str(&in_columns(&table, &[0]));
+        if all > SHOWN {
+            writeln!(out, "({SHOWN} of {all} variables, those of the largest changes; --json has all)")?;
+        }
         writeln!(out)?;
     }
     Ok(())
@@ -165,8 +173,10 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
 
 /// Of the checkpoints with derivatives, the one where the reliability is nearest one half.
 fn checkpoint_nearest_one_half(summary: &StudySummary, state: &str) -> Option<u32> {
-    let has_derivatives =
-        |cycles: u32| summary.sensitivity.iter().any(|row| row.cycles == cycles && row.limit_state == state);
+    let has_derivatives = |cycles: u32| {
+        let of_state = |row: &&SensitivityRow| row.cycles == cycles && row.limit_state == state;
+        summary.sensitivity.iter().filter(of_state).any(SensitivityRow::is_known)
+    };
     summary
         .reliability
         .iter()
@@ -176,11 +186,13 @@ fn checkpoint_nearest_one_half(summary: &StudySummary, state: &str) -> Option<u3
         .map(|(cycles, _)| cycles)
 }
 
-fn strongest<'s>(summary: &'s StudySummary, state: &str, cycles: u32) -> Vec<&'s SensitivityRow> {
+/// The variables with the largest changes, at most [`SHOWN`], and the number of all.
+fn strongest<'s>(summary: &'s StudySummary, state: &str, cycles: u32) -> (Vec<&'s SensitivityRow>, usize) {
     let of_state = |row: &&SensitivityRow| row.cycles == cycles && row.limit_state == state;
     let mut rows: Vec<_> = summary.sensitivity.iter().filter(of_state).collect();
     let strength = |row: &SensitivityRow| row.scaled.d_pf_d_mean.abs().max(row.scaled.d_pf_d_std.abs());
     rows.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
+    let all = rows.len();
     rows.truncate(SHOWN);
-    rows
+    (rows, all)
 }

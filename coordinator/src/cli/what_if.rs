@@ -2,6 +2,7 @@
 //! simulations that it has, and with further ones where the answer needs them.
 
 use super::announced::announced;
+use super::decision_error::DecisionError;
 use super::error::CommandError;
 use super::farm::CommandEvaluator;
 use super::output::{print, to_json};
@@ -30,6 +31,10 @@ Examples:
   coordinator what-if study --set wear_coefficient.std='2 %' --set wear.threshold='9 um'
   coordinator what-if study --set friction.distribution=lognormal --set 'correlation(friction,clearance_crank)=0.5' --json
   coordinator what-if study --set wear_coefficient.mean='1.2e-13 1/Pa' --refine 20 --workers auto --out harder";
+
+/// Most simulations of a direct study that surrogates are fitted to: the time grows with the third power of their number, and 2000
+/// took more than ten minutes.
+const MOST_OF_DIRECT: usize = 400;
 
 /// Arguments of `coordinator what-if`.
 #[derive(Debug, Clone, Args)]
@@ -83,6 +88,16 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), 
     settings.check(changed.nominal())?;
     let mut outcomes = known_outcomes(&study.campaign)?;
     let known = outcomes.len();
+    if study.settings.method != Method::ActiveLearning && known > MOST_OF_DIRECT {
+        let (dir, method) = (dir.clone(), study.settings.method.name().to_owned());
+        return Err(DecisionError::TooManySimulations {
+            dir,
+            method,
+            simulations: known,
+            most: MOST_OF_DIRECT,
+        }
+        .into());
+    }
     if refines {
         let further = refine.unwrap_or(settings.max_evaluations);
         simulate_further(&mut study, &changed, &settings, (&outcomes, further), farm, verbosity)?;

@@ -308,6 +308,13 @@ pub struct SensitivityRow {
     pub scaled: SensitivityError,
 }
 
+impl SensitivityRow {
+    /// False where the failure probability is 0 or 1: no derivative is known there.
+    pub fn is_known(&self) -> bool {
+        self.d_pf_d_mean != 0.0 || self.d_pf_d_std != 0.0
+    }
+}
+
 /// Values for the derivatives to the mean and to the standard deviation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct SensitivityError {

@@ -9,6 +9,7 @@
 //! Straub, Papaioannou (2015), Bayesian updating with structural reliability methods, Journal of Engineering Mechanics
 //! 141(3), for likelihoods by a surrogate; the persistent deviation is this project's own, see `deviation.rs`.
 
+use super::observations::Sides;
 use super::response_layout::ResponseLayout;
 use super::{CampaignResult, Surrogate};
 use crate::statistics::design::InputModel;
@@ -72,10 +73,22 @@ impl History {
             _ => values[(i, n - shift)],
         };
         model.set_values(Mat::from_fn(values.nrows(), values.ncols() + shift, value).as_ref());
+        Self::of_model(model, start.is_some(), inflation)
+    }
+
+    /// The history of a distance from a middle by its two sides.
+    fn of_sides(surrogate: &Surrogate, sides: &Sides, inflation: f64) -> Self {
+        let mut model = surrogate.model.clone();
+        let with_start = sides.with_start();
+        model.set_sides(with_start.as_ref().unwrap_or(&sides.values).as_ref());
+        Self::of_model(model, with_start.is_some(), inflation)
+    }
+
+    fn of_model(model: Kriging, has_start: bool, inflation: f64) -> Self {
         Self {
             dual: model.dual(),
             scale: model.sigma2().iter().map(|s| (s * inflation).sqrt()).collect(),
-            has_start: start.is_some(),
+            has_start,
             model,
         }
     }
@@ -110,7 +123,10 @@ impl LifeModel {
         let mode = |(mode, surrogate): (&crate::statistics::learning::Mode, &Surrogate)| {
             let (values, start) =
                 (observations.running_maxima(mode.output), observations.starts(mode.output));
-            let history = History::new(surrogate, &values, start, surrogate.inflation());
+            let history = match observations.sides(mode.output) {
+                Some(sides) => History::of_sides(surrogate, &sides, surrogate.inflation()),
+                None => History::new(surrogate, &values, start, surrogate.inflation()),
+            };
             ModeModel { history, threshold: mode.threshold }
         };
         let modes: Vec<ModeModel> = layout.modes.iter().zip(surrogates).map(mode).collect();

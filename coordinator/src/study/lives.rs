@@ -34,7 +34,11 @@ pub(super) fn learned_lives(scene: &Scene, learned: &CampaignResult) -> LifeCoun
     let parts = layout.modes.iter().zip(&learned.assessment.surrogates).map(|(mode, surrogate)| {
         let values = observations.running_maxima(mode.output);
         let mut model = surrogate.model.clone();
-        if let Some(start) = observations.starts(mode.output) {
+        if let Some(sides) = observations.sides(mode.output) {
+            if let Some(with_start) = sides.with_start() {
+                model.set_sides(with_start.as_ref());
+            }
+        } else if let Some(start) = observations.starts(mode.output) {
             let with_start = |i: usize, n: usize| if n == 0 { start[i] } else { values[(i, n - 1)] };
             model.set_values(Mat::from_fn(values.nrows(), values.ncols() + 1, with_start).as_ref());
         }
@@ -159,14 +163,16 @@ fn unresolved_fall(
 ) -> Option<UnresolvedFall> {
     let failed = shares.failed.last()?;
     let reliability = |k: usize| 1.0 - shares.condition.probability * failed[k];
+    let at_start = total.reliability.first().copied().unwrap_or(1.0);
     let falls = |k: &usize| {
-        let before = if *k == 0 { 1.0 } else { reliability(k - 1) };
+        let before = if *k == 0 { at_start } else { reliability(k - 1) };
         before > FALL.0 && reliability(*k) < FALL.1
     };
     let bounded = |life: &LifeRow| {
         let level = life.reliability;
         let k = (0..checkpoints.len()).find(|k| reliability(*k) <= level)?;
-        life.cycles.is_none().then_some(k)
+        // A level that is not reached even unworn is known.
+        (life.cycles.is_none() && life.interval.upper != Some(0.0)).then_some(k)
     };
     let k = (0..checkpoints.len()).find(falls).or_else(|| lives.iter().find_map(bounded))?;
     let (from, to) = (if k == 0 { 0 } else { checkpoints[k - 1] }, checkpoints[k]);

@@ -14,6 +14,43 @@ pub struct Observed {
     pub errors: Vec<Vec<f64>>,
     /// Values at the start of life `(outputs,)` [unit of the output]; `None` where they are not known.
     pub start: Vec<Option<f64>>,
+    /// Which histories are distances of others from a middle.
+    pub distances: Vec<Distance>,
+}
+
+/// A response that is the distance of an output from the middle between two thresholds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distance {
+    /// Index of its history.
+    pub response: usize,
+    /// Index of the history of the output.
+    pub output: usize,
+    /// The middle [unit of the output].
+    pub middle: f64,
+}
+
+/// The two sides of a distance |y - c| from a middle: the largest y - c so far, and the largest c - y so far.
+#[derive(Debug, Clone)]
+pub(super) struct Sides {
+    /// Values at the m checkpoints, those of the first side first `(n, 2 m)` [unit of the output].
+    pub values: Mat<f64>,
+    /// Their stated errors `(n, 2 m)` [unit of the output].
+    pub errors: Mat<f64>,
+    /// Values at the start of life `(2)(n,)` [unit of the output], if all of them are known.
+    starts: Option<[Vec<f64>; 2]>,
+}
+
+impl Sides {
+    /// Values at the start of life and at the checkpoints `(n, 2 (m + 1))` [unit of the output]; `None` if a start is not known.
+    pub(super) fn with_start(&self) -> Option<Mat<f64>> {
+        let starts = self.starts.as_ref()?;
+        let m = self.values.ncols() / 2;
+        let value = |i: usize, o: usize| {
+            let (side, place) = (o / (m + 1), o % (m + 1));
+            if place == 0 { starts[side][i] } else { self.values[(i, side * m + place - 1)] }
+        };
+        Some(Mat::from_fn(self.values.nrows(), 2 * (m + 1), value))
+    }
 }
 
 /// Result of one sample.
@@ -23,7 +60,7 @@ impl Observed {
     /// Histories `(outputs)(m,)` without numerical errors, from an unknown start.
     pub fn exact(histories: Vec<Vec<f64>>) -> Self {
         let errors = histories.iter().map(|history| vec![0.0; history.len()]).collect();
-        Self { errors, start: vec![None; histories.len()], histories }
+        Self { errors, start: vec![None; histories.len()], histories, distances: vec![] }
     }
 
     /// Running maximum of the history of one output from the start of life `(m,)` [unit of the output].
@@ -53,6 +90,8 @@ pub struct Observations {
     errors: Vec<Vec<Vec<f64>>>,
     /// Values at the start of life `(outputs)(n,)` [unit of the output].
     start: Vec<Vec<Option<f64>>>,
+    /// Which responses are distances from a middle.
+    distances: Vec<Distance>,
     /// Number of points of the initial design.
     design: usize,
 }
@@ -66,6 +105,7 @@ impl Observations {
             histories: vec![Vec::new(); outputs],
             errors: vec![Vec::new(); outputs],
             start: vec![Vec::new(); outputs],
+            distances: Vec::new(),
             design: 0,
         }
     }
@@ -73,6 +113,7 @@ impl Observations {
     /// Adds a standardised point `(d,)` and its result.
     pub fn add(&mut self, z: &[f64], observed: Observed) {
         self.z.extend_from_slice(z);
+        self.distances = observed.distances;
         for (all, history) in self.histories.iter_mut().zip(observed.histories) {
             all.push(history);
         }
@@ -149,21 +190,38 @@ impl Observations {
     /// Stated errors of the running maxima of one output `(n, m)` [unit of the output]: at each checkpoint
     /// the error of the largest value so far, for the start of life that of the first checkpoint.
     pub fn errors_of_running_maxima(&self, output: usize) -> Mat<f64> {
-        let errors_of_maxima =
-            |((history, errors), start): ((&Vec<f64>, &Vec<f64>), &Option<f64>)| -> Vec<f64> {
-                let at_start = errors.first().copied().unwrap_or(0.0);
-                let mut largest = start.map_or((f64::NEG_INFINITY, 0.0), |start| (start, at_start));
-                let take = |(value, error): (&f64, &f64)| {
-                    if *value > largest.0 {
-                        largest = (*value, *error);
-                    }
-                    largest.1
-                };
-                history.iter().zip(errors).map(take).collect()
-            };
         let rows = self.histories[output].iter().zip(&self.errors[output]).zip(&self.start[output]);
-        let errors: Vec<Vec<f64>> = rows.map(errors_of_maxima).collect();
+        let errors: Vec<Vec<f64>> =
+            rows.map(|((history, errors), start)| errors_of_maximum(*start, history, errors)).collect();
         as_matrix(&errors)
+    }
+
+    /// The two sides of a response; `None` if it is no distance from a middle.
+    pub(super) fn sides(&self, response: usize) -> Option<Sides> {
+        let Distance { output, middle, .. } =
+            *self.distances.iter().find(|distance| distance.response == response)?;
+        let (mut values, mut errors) = (Vec::new(), Vec::new());
+        let mut starts = [Vec::new(), Vec::new()];
+        let rows = self.histories[output].iter().zip(&self.errors[output]).zip(&self.start[output]);
+        for ((history, stated), start) in rows {
+            let (mut both, mut both_errors) = (Vec::new(), Vec::new());
+            for (sign, starts) in [1.0, -1.0].into_iter().zip(&mut starts) {
+                let distance = |y: &f64| sign * (y - middle);
+                let (side, start) =
+                    (history.iter().map(distance).collect::<Vec<_>>(), start.as_ref().map(distance));
+                both.extend(running_maximum(start, &side));
+                both_errors.extend(errors_of_maximum(start, &side, stated));
+                starts.extend(start);
+            }
+            values.push(both);
+            errors.push(both_errors);
+        }
+        let known = starts[0].len() == values.len();
+        Some(Sides {
+            values: as_matrix(&values),
+            errors: as_matrix(&errors),
+            starts: known.then_some(starts),
+        })
     }
 
     /// Share of the initial design that reached the threshold by each checkpoint `(m,)` [1], from running
@@ -172,6 +230,20 @@ impl Observations {
         let failed = |n: usize| (0..self.design).filter(|i| running_maxima[(*i, n)] >= threshold).count();
         (0..running_maxima.ncols()).map(|n| failed(n) as f64 / self.design.max(1) as f64).collect()
     }
+}
+
+/// Stated errors of the running maximum of a history `(m,)`: at each checkpoint the error of the largest value so far, for the
+/// start of life that of the first checkpoint.
+fn errors_of_maximum(start: Option<f64>, history: &[f64], errors: &[f64]) -> Vec<f64> {
+    let at_start = errors.first().copied().unwrap_or(0.0);
+    let mut largest = start.map_or((f64::NEG_INFINITY, 0.0), |start| (start, at_start));
+    let take = |(value, error): (&f64, &f64)| {
+        if *value > largest.0 {
+            largest = (*value, *error);
+        }
+        largest.1
+    };
+    history.iter().zip(errors).map(take).collect()
 }
 
 fn as_matrix(rows: &[Vec<f64>]) -> Mat<f64> {
@@ -189,7 +261,11 @@ mod tests {
         let histories = vec![vec![1.0, 3.0, 2.0, 4.0]];
         observations.add(
             &[0.0],
-            Observed { errors: vec![vec![0.1, 0.3, 0.9, 0.2]], start: vec![Some(0.5)], histories },
+            Observed {
+                errors: vec![vec![0.1, 0.3, 0.9, 0.2]],
+                start: vec![Some(0.5)],
+                ..Observed::exact(histories)
+            },
         );
         assert_eq!(observations.starts(0), Some(vec![0.5]));
         observations.add(&[1.0], Observed::exact(vec![vec![5.0; 4]]));
@@ -206,6 +282,28 @@ mod tests {
             observations.running_maxima(0).row(0).iter().copied().collect::<Vec<_>>(),
             [1.0, 3.0, 3.0, 4.0]
         );
+    }
+
+    #[test]
+    fn a_distance_is_the_larger_of_its_sides() {
+        let mut observations = Observations::new(1, 2);
+        let (y, middle) = (vec![0.5, 3.0, -2.0], 1.0);
+        let distance = y.iter().map(|y: &f64| (y - middle).abs()).collect();
+        let observed = Observed {
+            start: vec![Some(0.0), Some(1.0)],
+            errors: vec![vec![0.1, 0.2, 0.3]; 2],
+            distances: vec![Distance { response: 1, output: 0, middle }],
+            ..Observed::exact(vec![y, distance])
+        };
+        observations.add(&[0.0], observed);
+        assert!(observations.sides(0).is_none());
+        let sides = observations.sides(1).unwrap();
+        let row = |of: &Mat<f64>| of.row(0).iter().copied().collect::<Vec<f64>>();
+        assert_eq!(row(&sides.values), [-0.5, 2.0, 2.0, 1.0, 1.0, 3.0]);
+        assert_eq!(row(&sides.errors), [0.1, 0.2, 0.2, 0.1, 0.1, 0.3]);
+        assert_eq!(row(&sides.with_start().unwrap()), [-1.0, -0.5, 2.0, 2.0, 1.0, 1.0, 1.0, 3.0]);
+        let largest = row(&observations.running_maxima(1));
+        assert!((0..3).all(|n| largest[n] == sides.values[(0, n)].max(sides.values[(0, n + 3)])));
     }
 
     #[test]

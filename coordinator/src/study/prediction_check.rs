@@ -81,6 +81,7 @@ pub(super) fn largest_prediction_error(
             points: &points,
             values: &values,
             errors: &errors,
+            sides: None,
             threshold,
         })
     };

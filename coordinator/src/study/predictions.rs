@@ -29,7 +29,9 @@ pub(super) fn predictions(scene: &Scene, learned: &CampaignResult) -> Vec<Predic
         let sign = if limit.fails == Fails::Below { -1.0 } else { 1.0 };
         let shown = |response: f64| unit.to_file(sign * response);
         let values = learned.observations.running_maxima(mode.output);
-        let left_out = surrogate.model.left_out(values.as_ref(), n);
+        let sides = learned.observations.sides(mode.output);
+        let learned_values = sides.as_ref().map_or(&values, |sides| &sides.values);
+        let left_out = surrogate.model.left_out(learned_values.as_ref(), n);
         let factor = surrogate.inflation().sqrt();
         PredictionRow {
             limit_state: limit.name.clone(),
@@ -38,7 +40,7 @@ pub(super) fn predictions(scene: &Scene, learned: &CampaignResult) -> Vec<Predic
             simulated: values.col(n).iter().map(|value| shown(*value)).collect(),
             predicted: left_out.iter().map(|one| shown(one.mean)).collect(),
             std: left_out.iter().map(|one| unit.to_file(factor * one.std)).collect(),
-            q2: surrogate.model.leave_one_out(values.as_ref())[n].q2,
+            q2: surrogate.model.leave_one_out(learned_values.as_ref())[n].q2,
         }
     };
     let all = limits.map(row);

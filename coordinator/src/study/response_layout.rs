@@ -2,7 +2,7 @@
 //! of two, so that failure always means that a response reaches its threshold from below: the negative of an output, or its distance
 //! from the middle between two thresholds.
 
-use super::Observed;
+use super::observations::{Distance, Observed};
 use crate::statistics::learning::Mode;
 use common::scene::{Fails, LimitState, Scene};
 
@@ -53,6 +53,10 @@ impl ResponseLayout {
             let errors = observed.errors[output].clone();
             observed.errors.push(errors);
             observed.start.push(observed.start[output].map(|value| limit.response(value)));
+            if let Some(middle) = limit.middle() {
+                let response = observed.histories.len() - 1;
+                observed.distances.push(Distance { response, output, middle });
+            }
         }
         observed
     }
@@ -85,6 +89,7 @@ mod tests {
             histories: vec![vec![1.0], vec![3.0]],
             errors: vec![vec![0.0], vec![0.5]],
             start: vec![None, Some(2.0)],
+            distances: vec![],
         };
         let complete = responses.complete(observed.clone());
         assert_eq!(complete.histories, [[1.0], [3.0], [-3.0]]);
@@ -102,6 +107,8 @@ mod tests {
         assert_eq!(complete.histories, [[1.0], [3.0], [3.0], [1.0], [6.0]]);
         assert_eq!(complete.errors[2..], [[0.5], [0.5], [0.5]]);
         assert_eq!(complete.start[2..], [Some(2.0), Some(2.0), Some(5.0)]);
+        let distances: Vec<_> = complete.distances.iter().map(|d| (d.response, d.output, d.middle)).collect();
+        assert_eq!(distances, [(2, 1, 0.0), (3, 1, 4.0), (4, 1, -3.0)]);
         let mut above = source.nominal().clone();
         above.limit_states.retain(|limit| limit.fails == Fails::Above);
         assert_eq!(ResponseLayout::from_scene(&above).count(), 2);

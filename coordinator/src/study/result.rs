@@ -5,6 +5,7 @@ use super::interim::InterimResult;
 use super::lives::{learned_lives, life_findings};
 use super::predictions::{predictions, simulations_beyond_a_limit};
 use super::rows::{failures, first_failure, moments, sensitivity_row, sobol};
+use super::stopped::{stop_in_words, targets_met};
 use super::{CampaignResult, ClassifiedPopulation, Settings, StopReason, Surrogate};
 use crate::results::point_summary::{FailurePointRow, PredictionRow};
 use crate::results::scene_summary::{limit_rows, variable_rows};
@@ -12,7 +13,6 @@ use crate::results::summary::{
     ConditionRow, Convergence, EvaluationCounts, Failures, ReliabilityRange, ReliabilityRow, SCHEMA,
     SobolRow, StudySummary, SurrogateRow, Timing, WorkerShare,
 };
-use crate::statistics::learning::Rule;
 use crate::statistics::reliability::{LifeCounts, NumericalBand, OutputDistribution, predict_distributions};
 use crate::statistics::sensitivity::{Sampled, Sensitivity, sensitivities};
 use crate::statistics::surrogate::{Correlation, LeaveOneOut, Sharing, Trend};
@@ -205,7 +205,7 @@ pub(super) fn from_learning(
             failed: learned.failed.len(),
         },
         convergence: Convergence {
-            stopped_because: stop_in_words(learned, settings),
+            stopped_because: stop_in_words(scene, learned, settings),
             targets_met: targets_met(learned, settings),
             larger_budget: matches!(learned.stop, StopReason::Budget).then_some(2 * settings.max_evaluations),
             rounds: learned.rounds.clone(),
@@ -246,57 +246,6 @@ fn output_distributions(scene: &Scene, learned: &CampaignResult) -> Vec<Vec<Outp
             predict_distributions(&model, learned.classified.unconditional())
         })
         .collect()
-}
-
-/// Whether learning ended by a rule and with failures enough for the coefficient of variation asked for.
-fn targets_met(learned: &CampaignResult, settings: &Settings) -> bool {
-    let enough = learned.rounds.last().is_some_and(|round| round.cov_pf <= settings.targets().cov);
-    enough && matches!(learned.stop, StopReason::Rule(_))
-}
-
-fn stop_in_words(learned: &CampaignResult, settings: &Settings) -> String {
-    let targets = settings.targets();
-    let figures = &learned.assessment.figures;
-    let condition = &learned.classified.condition;
-    let variables = learned.classified.population.dimension();
-    let held = targets.points_to_hold(variables, condition.levels > 0);
-    let reason = match learned.stop {
-        StopReason::Rule(Rule::Learning) => format!(
-            "every U_c >= {} and no curve changed by more than {} of the smaller of R and P_f, {} rounds and {} points running, after a fresh fit",
-            targets.min_u, targets.relative_change, targets.hold, held
-        ),
-        StopReason::Rule(Rule::Error) => format!(
-            "the estimated surrogate error of every curve is below {} and no curve changed by more than {}, {} rounds and {} points running, after a fresh fit",
-            targets.error, targets.change, targets.hold, held
-        ),
-        StopReason::Budget => format!(
-            "the budget of {} evaluations is spent; {}",
-            settings.max_evaluations,
-            if figures.error > targets.error {
-                format!("the estimated surrogate error is {:.1e} (target {})", figures.error, targets.error)
-            } else {
-                format!(
-                    "the estimated surrogate error is below its target {}, but has not been for {} rounds and {} points",
-                    targets.error, targets.hold, held
-                )
-            }
-        ),
-    };
-    let system = &learned.assessment.curves[learned.assessment.curves.len() - 1];
-    let cov = learned.rounds.last().map_or(f64::INFINITY, |round| round.cov_pf);
-    if system.iter().all(|failed| *failed == 0.0) {
-        let points = learned.classified.population.len();
-        let bound = if condition.levels > 0 {
-            format!(", which represent a probability of {:.0e}", condition.probability)
-        } else {
-            String::new()
-        };
-        format!("{reason}; no failure was found among {points} points of the population{bound}")
-    } else if cov > targets.cov {
-        format!("{reason}; the coefficient of variation of P_f is still {cov:.3} (target {})", targets.cov)
-    } else {
-        reason
-    }
 }
 
 impl Findings {

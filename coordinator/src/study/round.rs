@@ -232,7 +232,14 @@ fn fit_surrogates(
             let share = observations.design_share(&values, mode.threshold);
             let fitted_on = checkpoints_that_matter(&share, previous.map(|p| p[s].as_slice()), GRID);
             let errors = observations.errors_of_running_maxima(mode.output);
-            let results = ModeResults { points, values: &values, errors: &errors, threshold: mode.threshold };
+            let sides = observations.sides(mode.output);
+            let results = ModeResults {
+                points,
+                values: &values,
+                errors: &errors,
+                sides: sides.as_ref(),
+                threshold: mode.threshold,
+            };
             Surrogate::fit(&results, fitted_on, input.surrogates.get(s), options)
                 .map_err(|source| CampaignError::Surrogate { mode: s, source })
         })

@@ -11,7 +11,9 @@ use common::scene::Scene;
 use faer::{Mat, MatRef};
 use std::collections::BTreeMap;
 
-/// Sobol indices of the limit states' outputs at the checkpoints of the grid; none for dependent variables.
+/// Sobol indices of the limit states' outputs themselves, neither of their running maxima nor of their distances from a middle, at
+/// the checkpoints of the grid; none for dependent variables. The surrogate of a limit state, which learns these, predicts
+/// the output from the same simulations.
 pub(super) fn sobol(scene: &Scene, campaign: &CampaignResult) -> Vec<SobolRow> {
     let cycles = scene.life.checkpoints();
     let population = campaign.classified.unconditional();
@@ -23,7 +25,9 @@ pub(super) fn sobol(scene: &Scene, campaign: &CampaignResult) -> Vec<SobolRow> {
     let (Some(&first), Some(&last)) = (grid.first(), grid.last()) else { return Vec::new() };
     let mut rows = Vec::new();
     for (limit, surrogate) in scene.limit_states.iter().zip(&campaign.assessment.surrogates) {
-        let (model, dual) = (&surrogate.model, surrogate.model.dual());
+        let mut model = surrogate.model.clone();
+        model.set_values(campaign.observations.values(limit.output).as_ref());
+        let dual = model.dual();
         let predict = |points: MatRef<'_, f64>| {
             let all = model.predict_means(points, &dual, first..last + 1);
             Mat::from_fn(grid.len(), points.ncols(), |o, j| all[(grid[o] - first, j)])
@@ -82,7 +86,8 @@ pub(super) fn failure_rows(scene: &Scene, inputs: &InputModel, failed: &[Failed]
     failed.iter().map(row).collect()
 }
 
-/// Moments at one checkpoint: `{limit state}_mean_m` and `_std_m`, or `_rpm` for angular velocities.
+/// Moments at one checkpoint: `{limit state}_mean_m` and `_std_m`, or `_rpm` for angular velocities; one that is too large for a
+/// number is left out.
 pub(super) fn moments(
     scene: &Scene,
     distributions: &[Vec<OutputDistribution>],
@@ -93,8 +98,12 @@ pub(super) fn moments(
     for limit in &scene.limit_states {
         let unit = scene.outputs[limit.output].kind.unit();
         let at = &distributions[limit.output][n];
-        row.insert(unit.key(&format!("{}_mean", limit.name)), unit.to_file(at.mean));
-        row.insert(unit.key(&format!("{}_std", limit.name)), unit.to_file(at.std));
+        for (name, value) in [("mean", at.mean), ("std", at.std)] {
+            let value = unit.to_file(value);
+            if value.is_finite() {
+                row.insert(unit.key(&format!("{}_{name}", limit.name)), value);
+            }
+        }
     }
     MomentsRow { cycles, moments: row }
 }

@@ -1,5 +1,6 @@
 //! The surrogate of one limit state: fitted anew, or extended by the latest results.
 
+use super::observations::Sides;
 use crate::statistics::surrogate::{
     CrossValidation, Effort, Form, FormSettings, Incumbent, Kriging, LeaveOneOut, NoiseShape, Sharing,
     StatedErrors, SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
@@ -14,8 +15,24 @@ pub(super) struct ModeResults<'a> {
     pub values: &'a Mat<f64>,
     /// Stated errors of the running maxima `(n, m)` [unit of the output].
     pub errors: &'a Mat<f64>,
+    /// The two sides of the response, which are learned instead if it is a distance from a middle.
+    pub sides: Option<&'a Sides>,
     /// Threshold of the limit state [unit of the output].
     pub threshold: f64,
+}
+
+impl ModeResults<'_> {
+    /// Values and errors that are learned `(n, m)`, or `(n, 2 m)` of two sides [unit of the output].
+    fn learned(&self) -> (&Mat<f64>, &Mat<f64>) {
+        self.sides.map_or((self.values, self.errors), |sides| (&sides.values, &sides.errors))
+    }
+
+    /// The columns of these of some checkpoints.
+    fn columns_of(&self, checkpoints: &[usize]) -> Vec<usize> {
+        let m = self.values.ncols();
+        let sides = if self.sides.is_some() { 2 } else { 1 };
+        (0..sides).flat_map(|side| checkpoints.iter().map(move |n| side * m + n)).collect()
+    }
 }
 
 /// Options of a fit.
@@ -77,7 +94,8 @@ impl Surrogate {
             return Ok(extended);
         }
         let effort = if effort == Effort::Keep { Effort::Warm } else { effort };
-        let (chosen, errors) = (columns(results.values, &fitted_on), columns(results.errors, &fitted_on));
+        let ((values, errors), places) = (results.learned(), results.columns_of(&fitted_on));
+        let (chosen, errors) = (columns(values, &places), columns(errors, &places));
         let noise = NoiseShape::new(chosen.as_ref(), errors.as_ref(), stated_errors);
         let training =
             TrainingSet { points: results.points.as_ref(), values: chosen.as_ref(), noise: noise.as_ref() };
@@ -97,7 +115,10 @@ impl Surrogate {
             cross_validation = before.cross_validation.clone();
             variance_ratio = before.variance_ratio;
         }
-        model.set_values(results.values.as_ref());
+        match results.sides {
+            Some(sides) => model.set_sides(sides.values.as_ref()),
+            None => model.set_values(results.values.as_ref()),
+        }
         let mut surrogate = Self {
             model,
             fitted_on,
@@ -120,10 +141,10 @@ impl Surrogate {
         let (n, all) = (self.model.points(), results.points.ncols());
         let rows = |of: &Mat<f64>| of.subrows(n, all - n).to_owned();
         let weights = self.noise.as_ref().map(|noise| {
-            let errors = columns(&rows(results.errors), &self.fitted_on);
+            let errors = columns(&rows(results.learned().1), &results.columns_of(&self.fitted_on));
             noise.weights_of(errors.as_ref())
         });
-        let (points, values) = (results.points.subcols(n, all - n), rows(results.values));
+        let (points, values) = (results.points.subcols(n, all - n), rows(results.learned().0));
         let model = self.model.extended(points, values.as_ref(), weights.as_deref()).ok()?;
         let mut extended = Self { model, repairs: 0, ..self.clone() };
         extended.update_figures(results);
@@ -133,7 +154,7 @@ impl Surrogate {
     /// Updates the leave-one-out figures, and the noise in relation to the stated errors and to the variance
     /// of the values.
     fn update_figures(&mut self, results: &ModeResults<'_>) {
-        let all = self.model.leave_one_out(results.values.as_ref());
+        let all = self.model.leave_one_out(results.learned().0.as_ref());
         self.leave_one_out = self.fitted_on.iter().map(|n| all[*n]).collect();
         let errors = columns(results.errors, &self.fitted_on);
         let stated = errors.squared_norm_l2() / errors.nrows() as f64;

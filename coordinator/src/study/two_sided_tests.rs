@@ -163,3 +163,61 @@ fn issue_a_limit_exceeded_unworn_was_forgotten_where_the_output_recovers() {
         }
     }
 }
+
+/// P of -h < a k + 0.2 b < h for k of the start of life and of `cycles`, a and b standard normal: the largest distance is at one of
+/// the two, since it is convex in k; by the midpoint rule over a.
+fn exact_of_growing_swing(h: f64, cycles: f64) -> f64 {
+    let ends = [1.0, 1.0 + 0.02 * cycles];
+    let steps = 40_000;
+    let width = 16.0 / f64::from(steps);
+    let piece = |i: i32| {
+        let a = -8.0 + (f64::from(i) + 0.5) * width;
+        let lower = ends.map(|k| (-h - a * k) / 0.2).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let upper = ends.map(|k| (h - a * k) / 0.2).into_iter().fold(f64::INFINITY, f64::min);
+        let within = (standard_normal_cdf(upper) - standard_normal_cdf(lower)).max(0.0);
+        common::random::standard_normal_pdf(a) * within * width
+    };
+    (0..steps).map(piece).sum()
+}
+
+#[test]
+fn issue_a_budget_that_ended_learning_left_intervals_without_the_truth() {
+    // The distance from the middle has a kink in the middle of the population, its two sides have none.
+    const LIMIT: f64 = 2.5;
+    let text = format!(
+        "scene = {{ name = \"s\" }}\nsimulator = {{ program = [\"s\"] }}\nlife = {{ cycles = 10, checkpoint_every = 2 }}\n\
+         outputs = [{{ name = \"y\" }}]\n\
+         limit_states = [{{ name = \"range\", output = \"y\", lower = -{LIMIT}, upper = {LIMIT} }}]\n\
+         variables = [{{ name = \"a\", mean = 0, std = 1, distribution = \"normal\" }},\n\
+         {{ name = \"b\", mean = 0, std = 1, distribution = \"normal\" }}]"
+    );
+    let scene = SceneSource::parse(&text, "s").unwrap_or_else(|faults| panic!("{faults}")).nominal().clone();
+    let cycles = scene.life.checkpoints();
+    let value = |x: &[f64], n: u32| x[0] * (1.0 + 0.02 * f64::from(n)) + 0.2 * x[1];
+    for seed in 1..=4 {
+        let settings =
+            Settings { seed, samples: 40_000, initial: 12, max_evaluations: 16, ..Settings::from(&scene) };
+        let simulate = |request: &crate::farm::evaluate::Request| {
+            let history = cycles.iter().map(|n| value(&request.sample, *n)).collect();
+            let mut evaluation = Evaluation::from_histories(cycles.clone(), vec![history]);
+            evaluation.start = vec![Some(value(&request.sample, 0))];
+            Ok(evaluation)
+        };
+        let mut evaluator = crate::farm::evaluate::local::LocalEvaluator::new(1, simulate);
+        let result =
+            run(&scene, &settings, &mut evaluator, &mut InMemoryJournal::default(), &mut Silent).unwrap();
+        for row in &result.summary.reliability {
+            let (r, error) = (row.reliability["range"], row.standard_error["range"]);
+            let expected = exact_of_growing_swing(LIMIT, row.cycles.into());
+            assert!(
+                (r - expected).abs() < 4.0 * error,
+                "seed {seed} at {}: {r} {error} {expected}",
+                row.cycles
+            );
+            // Nearly that of the population: the two sides are planes.
+            assert!(error < 2e-3, "{row:?}");
+        }
+        let [row] = &result.summary.predictions[..] else { panic!("one limit state") };
+        assert!(row.q2 > 0.999, "{}", row.q2);
+    }
+}

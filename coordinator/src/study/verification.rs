@@ -175,8 +175,14 @@ pub fn verify(
             let errors = learned.errors_of_running_maxima(mode.output);
             let share = learned.design_share(&values, mode.threshold);
             let fitted_on = checkpoints_that_matter(&share, None, GRID);
-            let results =
-                ModeResults { points: &points, values: &values, errors: &errors, threshold: mode.threshold };
+            let sides = learned.sides(mode.output);
+            let results = ModeResults {
+                points: &points,
+                values: &values,
+                errors: &errors,
+                sides: sides.as_ref(),
+                threshold: mode.threshold,
+            };
             let options = FitOptions {
                 forms: settings.forms,
                 stated_errors: settings.stated_errors,

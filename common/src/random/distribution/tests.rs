@@ -64,8 +64,8 @@ fn integrate(d: &Distribution, to: f64, h: impl Fn(f64) -> f64) -> f64 {
     knots.windows(2).map(|pair| panel(pair[0], pair[1])).sum()
 }
 
-/// Measured values, at which an empirical density jumps.
-const CORNERS: [f64; 6] = [1.0, 2.0, 2.0, 2.5, 4.0, 7.0];
+/// Measured values, at which an empirical density jumps; equal ones are tested beside the law.
+const CORNERS: [f64; 5] = [1.0, 2.0, 2.5, 4.0, 7.0];
 
 /// Where the density has a corner or a jump inside its support.
 fn kink(d: &Distribution) -> impl Iterator<Item = f64> + use<> {

@@ -55,7 +55,7 @@ struct TargetRow {
 /// # Errors
 /// [`CalibrationError::Targets`] with the first fault.
 pub fn read(path: &Path, scene: &Scene) -> Result<CalibrationTargets, CalibrationError> {
-    let text = std::fs::read_to_string(path).map_err(|error| fault(path, "", error.to_string()))?;
+    let text = std::fs::read_to_string(path).map_err(|error| fault(path, "", unreadable(&error)))?;
     parse(&text, path, scene)
 }
 
@@ -88,11 +88,19 @@ fn fault(path: &Path, key: &str, what: String) -> CalibrationError {
     CalibrationError::Targets { file: path.display().to_string(), key, what }
 }
 
+/// Why a file cannot be read, in the words of the reader of scenes.
+fn unreadable(error: &std::io::Error) -> String {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "cannot be read: there is no such file".to_owned(),
+        _ => format!("cannot be read: {error}"),
+    }
+}
+
 /// Reads the table `[published]` of a reference file in the folder of the file of targets.
 fn published(path: &Path, file: &str) -> Result<Table, CalibrationError> {
     let refuse = |what: String| fault(path, "reference", format!("{file}: {what}"));
     let text = std::fs::read_to_string(path.parent().unwrap_or(Path::new(".")).join(file))
-        .map_err(|error| refuse(error.to_string()))?;
+        .map_err(|error| refuse(unreadable(&error)))?;
     let mut table: Table = text.parse().map_err(|error: toml::de::Error| refuse(error.to_string()))?;
     match table.remove("published") {
         Some(Value::Table(published)) => Ok(published),
@@ -233,7 +241,7 @@ impl Reader<'_> {
         let name = row.name.clone().unwrap_or_else(|| format!("bore {}", self.scene.joints[joint].name));
         let location = self.path.parent().unwrap_or(Path::new(".")).join(file);
         let text = std::fs::read_to_string(&location)
-            .map_err(|error| fault(self.path, &key, format!("{file}: {error}")))?;
+            .map_err(|error| fault(self.path, &key, format!("{file}: {}", unreadable(&error))))?;
         let mut targets = Vec::new();
         for (number, line) in text.lines().enumerate() {
             let cells: Vec<&str> = line.split([',', ';', '\t']).map(str::trim).collect();

@@ -9,7 +9,7 @@ use crate::presentation::report::PlotError;
 use crate::presentation::report::decision::{DecisionPage, DecisionTable};
 use crate::presentation::report::format::{count, percent, rounded_cycles, three_digits};
 use crate::presentation::report::life::{
-    Included, LEVELS, life_and_limits, life_at, reliability, states_numerical_errors, unresolved_fall,
+    Included, LEVELS, LifeAt, life_and_limits, life_at, reliability, states_numerical_errors, unresolved_fall,
 };
 use crate::results::summary::StudySummary;
 use serde_json::{Map, Value, json};
@@ -94,6 +94,10 @@ pub fn json(report: &DesignReport<'_>) -> Value {
 /// The answers as text.
 pub fn text(report: &DesignReport<'_>) -> String {
     let mut text = table(report, ROWS).in_columns();
+    let all = report.answers.len();
+    if all > ROWS {
+        text += &format!("({ROWS} of {all} designs, the best first; --json and --out have all)\n");
+    }
     text.push('\n');
     let best = report.best.as_ref().map(|best| best_in_words(report, best));
     for sentence in best.into_iter().chain(sentences(report)) {
@@ -207,19 +211,32 @@ fn sentences(report: &DesignReport<'_>) -> Vec<String> {
             report.command
         ));
     }
-    let unresolved = report.answers.iter().find_map(|answer| unresolved_fall(&answer.summary));
-    all.extend(unresolved.map(|note| format!("Caution: {note}")));
+    let mut unresolved = report
+        .answers
+        .iter()
+        .enumerate()
+        .filter_map(|(i, answer)| Some((i, unresolved_fall(&answer.summary)?)));
+    if let Some((first, note)) = unresolved.next() {
+        let more = match unresolved.count() {
+            0 => String::new(),
+            more => format!(", and in the same way {more} more"),
+        };
+        all.push(format!("Caution, design {}{more}: {note}", report.in_words(first)));
+    }
     all
 }
 
 fn best_in_words(report: &DesignReport<'_>, best: &Best) -> String {
     let (what, value) = match best.objective {
         Objective::Life { level } => {
+            // The digits of the table.
+            let found = life_at(&report.answers[best.index].summary, "total", level, Included::All);
+            let life = match found {
+                LifeAt::Cycles { .. } => life_and_limits(found).0,
+                _ => rounded_cycles(best.value, if best.value < 100.0 { 1.0 } else { 10.0 }),
+            };
             let bound = if best.is_bound { "more than " } else { "" };
-            (
-                format!("Longest life at R = {level}"),
-                format!("{bound}{} cycles", rounded_cycles(best.value, 10.0)),
-            )
+            (format!("Longest life at R = {level}"), format!("{bound}{life} cycles"))
         }
         Objective::Reliability { cycles } => (format!("Largest R({cycles})"), format!("{:.4}", best.value)),
     };

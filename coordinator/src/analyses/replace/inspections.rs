@@ -2,11 +2,10 @@
 //! and the last age with the least cost per cycle for every schedule of inspections.
 
 use super::ReplacementError;
-use crate::statistics::design::{Population, Stream, deviation, open_stream};
+use crate::statistics::design::{Population, deviation};
 use crate::statistics::replacement::{InspectedSamples, PolicyCosts, PolicyOutcome, best_policy, outcome_of};
 use crate::study::LifeModel;
 use common::scene::{Fails, Scene};
-use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
 /// Number of units.
@@ -81,6 +80,10 @@ pub struct InspectionRow {
     pub cost_rate: f64,
     /// Its standard error by the number of units.
     pub standard_error: f64,
+    /// Lower 95 % limit of the cost per cycle by the number of units.
+    pub lower: f64,
+    /// Upper 95 % limit, with the failures that no unit may have shown.
+    pub upper: f64,
     /// Share of the units that fail before they are replaced [1].
     pub failed: f64,
     /// Share of the units that are replaced because of the level [1].
@@ -117,6 +120,7 @@ pub fn inspect(
     let mut watching =
         scene.limit_states.iter().filter(|l| l.output == plan.output && l.fails != Fails::Above);
     let limit = watching.clone().find(|l| l.middle().is_some()).or_else(|| watching.next());
+    let two_sided = limit.is_some_and(|limit| limit.middle().is_some());
     let response = |value: f64| limit.map_or(value, |limit| limit.response(value));
     // Values of the output at a level of the response: the upper one, and the lower one of two.
     let level_of = |response: f64| match limit {
@@ -128,16 +132,13 @@ pub fn inspect(
     };
     let row = |(schedule, times): (&Schedule, Vec<f64>)| {
         let count = times.len();
-        let mut rng = open_stream(seed, Stream::Curve);
         let mut values = Vec::with_capacity(UNITS * count);
         for j in 0..UNITS {
-            for t in &times {
-                let noise: f64 = StandardNormal.sample(&mut rng);
-                let value = model.value_at(plan.output, &responses.histories[0], j, *t);
-                values.push(response(value + plan.error * noise));
-            }
+            values.extend(
+                times.iter().map(|t| response(model.value_at(plan.output, &responses.histories[0], j, *t))),
+            );
         }
-        let samples = InspectedSamples { lives: lives.clone(), times, values };
+        let samples = InspectedSamples { lives: lives.clone(), times, values, error: plan.error, two_sided };
         let policy = best_policy(&samples, &plan.costs)?;
         let outcome: PolicyOutcome = outcome_of(&samples, &policy, &plan.costs);
         let (level, lower_level) = level_of(policy.level);
@@ -150,6 +151,8 @@ pub fn inspect(
             age: samples.times[policy.last],
             cost_rate: outcome.cost_rate,
             standard_error: outcome.standard_error,
+            lower: outcome.lower,
+            upper: outcome.upper,
             failed: outcome.failed,
             by_level: outcome.by_level,
             mean_life: outcome.mean_life,

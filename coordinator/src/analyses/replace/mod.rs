@@ -22,6 +22,14 @@ use thiserror::Error;
 /// Points of the curve of the cost rate.
 const POINTS: usize = 200;
 
+/// The checkpoints that would resolve a fall before the first one; none where this is one cycle.
+fn finer(first: u32, checkpoint_every: u32) -> String {
+    if first <= 1 {
+        return String::new();
+    }
+    format!("; if not, a study with checkpoint_every = {checkpoint_every} resolves it")
+}
+
 /// Reasons why there is no answer.
 #[derive(Debug, Error, PartialEq)]
 pub enum ReplacementError {
@@ -52,8 +60,8 @@ pub enum ReplacementError {
     },
     /// The curve falls before the first checkpoint.
     #[error(
-        "the best age lies before the first checkpoint, {first} cycles, where the fall of R is not resolved: limits may be exceeded \
-         unworn, in the first cycle; if not, a study with checkpoint_every = {checkpoint_every} resolves it"
+        "the best age lies before the first checkpoint, {first} cycle{}, where the fall of R is not resolved: limits may be exceeded \
+         unworn, in the first cycle{}", if *.first == 1 { "" } else { "s" }, finer(*.first, *.checkpoint_every)
     )]
     Unresolved {
         /// The first checkpoint [cycles].

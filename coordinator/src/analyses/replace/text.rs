@@ -1,6 +1,7 @@
 //! The answer of `coordinator replace` as text.
 
 use super::{RateRow, ReplacementReport, Stated};
+use crate::presentation::report::format::short_percent;
 use crate::presentation::text_table::in_columns;
 use crate::results::life_summary::LifeRow;
 use common::scene::Scene;
@@ -30,15 +31,15 @@ fn write_report(out: &mut String, report: &ReplacementReport, scene: &Scene) -> 
     let at_most = if report.mean_life_is_bound { "at most " } else { "" };
     writeln!(out, "run to failure       {at_most}{} per cycle", digits(&report.run_to_failure))?;
     writeln!(out, "replacement saves    {at_most}{}", percent(&report.gain))?;
-    writeln!(out, "mean life            {at_least}{} cycles", cycles(&report.mean_life))?;
+    writeln!(out, "mean life            {at_least}{} cycles", cycles(&report.mean_life, end))?;
     if report.mean_life_is_bound {
         writeln!(
             out,
             "                     units outlive the study, which ends at {end:.0} cycles: the mean life is that up to there"
         )?;
     }
-    for life in &report.lives {
-        writeln!(out, "{:<21}{}", format!("B{:.0}", 100.0 * (1.0 - life.reliability)), life_text(life, end))?;
+    for row in &report.lives {
+        writeln!(out, "{:<21}{}", format!("B{:.0}", 100.0 * (1.0 - row.reliability)), life_text(row, end))?;
     }
     write_rates(out, &report.rates)?;
     write_inspections(out, report, scene)
@@ -55,8 +56,8 @@ fn write_age(out: &mut String, report: &ReplacementReport) -> std::fmt::Result {
         if age.lower < *end {
             writeln!(
                 out,
-                "                     within the limits of R there may be a minimum, not before {:.0} cycles",
-                age.lower
+                "                     within the limits of R there may be a minimum, not before {} cycles",
+                life(age.lower, *end)
             )?;
         }
         writeln!(out, "cost at the end      {} per cycle", digits(&report.cost_rate))?;
@@ -64,10 +65,10 @@ fn write_age(out: &mut String, report: &ReplacementReport) -> std::fmt::Result {
         let later = if age.upper >= *end { " or later" } else { "" };
         writeln!(
             out,
-            "replace at           {:.0} cycles ({:.0} to {:.0}{later}), where R = {:.4} ({:.4} to {:.4})",
-            age.value,
-            age.lower,
-            age.upper,
+            "replace at           {} cycles ({} to {}{later}), where R = {:.4} ({:.4} to {:.4})",
+            life(age.value, *end),
+            life(age.lower, *end),
+            life(age.upper, *end),
             report.reliability_at_age.value,
             report.reliability_at_age.lower,
             report.reliability_at_age.upper
@@ -90,18 +91,30 @@ fn percent(stated: &Stated) -> String {
     )
 }
 
-fn cycles(stated: &Stated) -> String {
-    format!("{:.0} ({:.0} to {:.0})", stated.value, stated.lower, stated.upper)
+/// A life with three digits of the length of the study at least, whole cycles from 1000 on.
+fn life(cycles: f64, end: f64) -> String {
+    let decimals = (3.0 - end.max(1.0).log10().ceil()).clamp(0.0, 3.0) as usize;
+    format!("{cycles:.decimals$}")
+}
+
+fn cycles(stated: &Stated, end: f64) -> String {
+    format!("{} ({} to {})", life(stated.value, end), life(stated.lower, end), life(stated.upper, end))
 }
 
 /// Life of a level with its interval, or its bound.
-fn life_text(life: &LifeRow, end: f64) -> String {
-    let range = life.whole_interval();
-    let upper = range.upper.map_or(format!("beyond {end:.0}"), |upper| format!("{upper:.0}"));
-    match life.cycles {
-        None if range.upper == Some(0.0) => "0 cycles: more units than that exceed a limit unworn".to_owned(),
-        Some(cycles) => format!("{cycles:.0} cycles ({:.0} to {upper})", range.lower),
-        None => format!("between {:.0} and {upper} cycles", range.lower),
+fn life_text(row: &LifeRow, end: f64) -> String {
+    let range = row.whole_interval();
+    let shown = |cycles: f64| life(cycles, end);
+    match (row.cycles, range.upper) {
+        (None, Some(0.0)) => "0 cycles: more units than that exceed a limit unworn".to_owned(),
+        (Some(cycles), Some(upper)) => {
+            format!("{} cycles ({} to {})", shown(cycles), shown(range.lower), shown(upper))
+        }
+        (Some(cycles), None) => {
+            format!("{} cycles ({} to beyond {end:.0})", shown(cycles), shown(range.lower))
+        }
+        (None, Some(upper)) => format!("between {} and {} cycles", shown(range.lower), shown(upper)),
+        (None, None) => format!("beyond {} cycles", shown(range.lower)),
     }
 }
 
@@ -136,14 +149,15 @@ fn write_inspections(out: &mut String, report: &ReplacementReport, scene: &Scene
     let unit = output.map(|output| output.kind.unit());
     writeln!(
         out,
-        "\nReplacement above a measured {}, at a last age in any case; lives and ages in cycles, cost with its standard error by counting",
+        "\nReplacement above a measured {}, at a last age in any case; lives and ages in cycles, cost with 95 % limits by the number \
+         of units, the upper one with failures that none of them shows",
         first.output
     )?;
     let head = [
         "inspected every",
         "replaced from",
         "last age",
-        "cost per cycle",
+        "cost per cycle (95 %)",
         "failed",
         "replaced by level",
         "mean life",
@@ -155,13 +169,13 @@ fn write_inspections(out: &mut String, report: &ReplacementReport, scene: &Scene
             |level: f64| unit.as_ref().map(|unit| unit.after(&format!("{:.4}", unit.to_shown(level))));
         let levels: Vec<String> = row.lower_level.into_iter().chain(row.level).filter_map(shown).collect();
         vec![
-            row.every.map_or("given".to_owned(), |every| format!("{every:.0}")),
+            row.every.map_or("given".to_owned(), |every| every.to_string()),
             if levels.is_empty() { "the age only".to_owned() } else { levels.join(", ") },
-            format!("{:.0}", row.age),
-            format!("{:.4e} ± {:.1e}", row.cost_rate, row.standard_error),
-            format!("{:.2} %", 100.0 * row.failed),
+            life(row.age, report.end),
+            format!("{:.4e} ({:.4e} to {:.4e})", row.cost_rate, row.lower, row.upper),
+            short_percent(row.failed),
             format!("{:.1} %", 100.0 * row.by_level),
-            format!("{:.0}", row.mean_life),
+            life(row.mean_life, report.end),
             format!("{:.1}", row.inspections),
         ]
     }));
@@ -178,4 +192,27 @@ fn write_inspections(out: &mut String, report: &ReplacementReport, scene: &Scene
         )?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::life_summary::CyclesRange;
+
+    #[test]
+    fn issue_short_lives_had_no_decimals_and_bounds_no_sense() {
+        let row = |cycles: Option<f64>, lower: f64, upper: Option<f64>| LifeRow {
+            limit_state: "total".to_owned(),
+            reliability: 0.9,
+            cycles,
+            interval: CyclesRange { lower, upper },
+            with_numerical_error: None,
+        };
+        assert_eq!(life_text(&row(Some(7.4823), 7.1, Some(7.9)), 10.0), "7.48 cycles (7.10 to 7.90)");
+        assert_eq!(life_text(&row(Some(7482.3), 7100.0, None), 1e4), "7482 cycles (7100 to beyond 10000)");
+        assert_eq!(life_text(&row(None, 10.0, None), 10.0), "beyond 10.00 cycles");
+        assert_eq!(life_text(&row(None, 0.0, Some(3.0)), 100.0), "between 0.0 and 3.0 cycles");
+        let unworn = life_text(&row(None, 0.0, Some(0.0)), 10.0);
+        assert_eq!(unworn, "0 cycles: more units than that exceed a limit unworn");
+    }
 }

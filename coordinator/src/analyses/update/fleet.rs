@@ -16,9 +16,6 @@ use std::collections::BTreeMap;
 /// Probability, times the number of a unit's observations, below which an observation is improbable [1].
 const IMPROBABLE: f64 = 0.01;
 
-/// Least probability that is stated [1].
-const LEAST: f64 = 1e-12;
-
 /// Settings of the updating.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FleetSettings {
@@ -99,12 +96,12 @@ fn update_unit(
     let mut rng = open_stream(settings.seed, Stream::Unit(number as u32));
     match settings.monte_carlo.update(particles, &evidence, &predictor, &mut rng) {
         Ok(posterior) => report(scene, model, unit, &posterior),
-        Err(unsupported) => impossible(unit, unsupported),
+        Err(found) => unsupported(unit, found),
     }
 }
 
 /// The report of a unit that no point of the model agrees with.
-fn impossible(unit: &ObservedUnit, Unsupported { place }: Unsupported) -> UnitReport {
+fn unsupported(unit: &ObservedUnit, Unsupported { place, resolution }: Unsupported) -> UnitReport {
     let observation = &unit.observations[place];
     UnitReport {
         unit: unit.name.clone(),
@@ -119,8 +116,9 @@ fn impossible(unit: &ObservedUnit, Unsupported { place }: Unsupported) -> UnitRe
         stages: 0,
         acceptance: None,
         warning: Some(format!(
-            "{} at {} cycles (line {}) is impossible under the model: no unit of the study agrees with it, and nothing is \
-             stated about this unit",
+            "{} at {} cycles (line {}) agrees with none of the points of the model that the earlier observations leave: its \
+             probability is below {resolution:.1e} (95 %), and nothing is stated about this unit; more --points show whether \
+             it is possible",
             observation.name, observation.cycles, observation.line
         )),
     }
@@ -128,13 +126,15 @@ fn impossible(unit: &ObservedUnit, Unsupported { place }: Unsupported) -> UnitRe
 
 fn report(scene: &Scene, model: &LifeModel, unit: &ObservedUnit, posterior: &UnitPosterior) -> UnitReport {
     let now = unit.observed_until();
-    let rows = unit.observations.iter().zip(&posterior.probabilities);
+    let predicted = posterior.probabilities.iter().zip(&posterior.resolutions);
+    let rows = unit.observations.iter().zip(predicted);
     let observations: Vec<ObservationRow> = rows
-        .map(|(o, p)| ObservationRow {
+        .map(|(o, (probability, resolution))| ObservationRow {
             line: o.line,
             cycles: o.cycles,
             quantity: o.name.clone(),
-            probability: *p,
+            probability: *probability,
+            resolution: *resolution,
         })
         .collect();
     UnitReport {
@@ -163,7 +163,11 @@ fn warning(observations: &[ObservationRow]) -> Option<String> {
             least.quantity,
             least.cycles,
             least.line,
-            if least.probability < LEAST { format!("below {LEAST:e}") } else { format!("{:.1e}", least.probability) }
+            if least.probability < least.resolution {
+                format!("below {:.1e}, which the number of points does not resolve", least.resolution)
+            } else {
+                format!("{:.1e}", least.probability)
+            }
         )
     })
 }

@@ -95,4 +95,6 @@ pub struct ObservationRow {
     /// Probability, under the model and the earlier observations of the unit, of a value at least as far off [1]; of survival or
     /// failure the probability that it happens.
     pub probability: f64,
+    /// Probability below which the number of points says nothing, 3 over their effective size [1].
+    pub resolution: f64,
 }

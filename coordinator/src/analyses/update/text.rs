@@ -65,7 +65,7 @@ fn unit_row(unit: &UnitReport, end: f64) -> Vec<String> {
     if unit.reliability.is_empty() {
         let nothing = ["–"; 5].map(str::to_owned);
         let start = [unit.unit.clone(), format!("{now:.0}")];
-        let why = "impossible under the model, see below".to_owned();
+        let why = "no point of the model agrees, see below".to_owned();
         return start.into_iter().chain(nothing).chain([why]).collect();
     }
     let there = &unit.reliability[0];
@@ -114,7 +114,8 @@ fn write_variables(out: &mut String, unit: &UnitReport) -> std::fmt::Result {
 }
 
 /// One row per unit: `unit, observed_until, R, R_standard_error, remaining_5, remaining_50, remaining_95, effective_size,
-/// stages, least_probability, warning`; lives beyond the study are empty.
+/// stages, least_probability, warning`; lives beyond the study are empty. The least probability is at least what the number of
+/// points resolves.
 pub fn csv(report: &FleetReport) -> String {
     let mut table = CsvTable::new([
         "unit",
@@ -132,7 +133,8 @@ pub fn csv(report: &FleetReport) -> String {
     for unit in &report.units {
         let or_empty = |value: Option<f64>| value.map_or(String::new(), number);
         let there = unit.reliability.first();
-        let least = unit.observations.iter().map(|o| o.probability).fold(f64::INFINITY, f64::min);
+        let least =
+            unit.observations.iter().map(|o| o.probability.max(o.resolution)).fold(f64::INFINITY, f64::min);
         table.push([
             unit.unit.clone(),
             number(unit.observed_until),

@@ -2,6 +2,7 @@
 //! simulations and over populations of common random numbers, and their changes with intervals.
 
 use super::changes::Changes;
+use super::outside::widen;
 use super::region::Region;
 use crate::analyses::paired_results::{ChangeOfLife, PairedResults, ReliabilityChange};
 use crate::results::summary::StudySummary;
@@ -86,12 +87,17 @@ pub fn ask(study: &FinishedStudy<'_>, changed: &Scene) -> Result<WhatIf, StudyEr
     let summaries = [(scene, &before), (changed, &after)]
         .map(|(scene, learned)| result_of(scene, settings, learned, started).summary);
     let paired = PairedResults::new(before.assessment.first_failures(), after.assessment.first_failures());
-    let [before_summary, after_summary] = summaries;
+    let [before_summary, mut after_summary] = summaries;
+    let region = Region::new(scene, &before, &after);
+    let unknown = region.unknown_share();
+    if unknown > 0.0 {
+        widen(&mut after_summary, unknown);
+    }
     Ok(WhatIf {
         changes: Changes::between(scene, changed),
         reliability: paired.reliability(&before_summary, &after_summary),
         lives: paired.lives(&before_summary, &after_summary),
-        region: Region::new(scene, &before, &after),
+        region,
         agreement: summary.map(|summary| agreement(summary, &before_summary)),
         surrogate_error: after.assessment.errors.largest(),
         target_error: settings.targets().error,

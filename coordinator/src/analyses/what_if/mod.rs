@@ -11,12 +11,14 @@
 //! | `changes` | what was changed, as data |
 //! | `answer` | reliability, lives and first failures before and after, and their changes |
 //! | `region` | where the changed population leaves the simulated region |
+//! | `outside` | intervals where most of it does |
 //! | `report` | the answer as text, JSON and page |
 //! | `sentences` | its meaning and its errors in words |
 
 mod answer;
 mod changed_scene;
 mod changes;
+mod outside;
 mod region;
 mod report;
 mod sentences;

@@ -42,6 +42,10 @@ pub struct OutsideVariable {
 /// Share of a population [1] beyond twice the studied one's by which the region counts as left.
 const MARGIN: f64 = 0.05;
 
+/// Share of a population [1] outside of the region, more than that of the studied one, from which the surrogates' own errors are not
+/// taken for the intervals.
+const MOST: f64 = 0.5;
+
 /// True if the share `after` of the changed population outside of a region is clearly larger than that of the studied one.
 fn is_more(before: f64, after: f64) -> bool {
     after > 2.0 * before + MARGIN
@@ -87,6 +91,14 @@ impl Region {
             uncertain_after: uncertain(before, after),
             variables,
         }
+    }
+
+    /// Share of the changed population outside of the simulated values [1], if it is most of it and more than that of the studied one;
+    /// else 0.
+    pub fn unknown_share(&self) -> f64 {
+        let any = (self.outside_before, self.outside_after);
+        let shares = self.variables.iter().map(|v| (v.outside_before, v.outside_after)).chain([any]);
+        shares.filter(|(before, after)| after - before > MOST).map(|(_, after)| after).fold(0.0, f64::max)
     }
 
     /// True if the changed population leaves the region clearly more than the studied one.

@@ -5,7 +5,7 @@ use super::changes::{ChangedVariable, LawParameters};
 use super::sentences::sentences;
 use crate::analyses::paired_results::{ChangeOfLife, ChangeRow, curve_names};
 use crate::presentation::report::decision::{DecisionPage, DecisionTable};
-use crate::presentation::report::format::{count, percent, three_digits, with_width};
+use crate::presentation::report::format::{count, percent, signed_with_width};
 use crate::presentation::report::life::{
     Included, LEVELS, life_and_limits, life_at, reliability, rows_that_matter,
 };
@@ -164,11 +164,7 @@ fn six_digits(value: f64) -> String {
 fn signed(change: &ChangeRow) -> String {
     let widths = [change.upper.map(|u| u - change.value), change.lower.map(|l| change.value - l)];
     let width = widths.into_iter().flatten().fold(0.0, f64::max);
-    if change.value == 0.0 {
-        return if width > 0.0 { format!("0 ± {}", three_digits(width)) } else { "0".to_owned() };
-    }
-    let text = with_width(change.value, width);
-    if change.value > 0.0 { format!("+{text}") } else { text }
+    signed_with_width(change.value, width)
 }
 
 /// R of the system before and after at the checkpoints that matter.

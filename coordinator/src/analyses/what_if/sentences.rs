@@ -84,5 +84,12 @@ fn region(answer: &WhatIf) -> String {
         text += " The stated errors grow there as the surrogates expect; whether the response goes on as inside, only \
                  simulations show (--refine).";
     }
+    let unknown = region.unknown_share();
+    if unknown > 0.0 {
+        text += &format!(
+            " That is most of it: the intervals after the change allow that all or none of these {} fail.",
+            percent(unknown)
+        );
+    }
     text
 }

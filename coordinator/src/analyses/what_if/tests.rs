@@ -220,3 +220,31 @@ fn common_random_numbers_narrow_the_interval_of_a_change() {
     let of_change = change.upper.unwrap() - change.lower.unwrap();
     assert!(of_change < 0.7 * both[0].hypot(both[1]), "{of_change} {both:?}");
 }
+
+#[test]
+fn issue_a_population_far_outside_of_the_simulations_had_narrow_intervals() {
+    // Five standard deviations of the force beyond its mean: nothing was simulated there.
+    let found = answer(&["force.mean=1.5", "yield.threshold=2.2", "sag.threshold=3"]);
+    assert!(found.region.unknown_share() > 0.9, "{:?}", found.region);
+    for row in &found.after.reliability {
+        let range = row.interval_of("total").unwrap();
+        assert!(range.upper - range.lower > 0.9, "{row:?}");
+        let change =
+            &found.reliability.iter().find(|change| change.cycles == row.cycles).unwrap().change["total"];
+        let (lower, upper) = (change.lower.unwrap(), change.upper.unwrap());
+        assert!(upper - lower > 0.9, "{change:?}");
+    }
+    for life in found.after.lives.iter().filter(|life| life.cycles.is_some()) {
+        let cycles = life.cycles.unwrap();
+        assert!(
+            life.interval.lower <= cycles && life.interval.upper.is_none_or(|upper| upper >= cycles),
+            "{life:?}"
+        );
+    }
+    let source = SceneSource::parse(SCENE, "bar").unwrap();
+    let text = text(&found, &[], 0, source.nominal(), "coordinator what-if x");
+    assert!(text.contains("allow that all or none of these"), "{text}");
+    // A moderate change keeps the intervals of the surrogates.
+    let near = answer(&["force.std=0.12"]);
+    assert_eq!(near.region.unknown_share(), 0.0);
+}

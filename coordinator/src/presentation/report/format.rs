@@ -16,6 +16,11 @@ pub fn count(value: u64) -> String {
     text
 }
 
+/// A number of cycles with its unit, e.g. `64 000 cycles`, `1 cycle`.
+pub fn number_of_cycles(cycles: u32) -> String {
+    format!("{} cycle{}", count(cycles.into()), if cycles == 1 { "" } else { "s" })
+}
+
 /// A life in whole cycles, e.g. `63 215`.
 pub fn whole(life: f64) -> String {
     count(life.round().max(0.0) as u64)
@@ -47,6 +52,15 @@ pub fn with_width(value: f64, width: f64) -> String {
     let decimals = (size.log10().floor() as i32 - last).max(0) as usize;
     let text = format!("{value:.decimals$e} ± {width:.1e}");
     text.replace('-', "\u{2212}")
+}
+
+/// A change with its sign and two digits of the half-width of its interval, e.g. `+1.97e−4 ± 6.2e−5`; `0` without either.
+pub fn signed_with_width(value: f64, width: f64) -> String {
+    if value == 0.0 {
+        return if width > 0.0 { format!("0 ± {}", three_digits(width)) } else { "0".to_owned() };
+    }
+    let text = with_width(value, width);
+    if value > 0.0 { format!("+{text}") } else { text }
 }
 
 /// A reliability with its 95 % interval: `0.3730 ± 0.0043`, or the limit alone where no failure, or no survivor, was seen.
@@ -179,6 +193,7 @@ mod tests {
     fn numbers_read_as_people_write_them() {
         assert_eq!(count(64_000), "64\u{a0}000");
         assert_eq!(count(999), "999");
+        assert_eq!([1, 2000].map(number_of_cycles), ["1 cycle", "2\u{a0}000 cycles"]);
         assert_eq!(count(1_234_567), "1\u{a0}234\u{a0}567");
         assert_eq!(fixed(-0.0001, 2), "0.00");
         assert_eq!(fixed(-1.25, 1), "\u{2212}1.2");
@@ -202,6 +217,9 @@ mod tests {
         assert_eq!(with_width(0.373_04, 0.004_31), "0.3730 ± 0.0043");
         assert_eq!(with_width(1.973e-4, 6.2e-6), "1.973e\u{2212}4 ± 6.2e\u{2212}6");
         assert_eq!(with_width(0.5, f64::NAN), "0.500");
+        assert_eq!(signed_with_width(1.973e-7, 6.2e-9), "+1.973e\u{2212}7 ± 6.2e\u{2212}9");
+        assert_eq!(signed_with_width(-0.0137, 0.0021), "\u{2212}0.0137 ± 0.0021");
+        assert_eq!([(0.0, 0.0), (0.0, 0.01)].map(|(x, w)| signed_with_width(x, w)), ["0", "0 ± 0.0100"]);
         assert_eq!(reliability(1.0, 0.998_52, 1.0), "> 0.9985");
         assert_eq!(reliability(1.0, 0.99997, 1.0), "> 0.999970");
         assert_eq!(reliability(1.0, 1.0 - 1.95e-12, 1.0), "> 1 \u{2212} 2.0e\u{2212}12");

@@ -100,6 +100,7 @@ pub fn life_and_limits(life: LifeAt) -> (String, String) {
         LifeAt::Between { lower, upper: Some(upper) } if lower > 0.0 => {
             (format!("{} to {}", whole(lower.floor()), whole(upper.ceil())), String::new())
         }
+        LifeAt::Between { upper: Some(upper), .. } if upper <= 0.0 => ("0".to_owned(), String::new()),
         LifeAt::Between { upper: Some(upper), .. } => {
             (format!("before {}", whole(upper.ceil())), String::new())
         }
@@ -111,6 +112,13 @@ pub fn life_and_limits(life: LifeAt) -> (String, String) {
 /// The interval between two checkpoints that contains too much of the fall of R, in words with what resolves it.
 pub fn unresolved_fall(summary: &StudySummary) -> Option<String> {
     let fall = summary.unresolved_fall?;
+    if fall.to - fall.from <= 1 {
+        return Some(format!(
+            "R falls within the one cycle from {} to {}, which no checkpoints resolve: lives there are interpolated or bounded.",
+            count(fall.from.into()),
+            count(fall.to.into())
+        ));
+    }
     let unworn = if fall.from == 0 { ", unless limits are exceeded unworn, in the first cycle" } else { "" };
     Some(format!(
         "The checkpoints do not resolve the fall of R between {} and {} cycles: lives there are interpolated or bounded. \
@@ -288,6 +296,11 @@ mod tests {
             checkpoint_every: 200,
         });
         assert!(unresolved_fall(&old).unwrap().contains("`checkpoint_every = 200` resolves it"));
+        let cycle = crate::results::life_summary::UnresolvedFall { from: 0, to: 1, checkpoint_every: 1 };
+        old.unresolved_fall = Some(cycle);
+        let said = unresolved_fall(&old).unwrap();
+        assert!(said.contains("no checkpoints resolve") && !said.contains("checkpoint_every"), "{said}");
+        assert_eq!(text(&with_life(None, 0.0, Some(0.0))).0, "0");
     }
 
     #[test]

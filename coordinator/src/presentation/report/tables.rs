@@ -170,7 +170,7 @@ pub fn sensitivity(input: &ReportInput, limit_state: &str) -> Option<Markup> {
         let scaled = [row.scaled.d_pf_d_mean, row.scaled.d_pf_d_std];
         let name = figures::words(&row.variable).render();
         let numbers = numbers.map(|value| three_digits(value).render());
-        std::iter::once(name).chain(numbers).chain(scaled.map(|value| fixed(value, 4).render())).collect()
+        std::iter::once(name).chain(numbers).chain(scaled.map(|value| three_digits(value).render())).collect()
     });
     Some(table(&head, rows))
 }

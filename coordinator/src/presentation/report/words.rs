@@ -1,7 +1,7 @@
 //! Results of a study in sentences.
 
 use super::figures::shares_of_failures;
-use super::format::{count, duration, fixed, percent, short_percent, whole};
+use super::format::{count, duration, fixed, number_of_cycles, percent, short_percent, whole};
 use super::input::ReportInput;
 use super::life::{
     Included, LEVELS, LifeAt, failure_probability, governing, leaders, life_and_limits, life_at,
@@ -20,6 +20,7 @@ pub fn life(summary: &StudySummary, level: f64) -> (String, String) {
             format!("95 % interval {limits}, widened by the stated numerical error")
         }
         LifeAt::Cycles { .. } => format!("95 % interval {limits}"),
+        LifeAt::Between { upper: Some(upper), .. } if upper <= 0.0 => "more exceed a limit unworn".into(),
         LifeAt::Between { .. } => "95 % bound; not resolved by the checkpoints".into(),
         LifeAt::Beyond { lower, end } if lower < end => "95 % bound".into(),
         LifeAt::Beyond { .. } => "end of the life studied".into(),
@@ -89,6 +90,9 @@ fn cycles(life_at_level: LifeAt) -> String {
             format!("more than the {} cycles studied", whole(end))
         }
         LifeAt::Beyond { lower, .. } => format!("more than {} cycles", whole(lower.floor())),
+        LifeAt::Between { upper: Some(upper), .. } if upper <= 0.0 => {
+            "no cycle: more than the others exceed a limit unworn".to_owned()
+        }
         LifeAt::Between { lower, upper: Some(upper) } if lower <= 0.0 => {
             format!("an age that is not resolved, before {} cycles", whole(upper.ceil()))
         }
@@ -120,13 +124,13 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
     let named =
         |name: &str| criterion(name).map_or(name.to_string(), |criterion| format!("{name} ({criterion})"));
     match leaders(summary).as_slice() {
-        [] => text.push("No limit state is reached within the life studied.".to_string()),
+        [] => text.push(without_leader(summary, input.subject())),
         [(from, only)] if summary.limit_states.len() == 1 => {
             text.push(format!(
-                "The {} fails by {}; the failed share exceeds 0.1 % from {} cycles on.",
+                "The {} fails by {}; the failed share exceeds 0.1 % from {} on.",
                 input.subject(),
                 named(only),
-                count((*from).into())
+                number_of_cycles(*from)
             ));
         }
         [(from, first), rest @ ..] => {
@@ -142,8 +146,8 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
             ));
             for (from, next) in rest {
                 text.push(format!(
-                    "From {} cycles on, {} has caused the most failures.",
-                    count((*from).into()),
+                    "From {} on, {} has caused the most failures.",
+                    number_of_cycles(*from),
                     named(next)
                 ));
             }
@@ -155,8 +159,8 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
             summary.limit_states.iter().map(|name| format!("{} by {name}", percent(failed(name)))).collect();
         if failed("total") > 5e-4 {
             text.push(format!(
-                "At {} cycles, {} have failed: {} (a {} that failed in several ways is counted in each).",
-                count(row.cycles.into()),
+                "At {}, {} have failed: {} (a {} that failed in several ways is counted in each).",
+                number_of_cycles(row.cycles),
                 percent(failed("total")),
                 parts.join(", "),
                 input.subject()
@@ -168,6 +172,28 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
         }
     }
     text
+}
+
+/// Where no limit state leads: nothing fails, or several fail about as often.
+fn without_leader(summary: &StudySummary, subject: &str) -> String {
+    let share = |name: &str| {
+        let r = summary.reliability.last().and_then(|row| row.reliability.get(name));
+        1.0 - r.copied().unwrap_or(1.0)
+    };
+    let failed = share("total");
+    if failed <= 0.0 {
+        return "No limit state is reached within the life studied.".to_owned();
+    }
+    let Some(last) = summary.reliability.last() else { return String::new() };
+    let by = match summary.limit_states.as_slice() {
+        [only] => format!(" by {only}"),
+        _ => {
+            format!(
+                ": no limit state is ahead of the others by more than 0.1 % of the {subject}s at any checkpoint"
+            )
+        }
+    };
+    format!("By {}, {} have failed{by}.", number_of_cycles(last.cycles), percent(failed))
 }
 
 /// Simulations without a result, the share of the population they represent, and the first cause; `None` if there are
@@ -219,4 +245,26 @@ pub fn effort(summary: &StudySummary) -> String {
         count(counts.total as u64),
         duration(summary.timing_s.total)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn issue_failures_without_a_leading_limit_state_were_denied() {
+        let mut summary = crate::test_study::study().summary;
+        let names = summary.limit_states.clone();
+        for row in &mut summary.reliability {
+            row.reliability.extend(names.iter().map(|name| (name.clone(), 0.955)));
+            row.reliability.insert("total".to_owned(), 0.955);
+        }
+        assert!(super::super::life::leaders(&summary).is_empty());
+        let said = without_leader(&summary, "mechanism");
+        assert!(said.contains("4.5") && said.contains("have failed: no limit state is ahead"), "{said}");
+        for row in &mut summary.reliability {
+            row.reliability.values_mut().for_each(|r| *r = 1.0);
+        }
+        assert!(without_leader(&summary, "mechanism").starts_with("No limit state is reached"));
+    }
 }

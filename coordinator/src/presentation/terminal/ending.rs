@@ -17,7 +17,12 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
     let mut text = match summary.reliability.as_slice() {
         [only] => names
             .iter()
-            .map(|name| format!("P_f {name} = {} (95 %)\n", failure_probability(only, name)))
+            .map(|name| {
+                let found = failure_probability(only, name);
+                // A bound has its sign.
+                let equals = if found.starts_with('<') { "" } else { "= " };
+                format!("P_f {name} {equals}{found} (95 %)\n")
+            })
             .collect(),
         _ => over_life(summary, &names),
     };
@@ -133,6 +138,17 @@ mod tests {
         assert!(text.contains(" on 1 worker, "), "{text}");
         let quoted = final_text(&summary, Path::new("out of/the study"));
         assert!(quoted.contains("`coordinator resume 'out of/the study' --max-evaluations 432`"), "{quoted}");
+    }
+
+    #[test]
+    fn issue_a_bound_was_equal_to_less_than_a_number() {
+        let mut summary = test_study::study().summary;
+        summary.reliability.truncate(1);
+        summary.reliability[0].interval.clear();
+        summary.reliability[0].reliability.values_mut().for_each(|r| *r = 1.0);
+        summary.reliability[0].standard_error.values_mut().for_each(|error| *error = 1e-5);
+        let text = final_text(&summary, Path::new("out"));
+        assert!(text.contains("P_f total < 2.0e\u{2212}5 (95 %)"), "{text}");
     }
 
     #[test]

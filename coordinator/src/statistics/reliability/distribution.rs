@@ -86,8 +86,12 @@ pub fn distributions_from_samples(histories: &[&[f64]]) -> Vec<OutputDistributio
 /// Distribution of values `(N,)`, whose variance is enlarged by `extra_variance`.
 fn distribution(mut values: Vec<f64>, extra_variance: f64) -> OutputDistribution {
     let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let variance = values.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / count;
+    // Over a power of two of their size, so that no square of a large value overflows and none of a small one is lost.
+    let size = values.iter().map(|y| y.abs()).fold(0.0, f64::max);
+    let scale = if size > 0.0 && size.is_finite() { size.log2().floor().exp2() } else { 1.0 };
+    let scaled = values.iter().map(|y| y / scale).sum::<f64>() / count;
+    let variance = values.iter().map(|y| (y / scale - scaled).powi(2)).sum::<f64>() / count;
+    let mean = scale * scaled;
     let smallest = |values: &[f64]| values.iter().copied().min_by(f64::total_cmp);
     let (Some(from), Some(to)) = (smallest(&values), values.iter().copied().max_by(f64::total_cmp)) else {
         unreachable!("a distribution has values");
@@ -110,7 +114,7 @@ fn distribution(mut values: Vec<f64>, extra_variance: f64) -> OutputDistribution
     }
     OutputDistribution {
         mean,
-        std: (variance + extra_variance).sqrt(),
+        std: scale * (variance + extra_variance / scale / scale).sqrt(),
         quantiles,
         histogram: Histogram { from, to, counts },
     }
@@ -135,6 +139,21 @@ mod tests {
         assert_eq!(d[0].histogram.counts.iter().sum::<u64>(), 1001);
         assert!(d[0].histogram.counts.iter().all(|c| (25..=26).contains(c)));
         assert_eq!((d[1].std, d[1].histogram.counts[0]), (0.0, 1001));
+    }
+
+    #[test]
+    fn issue_moments_of_large_values_overflowed() {
+        let unit: Vec<Vec<f64>> = (0..1000).map(|i| vec![f64::from(i) / 1000.0 - 0.3]).collect();
+        let rows = |factor: f64| unit.iter().map(|row| vec![factor * row[0]]).collect::<Vec<_>>();
+        let of = |rows: &[Vec<f64>]| {
+            distributions_from_samples(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>()).remove(0)
+        };
+        let expected = of(&unit);
+        for factor in [1e300, 1e-300] {
+            let found = of(&rows(factor));
+            assert!((found.std / factor / expected.std - 1.0).abs() < 1e-12, "{found:?}");
+            assert!((found.mean / factor / expected.mean - 1.0).abs() < 1e-12, "{found:?}");
+        }
     }
 
     #[test]

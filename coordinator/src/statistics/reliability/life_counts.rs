@@ -124,6 +124,8 @@ pub struct LifeCounts {
     samples: usize,
     /// Number of lives that end in each part `(modes + 1, estimates, m parts)`, the system last.
     counts: Vec<u32>,
+    /// Number of lives that end at their very start, among those of the first part `(modes + 1, estimates)`.
+    at_start: Vec<u32>,
     /// Number of samples that each limit state fails first, then of those that several fail at once `(modes + 1, m)`.
     first: Vec<u32>,
 }
@@ -133,7 +135,16 @@ impl LifeCounts {
     pub fn new(modes: usize, intervals: usize) -> Self {
         let parts = PARTS.div_ceil(intervals.max(1)).max(LEAST_PARTS);
         let counts = vec![0; (modes + 1) * ESTIMATES * intervals * parts];
-        Self { modes, intervals, parts, samples: 0, counts, first: vec![0; (modes + 1) * intervals] }
+        let at_start = vec![0; (modes + 1) * ESTIMATES];
+        Self {
+            modes,
+            intervals,
+            parts,
+            samples: 0,
+            counts,
+            at_start,
+            first: vec![0; (modes + 1) * intervals],
+        }
     }
 
     /// Adds a sample: the lives by each limit state `(modes,)`.
@@ -161,6 +172,9 @@ impl LifeCounts {
             let parts = self.intervals * self.parts;
             let row = (curve * ESTIMATES + estimate) * parts;
             self.counts[row + life.interval as usize * self.parts + part] += 1;
+            if life.interval == 0 && life.share <= 0.0 {
+                self.at_start[curve * ESTIMATES + estimate] += 1;
+            }
         }
     }
 
@@ -169,6 +183,7 @@ impl LifeCounts {
     pub fn merged(mut self, other: &Self) -> Self {
         self.samples += other.samples;
         self.counts.iter_mut().zip(&other.counts).for_each(|(a, b)| *a += b);
+        self.at_start.iter_mut().zip(&other.at_start).for_each(|(a, b)| *a += b);
         self.first.iter_mut().zip(&other.first).for_each(|(a, b)| *a += b);
         self
     }
@@ -189,6 +204,11 @@ impl LifeCounts {
         let parts = self.intervals * self.parts;
         let row = (curve * ESTIMATES + estimate as usize) * parts;
         self.cumulated(&self.counts[row..row + parts])
+    }
+
+    /// Share of the samples that exceed a limit at the start of life, by one estimate of their lives [1].
+    pub fn failed_at_start(&self, curve: usize, estimate: LifeEstimate) -> f64 {
+        f64::from(self.at_start[curve * ESTIMATES + estimate as usize]) / self.samples.max(1) as f64
     }
 
     fn cumulated(&self, counts: &[u32]) -> Vec<f64> {
@@ -244,6 +264,17 @@ mod tests {
         let whole = counts.clone().merged(&counts);
         assert_eq!(whole.failed(0, LifeEstimate::Best), counts.failed(0, LifeEstimate::Best));
         assert_eq!(whole.samples, 8);
+    }
+
+    #[test]
+    fn issue_failures_at_the_start_of_life_came_after_it() {
+        let mut counts = LifeCounts::new(1, 2);
+        for lives in [life(0, 0.0), life(0, 0.3), life(1, 0.0), [LifePosition::NEVER; ESTIMATES]] {
+            counts.add(&[lives]);
+        }
+        let whole = counts.clone().merged(&counts);
+        assert_eq!(whole.failed_at_start(1, LifeEstimate::Best), 0.25);
+        assert_eq!(whole.failed(1, LifeEstimate::Best)[0], 0.25);
     }
 
     #[test]

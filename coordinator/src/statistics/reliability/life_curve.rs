@@ -99,7 +99,10 @@ pub struct LifeAtLevel {
 impl LifeCurve {
     /// The curve of a limit state or of the system.
     pub fn new(input: &LifeCurveInput<'_>) -> Self {
-        let failed = |estimate| with_zero(input.counts.failed(input.curve, estimate));
+        let failed = |estimate| {
+            let at_start = input.counts.failed_at_start(input.curve, estimate);
+            std::iter::once(at_start).chain(input.counts.failed(input.curve, estimate)).collect::<Vec<f64>>()
+        };
         let errors = surrogate_errors(input);
         let Condition { probability, .. } = *input.condition;
         let reliability = |shares: Vec<f64>| -> Vec<f64> {
@@ -225,10 +228,6 @@ fn times(input: &LifeCurveInput<'_>) -> Vec<f64> {
     times
 }
 
-fn with_zero(shares: Vec<f64>) -> Vec<f64> {
-    std::iter::once(0.0).chain(shares).collect()
-}
-
 /// Surrogate error e of the share at all times [1].
 fn surrogate_errors(input: &LifeCurveInput<'_>) -> Vec<f64> {
     let (m, parts) = (input.checkpoints.len(), input.counts.parts());
@@ -241,7 +240,11 @@ fn surrogate_errors(input: &LifeCurveInput<'_>) -> Vec<f64> {
         let measured = error > 0.0 && spread * input.points as f64 >= ENOUGH;
         measured.then(|| (error / spread).clamp(RATIOS.0, RATIOS.1))
     };
-    let mut errors = vec![0.0];
+    // At the start of life that of the first part, if any sample exceeds a limit there.
+    let at_start = [LifeEstimate::Larger, LifeEstimate::Smaller]
+        .map(|estimate| input.counts.failed_at_start(input.curve, estimate));
+    let of_start = 0.5 * (at_start[0] - at_start[1]);
+    let mut errors = vec![ratio(0).unwrap_or(1.0) * of_start];
     for k in 0..m {
         let before = if k == 0 { (None, 0.0) } else { (ratio(k - 1), known[k - 1]) };
         let after = (ratio(k), known[k]);

@@ -24,6 +24,7 @@
 
 use super::Kriging;
 use super::factor::solve_lower;
+use super::sides::larger_means;
 use crate::statistics::design::Population;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
@@ -208,6 +209,9 @@ impl Block {
         matmul(mean.as_mut(), Accum::Add, model.coefficients.transpose(), v.as_ref(), 1.0, Par::Seq);
         for column in mean.col_iter_mut() {
             column.iter_mut().zip(&model.shift).for_each(|(mean, shift)| *mean += shift);
+        }
+        if model.sided {
+            mean = larger_means(&mean);
         }
         let factors = self.squares.iter().zip(v.col_iter());
         let variance_factor =

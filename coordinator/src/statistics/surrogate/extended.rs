@@ -96,7 +96,7 @@ impl Kriging {
         self.points() >= n
             && self.correlation == other.correlation
             && self.trend.trend == other.trend.trend
-            && self.shift == other.shift
+            && (self.shift == other.shift && self.sided == other.sided)
             && self.scaled.subcols(0, n) == other.scaled
             && self.l.submatrix(0, 0, n, n) == other.l
             && same(&self.trend.t, &other.trend.t)

@@ -19,6 +19,7 @@
 use super::bounds::NUGGET;
 use super::correlation::{correlation_below, cross_of_scaled_into, squared_norms};
 use super::factor::{cholesky, solve_lower};
+use super::sides::{larger_means, larger_variances};
 use super::trend::Whitened;
 use super::{Correlation, SurrogateError, Trend};
 use faer::linalg::matmul::matmul;
@@ -45,10 +46,12 @@ pub struct Kriging {
     pub(super) z: Mat<f64>,
     /// c of the shifted values `(p, m)`.
     pub(super) coefficients: Mat<f64>,
-    /// Process variances `(m,)` [unit of the output squared].
+    /// Process variances of the responses `(m,)` [unit of the output squared].
     sigma2: Vec<f64>,
     /// z_o - Q c_o `(n, m)`.
     pub(super) residual: Mat<f64>,
+    /// True if the outputs are the two sides of half as many responses, see [`super::sides`].
+    pub(super) sided: bool,
     /// Number of times the nugget was raised.
     raised: usize,
 }
@@ -127,6 +130,7 @@ impl Kriging {
             coefficients: Mat::new(),
             sigma2: vec![],
             residual: Mat::new(),
+            sided: false,
             raised,
         };
         model.set_values(values);
@@ -136,6 +140,18 @@ impl Kriging {
     /// Replaces the outputs by other outputs with values `(n, m)` at the same points; the correlation and its
     /// factor stay.
     pub fn set_values(&mut self, values: MatRef<'_, f64>) {
+        self.sided = false;
+        self.take_values(values);
+    }
+
+    /// Replaces the outputs by the two sides `(n, 2 m)` of m responses, each of which is the larger of its two; all of the first
+    /// side come first.
+    pub fn set_sides(&mut self, sides: MatRef<'_, f64>) {
+        self.sided = true;
+        self.take_values(sides);
+    }
+
+    fn take_values(&mut self, values: MatRef<'_, f64>) {
         let n = values.nrows();
         self.shift = values.col_iter().map(|c| c.iter().sum::<f64>() / n as f64).collect();
         self.z = values.to_owned();
@@ -157,7 +173,8 @@ impl Kriging {
             self.coefficients.col_as_slice_mut(o).copy_from_slice(&self.trend.take_from(column));
             column.iter().map(|y| y * y).sum::<f64>() / freedom
         };
-        self.sigma2 = (0..m).map(variance_of).collect();
+        let variances: Vec<f64> = (0..m).map(variance_of).collect();
+        self.sigma2 = if self.sided { larger_variances(&variances) } else { variances };
     }
 
     /// Number of points n.
@@ -216,6 +233,7 @@ impl Kriging {
         let w = self.whitened(points);
         let m = self.shift.len();
         let mean = self.means(points, self.residual.as_ref(), w.as_ref(), 0..m);
+        let mean = if self.sided { larger_means(&mean) } else { mean };
         let v = self.trend.extrapolation(points, w.as_ref());
         let factor =
             |(w, v): (ColRef<'_, f64>, _)| (1.0 - w.squared_norm_l2() + self.trend.variance(v)).max(0.0);
@@ -226,7 +244,15 @@ impl Kriging {
     /// that of [`Kriging::dual`]. Cheaper than [`Kriging::predict`] because it needs no triangular solve.
     pub fn predict_means(&self, points: MatRef<'_, f64>, dual: &Mat<f64>, outputs: Range<usize>) -> Mat<f64> {
         let r = self.correlations(points);
-        self.means(points, dual.subcols(outputs.start, outputs.len()), r.as_ref(), outputs)
+        let of = |outputs: Range<usize>| {
+            self.means(points, dual.subcols(outputs.start, outputs.len()), r.as_ref(), outputs)
+        };
+        if !self.sided {
+            return of(outputs);
+        }
+        let m = self.sigma2.len();
+        let (first, second) = (of(outputs.clone()), of(outputs.start + m..outputs.end + m));
+        Mat::from_fn(outputs.len(), points.ncols(), |o, j| first[(o, j)].max(second[(o, j)]))
     }
 
     /// Trend plus a_o' b `(outputs.len(), b)` for each output and each column of b.

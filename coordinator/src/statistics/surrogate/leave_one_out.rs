@@ -16,7 +16,7 @@
 use super::Kriging;
 use super::factor::{inverse_below, solve_lower_transposed};
 use super::trend::ratio;
-use faer::MatRef;
+use faer::{ColRef, MatRef};
 
 /// Least predictive variance over the variance of the values [1]: a smaller error is rounding, and an
 /// unbounded density would prefer the surrogate with the smallest rounding errors.
@@ -41,29 +41,41 @@ pub struct LeftOut {
 }
 
 impl Kriging {
-    /// Prediction of every point of output `o` from all others `(n,)`; `values` `(n, m)` are those the model was conditioned on.
+    /// Prediction of every point of response `o` from all others `(n,)`; `values` `(n, m)` are those the model was conditioned on,
+    /// with two sides `(n, 2 m)`.
     pub fn left_out(&self, values: MatRef<'_, f64>, o: usize) -> Vec<LeftOut> {
         let (dual, sigma2) = (self.dual(), self.sigma2()[o]);
         let prediction = |(i, s): (usize, &f64)| LeftOut {
-            mean: values[(i, o)] - dual[(i, o)] / s,
+            mean: self.response(o, |o| values[(i, o)] - dual[(i, o)] / s),
             std: (sigma2 / s).sqrt(),
         };
         self.kept_precision().iter().enumerate().map(prediction).collect()
     }
 
-    /// Leave-one-out figures per output `(m,)`; `values` `(n, m)` are those the model was conditioned on.
+    /// Response `o` from its value, or from those of its two sides.
+    fn response(&self, o: usize, value: impl Fn(usize) -> f64) -> f64 {
+        if self.sided { value(o).max(value(o + self.sigma2().len())) } else { value(o) }
+    }
+
+    /// Leave-one-out figures per response `(m,)`; `values` `(n, m)` are those the model was conditioned on, with two sides
+    /// `(n, 2 m)`.
     pub fn leave_one_out(&self, values: MatRef<'_, f64>) -> Vec<LeaveOneOut> {
         let n = self.points();
         let (kept, dual) = (self.kept_precision(), self.dual());
-        (0..values.ncols())
+        (0..self.sigma2().len())
             .map(|o| {
-                let total = spread(values.col(o)) * n as f64;
+                let column: Vec<f64> = (0..n).map(|i| self.response(o, |o| values[(i, o)])).collect();
+                let total = spread(ColRef::from_slice(&column)) * n as f64;
                 if total == 0.0 || self.sigma2()[o] == 0.0 {
                     return LeaveOneOut { q2: 1.0, variance_ratio: 1.0 };
                 }
                 let (mut squares, mut ratio) = (0.0, 0.0);
                 for (i, s) in kept.iter().enumerate() {
-                    let error = dual[(i, o)] / s;
+                    let error = if self.sided {
+                        column[i] - self.response(o, |o| values[(i, o)] - dual[(i, o)] / s)
+                    } else {
+                        dual[(i, o)] / s
+                    };
                     squares += error * error;
                     ratio += error * error * s / (self.sigma2()[o] * n as f64);
                 }

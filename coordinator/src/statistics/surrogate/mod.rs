@@ -11,6 +11,7 @@
 //! |---|---|
 //! | `kernel`, `correlation` | correlation functions and matrices |
 //! | `trend` | generalised least squares of the trend |
+//! | `sides` | a response that is the larger of two |
 //! | `kriging`, `extended` | conditioning, prediction, further points at the same lengths |
 //! | `likelihood`, `bounds`, `starts`, `descent`, `fit` | maximum likelihood of the lengths |
 //! | `noise` | noise in proportion to stated errors |
@@ -61,6 +62,7 @@ mod likelihood;
 mod noise;
 mod posterior;
 mod sharing;
+mod sides;
 mod starts;
 mod trend;
 

@@ -46,13 +46,18 @@ pub struct SequentialMonteCarlo {
     pub least: f64,
 }
 
-/// No state that the model allows agrees with an observation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("observation {place} is impossible under the model")]
+/// No particle agrees with an observation, which has a small probability or none.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error("no particle agrees with observation {place}: its probability is below {resolution:.1e}")]
 pub struct Unsupported {
     /// Index of the observation.
     pub place: usize,
+    /// Probability that the particles exclude with 95 % [1].
+    pub resolution: f64,
 }
+
+/// Occurrences excluded with 95 % if none is seen: rule of three, Hanley, Lippman-Hand (1983).
+const RULE_OF_THREE: f64 = 3.0;
 
 /// The state of a unit after its observations.
 #[derive(Debug, Clone)]
@@ -63,6 +68,8 @@ pub struct UnitPosterior {
     pub effective_size: f64,
     /// Predictive probability of each observation under those before it [1].
     pub probabilities: Vec<f64>,
+    /// Probability that the particles do not show, 3 over their effective size, at most 1, at each observation [1].
+    pub resolutions: Vec<f64>,
     /// Stages of tempering; 0 if weights sufficed.
     pub stages: usize,
     /// Share of the moves that were accepted [1]; `None` without any.
@@ -83,16 +90,19 @@ impl SequentialMonteCarlo {
     ) -> Result<UnitPosterior, Unsupported> {
         let mut run = Run { settings: *self, particles: prior, correlation: 0.0, stages: 0, moves: (0, 0) };
         let mut probabilities = Vec::with_capacity(evidence.len());
+        let mut resolutions = Vec::with_capacity(evidence.len());
         for place in 0..evidence.len() {
+            let resolution = (RULE_OF_THREE / run.effective_size().max(1.0)).min(1.0);
             probabilities.push(evidence[place].probability(&run.particles));
-            run.take(&evidence[..=place], model, rng).ok_or(Unsupported { place })?;
+            resolutions.push(resolution);
+            run.take(&evidence[..=place], model, rng).ok_or(Unsupported { place, resolution })?;
         }
-        let kept = (1.0 - run.correlation) / (1.0 + run.correlation);
         let (accepted, tried) = run.moves;
         Ok(UnitPosterior {
-            effective_size: run.particles.effective_size() * kept,
+            effective_size: run.effective_size(),
             particles: run.particles,
             probabilities,
+            resolutions,
             stages: run.stages,
             acceptance: (tried > 0).then(|| accepted as f64 / tried as f64),
         })
@@ -111,6 +121,11 @@ struct Run {
 }
 
 impl Run {
+    /// Effective sample size, reduced by the correlation that moves have left [1].
+    fn effective_size(&self) -> f64 {
+        self.particles.effective_size() * (1.0 - self.correlation) / (1.0 + self.correlation)
+    }
+
     /// Takes the last of the observations so far; `None` if no particle agrees with it.
     fn take(&mut self, evidence: &[Evidence], model: &dyn UnitModel, rng: &mut impl Rng) -> Option<()> {
         let (newest, _) = evidence.split_last()?;

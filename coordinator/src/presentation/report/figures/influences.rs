@@ -4,7 +4,7 @@
 use super::{file_name, governing_cycles, words};
 use crate::presentation::report::bars::{BarPair, Bars};
 use crate::presentation::report::figure::Figure;
-use crate::presentation::report::format::count;
+use crate::presentation::report::format::number_of_cycles;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::plot::PlotError;
 use crate::results::summary::{SensitivityRow, SobolRow};
@@ -22,10 +22,11 @@ fn finite(value: f64) -> f64 {
     if value.is_finite() { value } else { 0.0 }
 }
 
-/// The rows of one limit state at the checkpoint nearest to the governing one, longest bar first.
+/// The rows of one limit state at the checkpoint nearest to the governing one where derivatives are known, longest bar first.
 pub fn rows_at_governing<'a>(input: &'a ReportInput, limit_state: &str) -> Vec<&'a SensitivityRow> {
     let all = input.summary.sensitivity.iter().filter(|row| row.limit_state == limit_state);
-    let Some(cycles) = nearest_to_governing(input, all.clone().map(|row| row.cycles)) else { return vec![] };
+    let known = all.clone().filter(|row| row.is_known()).map(|row| row.cycles);
+    let Some(cycles) = nearest_to_governing(input, known) else { return vec![] };
     let length = |row: &SensitivityRow| finite(row.scaled.d_pf_d_mean.abs().max(row.scaled.d_pf_d_std.abs()));
     let mut rows: Vec<_> = all.filter(|row| row.cycles == cycles).collect();
     rows.sort_by(|a, b| length(b).total_cmp(&length(a)));
@@ -60,10 +61,10 @@ pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         let Some(first) = rows.first() else { continue };
         let cause = if name == "total" { "any limit state" } else { name };
         let caption = format!(
-            "Change of the probability of failure by {cause} at {} cycles if the mean or the standard deviation of a variable \
+            "Change of the probability of failure by {cause} at {} if the mean or the standard deviation of a variable \
              increases by one standard deviation, with the bounds of bounded variables held; positive: more failures. Thin \
              lines: 1.96 standard errors. The {} largest of {}.",
-            count(first.cycles.into()),
+            number_of_cycles(first.cycles),
             rows.len().min(SHOWN),
             rows.len()
         );
@@ -105,9 +106,9 @@ pub fn variance_contributions(input: &ReportInput) -> Result<Vec<Figure>, PlotEr
         rows.sort_by(|a, b| finite(b.total).total_cmp(&finite(a.total)));
         let output = words(&input.outputs[state.output].name);
         let caption = format!(
-            "Sobol indices of the surrogate at {} cycles: share of the variance of the {output} due to a variable alone \
+            "Sobol indices of the surrogate at {}: share of the variance of the {output} due to a variable alone \
              (first order) and with its interactions (total). Thin lines: 1.96 standard errors. The {} largest of {}.",
-            count(cycles.into()),
+            number_of_cycles(cycles),
             rows.len().min(SHOWN),
             rows.len()
         );

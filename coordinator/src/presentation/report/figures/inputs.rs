@@ -6,7 +6,7 @@ use crate::presentation::report::format::{count, seven_digits};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
-use common::random::RandomVariable;
+use common::random::{Distribution, RandomVariable};
 use common::scene::expression::read_unit;
 
 /// Most variables shown.
@@ -43,14 +43,19 @@ fn histogram(input: &ReportInput, k: usize, variable: &RandomVariable) -> Result
     let (low, high) = values.iter().fold((low, high), |(low, high), x| (low.min(*x), high.max(*x)));
     let margin = 0.02 * (high - low);
     let (low, high) = (low - margin, high + margin);
-    // Densities are stated per standard deviation, so that all figures have one scale.
-    let std = law.std();
-    let density: Points = (0..=POINTS)
-        .map(|p| low + (high - low) * p as f64 / POINTS as f64)
-        .map(|x| (x / scale, std * law.pdf(x)))
-        .collect();
     let bins = (values.len() as f64).sqrt().ceil().clamp(6.0, 30.0) as usize;
     let width = (high - low) / bins as f64;
+    // Densities are stated per standard deviation, so that all figures have one scale. Equal measured values have a share but no
+    // density: theirs is the mean over the width of a bar.
+    let std = law.std();
+    let density = |x: f64| match law {
+        Distribution::Empirical(_) => (law.cdf(x + 0.5 * width) - law.cdf(x - 0.5 * width)) / width,
+        _ => law.pdf(x),
+    };
+    let density: Points = (0..=POINTS)
+        .map(|p| low + (high - low) * p as f64 / POINTS as f64)
+        .map(|x| (x / scale, std * density(x)))
+        .collect();
     let mut counts = vec![0usize; bins];
     for x in &values {
         counts[(((x - low) / width) as usize).min(bins - 1)] += 1;

@@ -2,7 +2,7 @@
 
 use super::{LifeAxis, capital, file_name, ink_of, range, words};
 use crate::presentation::report::figure::Figure;
-use crate::presentation::report::format::{count, fixed, three_digits};
+use crate::presentation::report::format::{count, fixed, number_of_cycles, three_digits};
 use crate::presentation::report::input::{CheckpointDistribution, ReportInput};
 use crate::presentation::report::life::governing;
 use crate::presentation::report::palette::Ink;
@@ -42,7 +42,7 @@ fn distribution(
         let label = if input.summary.is_static() {
             "population".to_owned()
         } else {
-            format!("{} cycles", count(u64::from(distribution.cycles)))
+            number_of_cycles(distribution.cycles)
         };
         series.push(Series::new(label, Ink::Series(k + 2), Shape::Steps(bars)));
     }

@@ -2,7 +2,7 @@
 
 use super::{LifeAxis, ink_of, span};
 use crate::presentation::report::figure::Figure;
-use crate::presentation::report::format::{count, percent};
+use crate::presentation::report::format::{number_of_cycles, percent};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::{governing, rows_that_matter};
 use crate::presentation::report::palette::Ink;
@@ -152,8 +152,8 @@ pub fn first_failure(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
          between two checkpoints that do not resolve it.{}",
         summary.subject(),
         shares.map_or(String::new(), |(cycles, shares)| format!(
-            " First causes of the failures up to {} cycles: {}.",
-            count(cycles.into()),
+            " First causes of the failures up to {}: {}.",
+            number_of_cycles(cycles),
             shares.join(", ")
         ))
     );

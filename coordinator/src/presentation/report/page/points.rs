@@ -3,7 +3,9 @@
 use super::parts::{captioned, figures};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::figures::{MOST_HISTOGRAMS, capital};
-use crate::presentation::report::format::{UNKNOWN, count, fixed, percent, seven_digits, three_digits};
+use crate::presentation::report::format::{
+    UNKNOWN, fixed, number_of_cycles, percent, seven_digits, three_digits,
+};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::tables::table;
 use crate::results::point_summary::{CoordinateRow, FailurePointRow};
@@ -61,7 +63,7 @@ fn sentence(input: &ReportInput, point: &FailurePointRow) -> String {
     let by = if input.summary.is_static() {
         String::new()
     } else {
-        format!("by {} cycles, when ", count(point.cycles.into()))
+        format!("by {}, when ", number_of_cycles(point.cycles))
     };
     let failed = if point.failed < 1e-4 { three_digits(point.failed) } else { percent(point.failed) };
     format!(

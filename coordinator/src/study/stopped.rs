@@ -1,0 +1,71 @@
+//! Why the learning of a study stopped, in words, and whether it met its targets.
+
+use super::{CampaignResult, Settings, StopReason};
+use crate::statistics::learning::Rule;
+use common::scene::Scene;
+
+/// Whether learning ended by a rule and with failures enough for the coefficient of variation asked for.
+pub(super) fn targets_met(learned: &CampaignResult, settings: &Settings) -> bool {
+    let enough = learned.rounds.last().is_some_and(|round| round.cov_pf <= settings.targets().cov);
+    enough && matches!(learned.stop, StopReason::Rule(_))
+}
+
+/// The outputs of limit states that were the same in all simulations, as the end of a sentence; empty without any.
+fn constant_outputs(scene: &Scene, learned: &CampaignResult) -> String {
+    let mut constant: Vec<usize> = scene.limit_states.iter().map(|limit| limit.output).collect();
+    constant.sort_unstable();
+    constant.dedup();
+    constant.retain(|output| learned.observations.is_constant(*output));
+    let names: Vec<&str> = constant.iter().map(|output| scene.outputs[*output].name.as_str()).collect();
+    if names.is_empty() {
+        return String::new();
+    }
+    format!("; {} has the same values in every simulation, whatever the random variables", names.join(", "))
+}
+
+/// Why learning stopped, and what was found by then.
+pub(super) fn stop_in_words(scene: &Scene, learned: &CampaignResult, settings: &Settings) -> String {
+    let targets = settings.targets();
+    let figures = &learned.assessment.figures;
+    let condition = &learned.classified.condition;
+    let variables = learned.classified.population.dimension();
+    let held = targets.points_to_hold(variables, condition.levels > 0);
+    let reason = match learned.stop {
+        StopReason::Rule(Rule::Learning) => format!(
+            "every U_c >= {} and no curve changed by more than {} of the smaller of R and P_f, {} rounds and {} points running, after a fresh fit",
+            targets.min_u, targets.relative_change, targets.hold, held
+        ),
+        StopReason::Rule(Rule::Error) => format!(
+            "the estimated surrogate error of every curve is below {} and no curve changed by more than {}, {} rounds and {} points running, after a fresh fit",
+            targets.error, targets.change, targets.hold, held
+        ),
+        StopReason::Budget => format!(
+            "the budget of {} evaluations is spent; {}",
+            settings.max_evaluations,
+            if figures.error > targets.error {
+                format!("the estimated surrogate error is {:.1e} (target {})", figures.error, targets.error)
+            } else {
+                format!(
+                    "the estimated surrogate error is below its target {}, but has not been for {} rounds and {} points",
+                    targets.error, targets.hold, held
+                )
+            }
+        ),
+    };
+    let system = &learned.assessment.curves[learned.assessment.curves.len() - 1];
+    let cov = learned.rounds.last().map_or(f64::INFINITY, |round| round.cov_pf);
+    if system.iter().all(|failed| *failed == 0.0) {
+        let points = learned.classified.population.len();
+        let bound = if condition.levels > 0 {
+            format!(", which represent a probability of {:.0e}", condition.probability)
+        } else {
+            String::new()
+        };
+        let constant = constant_outputs(scene, learned);
+        format!("{reason}; no failure was found among {points} points of the population{bound}{constant}")
+    } else if cov > targets.cov {
+        format!("{reason}; the coefficient of variation of P_f is still {cov:.3} (target {})", targets.cov)
+    } else {
+        reason
+    }
+}
