@@ -11,7 +11,7 @@ use coordinator::presentation::text_table::in_columns;
 use coordinator::results::store::CampaignFile;
 use coordinator::results::summary::{SensitivityRow, SobolRow, StudySummary};
 use coordinator::statistics::reliability::REACH;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -96,9 +96,33 @@ pub fn write_results(campaign: &CampaignFile, out: &Path) -> Result<PathBuf, Com
 pub fn sensitivity(dir: &Path, as_json: bool) -> Result<(), CommandError> {
     let summary = summary_of(&CampaignFile::look(dir)?)?;
     if as_json {
-        return print(&to_json(&json!({ "sensitivity": summary.sensitivity, "sobol": summary.sobol }))?);
+        return print(&to_json(&rows_with_sobol(&summary))?);
     }
     print(&table(&summary))
+}
+
+/// The rows of the sensitivities, with the Sobol indices of the same variable at the same checkpoint as `sobol` where there are any.
+fn rows_with_sobol(summary: &StudySummary) -> Vec<Value> {
+    let with_sobol = |row: &SensitivityRow| {
+        let mut object = json!(row);
+        if let Some(sobol) = sobol_of(summary, row) {
+            object["sobol"] = json!({
+                "first_order": sobol.first_order,
+                "total": sobol.total,
+                "standard_error": sobol.standard_error,
+            });
+        }
+        object
+    };
+    summary.sensitivity.iter().map(with_sobol).collect()
+}
+
+/// The Sobol indices of the variable of a sensitivity, of the same limit state at the same checkpoint.
+fn sobol_of<'a>(summary: &'a StudySummary, row: &SensitivityRow) -> Option<&'a SobolRow> {
+    let same = |sobol: &&SobolRow| {
+        (&sobol.limit_state, sobol.cycles, &sobol.variable) == (&row.limit_state, row.cycles, &row.variable)
+    };
+    summary.sobol.iter().find(same)
 }
 
 fn table(summary: &StudySummary) -> String {
@@ -146,10 +170,7 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
             };
             let mean_std = std_of(row.d_pf_d_mean, row.scaled.d_pf_d_mean);
             let std_std = std_of(row.d_pf_d_std, row.scaled.d_pf_d_std);
-            let same = |sobol: &&SobolRow| {
-                sobol.limit_state == *state && sobol.cycles == cycles && sobol.variable == row.variable
-            };
-            let share = summary.sobol.iter().find(same);
+            let share = sobol_of(summary, row);
             let mut cells = vec![
                 row.variable.clone(),
                 pair(row.scaled.d_pf_d_mean, row.standard_error.d_pf_d_mean * mean_std),

@@ -34,9 +34,9 @@ use std::f64::consts::TAU;
 /// Lightest contact for which the arc is tabulated [m]: its half angle sqrt(2 delta / c) spans three intervals, which puts its force
 /// within 7e-4 of the integral.
 const LIGHTEST: f64 = 1e-8;
-/// Smallest number of intervals of the bore: twenty per control point at 36 of them.
+/// Number of intervals of the bore: twenty per control point at 36 of them at least, and at most three intervals of the lightest contact
+/// in a clearance of 0.5 mm.
 const FEWEST: usize = 720;
-/// Largest number: three intervals of the lightest contact in a clearance of 0.5 mm, and fewer beyond.
 const MOST: usize = 3024;
 
 /// The law with its constants and the tabulated bore.
@@ -134,9 +134,8 @@ impl<R: Real, A: Arcs<R>> Foundation<R, A> {
         let (modulus, growth, [px, py]) = (potential.modulus, potential.growth, sum.p);
         let mut stiffness = sum.d;
         if SECOND {
-            let products = [px * px, px * py, py * py];
-            for k in 0..3 {
-                stiffness[k] = modulus * sum.d[k] + growth * products[k];
+            for (k, product) in [(0, px * px), (1, px * py), (2, py * py)] {
+                stiffness[k] = modulus * sum.d[k] + growth * product;
             }
         }
         FoundationLoad { energy: potential.energy, force: [modulus * px, modulus * py], stiffness }
