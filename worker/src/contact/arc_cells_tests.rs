@@ -135,8 +135,8 @@ impl InLanes for InEveryLane {
         for (depth, width, rough) in [(5e-6, 0.5, 0.0), (30e-6, 0.7, 0.0), (15e-6, 0.4, 1e-6)] {
             let mut arcs = vec![Arc::out_of_reach(); R::LANES];
             // The last of several lanes stays idle.
-            for lane in 0..R::LANES.max(2) - 1 {
-                arcs[lane] = worn(depth * (1.0 + 0.1 * lane as f64), width, rough, &mut state);
+            for (lane, arc) in arcs.iter_mut().enumerate().take(R::LANES.max(2) - 1) {
+                *arc = worn(depth * (1.0 + 0.1 * lane as f64), width, rough, &mut state);
             }
             arcs.iter().enumerate().for_each(|(lane, arc)| cells.set(lane, arc));
             let mut walks = vec![];
@@ -149,11 +149,12 @@ impl InLanes for InEveryLane {
                 });
             }
             let mut alone: Vec<ArcCells<f64>> = arcs.iter().map(|arc| ArcCells::new(arc, 0.0)).collect();
+            let place = |lane: usize, k: usize| walks[lane][k];
             for k in 0..2000 {
-                let e = [0, 1].map(|i| like.each(|lane| walks[lane][k][i]));
+                let e = [0, 1].map(|i| like.each(|lane| place(lane, k)[i]));
                 let all = cells.integrate::<true>(&arcs, e);
                 for lane in 0..R::LANES {
-                    let one = alone[lane].integrate::<true>(&arcs[lane..=lane], walks[lane][k]);
+                    let one = alone[lane].integrate::<true>(&arcs[lane..=lane], place(lane, k));
                     let bits = |of: [f64; 7]| of.map(f64::to_bits);
                     let (found, one_sums) = (all.sums, one.sums);
                     let found =

@@ -34,8 +34,7 @@ use std::f64::consts::TAU;
 /// Lightest contact for which the arc is tabulated [m]: its half angle sqrt(2 delta / c) spans three intervals, which puts its force
 /// within 7e-4 of the integral.
 const LIGHTEST: f64 = 1e-8;
-/// Number of intervals of the bore: twenty per control point at 36 of them at least, and at most three intervals of the lightest contact
-/// in a clearance of 0.5 mm.
+/// Intervals of the bore: twenty per control point at 36 of them at least, three in the lightest contact at a clearance of 0.5 mm at most.
 const FEWEST: usize = 720;
 const MOST: usize = 3024;
 
