@@ -42,7 +42,7 @@ pub enum SimulationFailure {
         joint: String,
     },
     /// The constraints of the ideal joints became dependent during the motion.
-    #[error("at cycle {cycle}, t = {time} s, the ideal joints became dependent (a dead point of the motion)")]
+    #[error("{}, the ideal joints became dependent (a dead point of the motion)", instant(*cycle, *time))]
     Singular {
         /// Cycle of the life, from 0.
         cycle: u32,
@@ -51,7 +51,9 @@ pub enum SimulationFailure {
     },
     /// The bushing is worn through, or a slider down to its middle.
     #[error(
-        "at cycle {cycle} joint {joint} is worn through: depth {depth} m, wall {wall} m; shorten the life, or choose a thicker wall or a smaller wear_coefficient"
+        "at cycle {cycle} joint {joint} is worn through: depth {} um, wall {} um; shorten the life, or choose a thicker wall or a smaller wear_coefficient",
+        rounded(1e6 * depth),
+        rounded(1e6 * wall)
     )]
     WornThrough {
         /// Cycle of the life, from 0.
@@ -65,8 +67,11 @@ pub enum SimulationFailure {
     },
     /// The step size fell below its lower bound.
     #[error(
-        "at cycle {cycle}, t = {time} s{}, the time step fell to {step} s (error {error} times its bound); give the joint contact_damping or film_damping, or a larger friction_speed",
-        at_joint(joint)
+        "{}{}, the time step fell to {} s (error {} times its bound); give the joint contact_damping or film_damping, or a larger friction_speed",
+        instant(*cycle, *time),
+        at_joint(joint),
+        rounded(*step),
+        rounded(*error)
     )]
     StepTooSmall {
         /// Cycle of the life, from 0.
@@ -83,7 +88,8 @@ pub enum SimulationFailure {
     },
     /// More steps than the bound of the accuracy setting.
     #[error(
-        "at cycle {cycle}, t = {time} s{}, the bound of {bound} steps per cycle was reached; allow more (steps-N in the accuracy), or give the joint contact_damping or film_damping, or a larger friction_speed",
+        "{}{}, the bound of {bound} steps per cycle was reached; allow more (steps-N in the accuracy), or give the joint contact_damping or film_damping, or a larger friction_speed",
+        instant(*cycle, *time),
         at_joint(joint)
     )]
     TooManySteps {
@@ -99,7 +105,8 @@ pub enum SimulationFailure {
     },
     /// The wear step could not reach its tolerance.
     #[error(
-        "at cycle {cycle} the wear of joint {joint} did not reach its tolerance (error {error} times its bound); use smaller wear steps (jump-N in the accuracy) or more control_points"
+        "at cycle {cycle} the wear of joint {joint} did not reach its tolerance (error {} times its bound); use shorter blocks (jump-N in the accuracy) or more control_points",
+        rounded(*error)
     )]
     WearStep {
         /// Cycle of the life, from 0.
@@ -111,7 +118,9 @@ pub enum SimulationFailure {
     },
     /// A contact left the range of its law: the journal is deeper in the wall than the law admits.
     #[error(
-        "at cycle {cycle}, t = {time} s, joint {joint}: penetration {penetration} m is outside the contact law's range; lower the load, or choose a stiffer material or a wider joint"
+        "{}, joint {joint}: a penetration of {} um is outside the contact law's range; lower the load, or choose a stiffer material or a wider joint",
+        instant(*cycle, *time),
+        rounded(1e6 * penetration)
     )]
     OutOfRange {
         /// Cycle of the life, from 0.
@@ -124,7 +133,7 @@ pub enum SimulationFailure {
         penetration: f64,
     },
     /// A number stopped being finite.
-    #[error("at cycle {cycle}, t = {time} s, {quantity} is not finite")]
+    #[error("{}, {quantity} is not finite", instant(*cycle, *time))]
     NotFinite {
         /// Cycle of the life, from 0.
         cycle: u32,
@@ -183,7 +192,7 @@ pub enum SimulationFailure {
         reason: String,
     },
     /// The friction of the ideal joints has no solution, or none that continues the one without friction.
-    #[error("at cycle {cycle}, t = {time} s, joint {joint} locks itself: no reaction balances its friction")]
+    #[error("{}, joint {joint} locks itself: no reaction balances its friction", instant(*cycle, *time))]
     SelfLocking {
         /// Cycle of the life, from 0.
         cycle: u32,
@@ -194,7 +203,8 @@ pub enum SimulationFailure {
     },
     /// The motion cannot be continued through a position in which the constraints of the ideal joints are dependent.
     #[error(
-        "at cycle {cycle}, t = {time} s, joint {joint} depends on the other ideal joints in a position where the motion may branch: change lengths or the start so that the mechanism passes beside this position or through it with more speed, or give the joint a clearance"
+        "{}, joint {joint} depends on the other ideal joints in a position where the motion may branch: change lengths or the start so that the mechanism passes beside this position or through it with more speed, or give the joint a clearance",
+        instant(*cycle, *time)
     )]
     Branching {
         /// Cycle of the life, from 0.
@@ -214,4 +224,44 @@ fn last_words(stderr: &str) -> String {
 /// `, joint NAME`, or nothing without a joint.
 fn at_joint(joint: &Option<String>) -> String {
     joint.as_ref().map(|name| format!(", joint {name}")).unwrap_or_default()
+}
+
+/// A number with four digits.
+fn rounded(number: f64) -> String {
+    let rounded: f64 = format!("{number:.3e}").parse().unwrap_or(number);
+    let is_short = rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs());
+    if is_short { rounded.to_string() } else { format!("{rounded:e}") }
+}
+
+/// An instant `time` [s] after the start of a cycle; before it the mechanism settles, or warms up on new bores.
+fn instant(cycle: u32, time: f64) -> String {
+    let seconds = rounded(time.abs());
+    match (time < 0.0, cycle) {
+        (true, 0) => format!("settling, {seconds} s before the first measured cycle"),
+        (true, _) => format!("warming up, {seconds} s before cycle {cycle}"),
+        (false, _) => format!("at cycle {cycle}, t = {seconds} s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_have_four_digits_and_say_what_comes_before_a_cycle() {
+        let out = |cycle, time| {
+            let joint = "3".to_owned();
+            SimulationFailure::OutOfRange { cycle, time, joint, penetration: 1.23456789e-5 }.to_string()
+        };
+        assert!(
+            out(7, 0.107910359750225)
+                .starts_with("at cycle 7, t = 0.1079 s, joint 3: a penetration of 12.35 um is")
+        );
+        assert!(
+            out(0, -0.014593).starts_with("settling, 0.01459 s before the first measured cycle, joint 3")
+        );
+        assert!(out(4, -1e-5).starts_with("warming up, 1e-5 s before cycle 4, joint 3"));
+        let numbers = [0.0, 1.0, 2.5e-13, -1234567.8, 8.0e9].map(rounded);
+        assert_eq!(numbers, ["0", "1", "2.5e-13", "-1235000", "8e9"]);
+    }
 }

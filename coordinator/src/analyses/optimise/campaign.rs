@@ -75,17 +75,7 @@ impl<'a> TargetCampaign<'a> {
     fn reduced(&self, observed: &Observed) -> Observed {
         let of_mode = |mode: &usize| -> (Vec<f64>, Vec<f64>) {
             let output = self.study.problem.modes[*mode].output;
-            let (history, errors) = (&observed.histories[output], &observed.errors[output]);
-            let largest = |last: usize| {
-                (0..=last).reduce(|best, n| if history[n] > history[best] { n } else { best }).unwrap_or(0)
-            };
-            self.checkpoints
-                .iter()
-                .map(|last| {
-                    let n = largest(*last);
-                    (history[n], errors[n])
-                })
-                .unzip()
+            self.checkpoints.iter().map(|last| largest_until(observed, output, *last)).unzip()
         };
         let (histories, errors): (Vec<Vec<f64>>, Vec<Vec<f64>>) = self.modes.iter().map(of_mode).unzip();
         Observed { errors, ..Observed::exact(histories) }
@@ -196,5 +186,33 @@ impl<'a> TargetCampaign<'a> {
     /// True if the surrogate error of a target with the failure probability `pf` is small enough.
     pub fn is_accurate(error: f64, pf: f64) -> bool {
         error <= SURROGATE_SAFETY * RELATIVE_ERROR * pf
+    }
+}
+
+/// Largest value of an output from the start of life to checkpoint `last`, and its stated error [unit of the output]; the start has that
+/// of the first checkpoint.
+fn largest_until(observed: &Observed, output: usize, last: usize) -> (f64, f64) {
+    let (history, errors) = (&observed.histories[output], &observed.errors[output]);
+    let at_start = observed.start[output].map(|value| (value, errors[0]));
+    let later = history.iter().copied().zip(errors.iter().copied()).take(last + 1);
+    at_start
+        .into_iter()
+        .chain(later)
+        .reduce(|best, next| if next.0 > best.0 { next } else { best })
+        .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_at_the_start_of_life_counts_at_every_checkpoint() {
+        let mut observed = Observed::exact(vec![vec![1.0, 3.0, 2.0]]);
+        observed.errors = vec![vec![0.1, 0.2, 0.3]];
+        let largest = |observed: &Observed| [0, 1, 2].map(|last| largest_until(observed, 0, last));
+        assert_eq!(largest(&observed), [(1.0, 0.1), (3.0, 0.2), (3.0, 0.2)]);
+        observed.start = vec![Some(2.5)];
+        assert_eq!(largest(&observed), [(2.5, 0.1), (3.0, 0.2), (3.0, 0.2)]);
     }
 }
