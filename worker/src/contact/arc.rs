@@ -152,7 +152,7 @@ impl Arc {
         self.integrate_units(e).scaled(self.spacing())
     }
 
-    /// The same for intervals of length one.
+    /// Sums over the arc in contact at the eccentricity `e` [m], before they are multiplied by the spacing of the angles.
     #[inline(always)]
     pub(super) fn integrate_units(&self, e: [f64; 2]) -> UnitIntegrals {
         let mut sum = Integrals::default();

@@ -190,7 +190,7 @@ impl<R: Real> ArcCells<R> {
         }
     }
 
-    /// The same in one lane, whose cell of one size at least is not that about `e` [m].
+    /// Prepares the cells about `e` [m] that a lane has left, from the largest of these on.
     #[inline(always)]
     fn find_lane(&mut self, lane: usize, arc: &Arc, e: [f64; 2]) {
         let (mut side, mut per_side) = (self.side.lane(lane), self.per_side.lane(lane));

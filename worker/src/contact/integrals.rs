@@ -21,7 +21,7 @@ pub struct Integrals<R = f64> {
     pub d: [R; 3],
 }
 
-/// The same for intervals of length one, with twice the potential.
+/// Sums over intervals before they are multiplied by the spacing of the angles; V counts twice.
 #[derive(Debug, Clone, Copy)]
 pub struct UnitIntegrals<R = f64> {
     /// V and its derivatives.
