@@ -3,7 +3,7 @@
 //! ```sh
 //! coordinator run --scene flapping-wing --out study
 //! coordinator run --scene flapping-wing-experiment --out tunnel
-//! cargo run --release -p coordinator --example reproduction -- study both-signs=tunnel > coordinator/doc/reproduction.md
+//! cargo run --release -p coordinator --example reproduction -- study 'load of both signs=tunnel' > coordinator/doc/reproduction.md
 //! ```
 //!
 //! Further folders of finished studies, as `NAME=DIR`, give the table of what the conclusions owe to the choices of the model, or,

@@ -16,8 +16,12 @@ program:
 
 ```sh
 coordinator run --scene flapping-wing --out study
+coordinator run --scene flapping-wing --set parameters.film_damping='7.3124 N s/m' --out damped
+sed s/local-hertz/foundation/ common/scenes/flapping-wing.toml > foundation.toml
+coordinator run --scene foundation.toml --out foundation
 coordinator run --scene flapping-wing-experiment --out tunnel
-cargo run --release -p coordinator --example reproduction -- study both-signs=tunnel --figure coordinator/doc/experiment.svg > coordinator/doc/reproduction.md
+coordinator run --scene flapping-wing-experiment --set load_flow=1m/s --set load_drag='1.324 N s/m' --out one-sign
+cargo run --release -p coordinator --example reproduction -- study 'film damping 1 % more=damped' 'contact law `foundation`=foundation' 'load of both signs=tunnel' 'load of one sign=one-sign' --figure coordinator/doc/experiment.svg > coordinator/doc/reproduction.md
 ```
 
 `flapping-wing` is a reconstruction: the publication names the mechanism, its materials, its loads in words and its results, but not all

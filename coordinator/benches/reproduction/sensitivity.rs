@@ -73,7 +73,7 @@ const FIGURES: [Figure; 4] = [
         scaled: |row| row.scaled.d_pf_d_std,
         error: |row| row.standard_error.d_pf_d_std / row.d_pf_d_std,
         signs: &[("bushing_radius_5", -1.0), ("bushing_radius_6", -1.0), ("rod_length", -1.0)],
-        why: "As above: R is above one half at this life, so that more spread means more failures.",
+        why: "As above, the sign belongs to the life: more spread means more failures where R is above one half, and fewer where it is below.",
     },
 ];
 
