@@ -37,7 +37,7 @@ pub struct ArcLanes<R> {
 }
 
 impl<R: Real> ArcLanes<R> {
-    /// The same bore in every lane; `like` sets the number of lanes.
+    /// Tabulated bores that are all copies of `arc`, without any cell; `like` sets the number of lanes.
     fn new(arc: &Arc, like: R) -> Self {
         ArcLanes {
             arcs: vec![arc.clone(); R::LANES],
