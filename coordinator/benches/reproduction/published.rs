@@ -73,6 +73,8 @@ const DECELERATES: &str = "wear slows down as the bore grows around the journal:
     no set of parameters tried gave";
 const FLUTTER: &str =
     "the published mean rises faster; here a vibration of one rocker sets in as the bore becomes conformal";
+const STEEP: &str = "the curve is steepest here, and the numerical error of the default accuracy moves it; the film damping was fitted \
+    with shorter time steps";
 
 fn row(
     what: &'static str,
@@ -211,7 +213,7 @@ fn asymmetry() -> Vec<Row> {
         row("R of asymmetry, 64 000 cycles", ("asymmetry_reliability_64000", "", 4), r, Fitted, "", |ours| {
             ours.study.reliability("asymmetry", 64_000)
         }),
-        row("66 000", ("asymmetry_reliability_66000", "", 4), r, Fitted, "", |ours| {
+        row("66 000", ("asymmetry_reliability_66000", "", 4), r, Fitted, STEEP, |ours| {
             ours.study.reliability("asymmetry", 66_000)
         }),
         row("68 000", ("asymmetry_reliability_68000", "", 4), r, Fitted, "", |ours| {

@@ -80,7 +80,8 @@ fn no_goal_is_missed_but_those_that_are_known() {
     assert!(rows_of(&page, "").filter(|row| row[4].ends_with("met")).count() >= 14);
 }
 
-const KNOWN: [&str; 2] = ["mean angular-velocity difference, 64 000 cycles", "68 000"];
+/// Two means, and R of the asymmetry at 66 000 cycles.
+const KNOWN: [&str; 3] = ["mean angular-velocity difference, 64 000 cycles", "68 000", "66 000"];
 
 /// What the last bits of the input move of the difference [r/min], three times their root mean square (`reliability.md`).
 const NOISE: f64 = 0.33;
