@@ -4,7 +4,7 @@
 //! compare within one run. Counted items are force evaluations of one joint, or accepted and refused time steps.
 
 use common::accuracy::{Accuracy, NamedAccuracy};
-use common::scene::{ContactLaw, JointKind, Scene, SceneSource};
+use common::scene::{ContactLaw, JointKind, Scene, SceneSource, WearingSurfaces};
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use worker::bore::Profile;
@@ -196,5 +196,34 @@ fn batch_at_accuracy(bencher: Bencher, scene_and_accuracy: &str) {
 fn batch_under_foundation_at_accuracy(bencher: Bencher, accuracy: &str) {
     const BATCH: usize = 8;
     let inputs = lives("flapping-wing", BATCH, accuracy, Some(ContactLaw::Foundation));
+    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| run(&inputs, LaneWidth::Widest, BATCH));
+}
+
+/// The drive with the surfaces of its joints that wear, under either law: what a journal that wears costs.
+#[divan::bench(
+    args = [
+        "bushing, local-hertz",
+        "both, local-hertz",
+        "bushing, foundation",
+        "both, foundation",
+    ],
+    sample_count = 1,
+    sample_size = 1
+)]
+fn batch_by_wearing_surfaces(bencher: Bencher, surfaces_and_law: &str) {
+    const BATCH: usize = 8;
+    let surfaces =
+        if surfaces_and_law.starts_with("both") { WearingSurfaces::Both } else { WearingSurfaces::Bushing };
+    let law = if surfaces_and_law.ends_with("foundation") {
+        ContactLaw::Foundation
+    } else {
+        ContactLaw::LocalHertz
+    };
+    let mut inputs = lives("flapping-wing", BATCH, "balanced+jump-2000", Some(law));
+    for joint in inputs.iter_mut().flat_map(|input| &mut input.scene.joints) {
+        if let JointKind::Clearance(clearance) = &mut joint.kind {
+            clearance.wears = surfaces;
+        }
+    }
     bencher.counter(ItemsCount::new(BATCH)).bench_local(|| run(&inputs, LaneWidth::Widest, BATCH));
 }

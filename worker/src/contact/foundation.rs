@@ -309,7 +309,7 @@ impl Law for Foundation {
         Pressure::Foundation
     }
 
-    #[inline]
+    #[inline(always)]
     fn force<const JACOBIAN: bool>(
         &self,
         surfaces: Surfaces,

@@ -31,8 +31,9 @@ use crate::plane::{dot, left, length};
 
 /// A tabulated bore with a worn journal, or one per lane.
 pub trait JournalInArc<R: Real> {
-    /// Integrals over the arc in contact at the eccentricity `e` [m] with the journal turned by `alpha` [rad].
-    fn integrate(&self, e: [R; 2], alpha: R) -> TurnedIntegrals<R>;
+    /// Integrals over the arc in contact at the eccentricity `e` [m] with the journal turned by `alpha` [rad]; the second derivatives
+    /// only if `SECOND`.
+    fn integrate<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> TurnedIntegrals<R>;
     /// Penetration in free flight, not above zero [m]; zero where `touches` is above zero.
     fn free_penetration(&self, e: [R; 2], alpha: R, touches: R) -> R;
     /// Direction in which the journal is nearest to the bore at the eccentricity `e` [m], which is not zero `(2,)` [1], and the derivative of
@@ -51,8 +52,8 @@ pub struct Pair<'a> {
 
 impl JournalInArc<f64> for Pair<'_> {
     #[inline(always)]
-    fn integrate(&self, e: [f64; 2], alpha: f64) -> TurnedIntegrals {
-        self.turned.integrate(e, alpha)
+    fn integrate<const SECOND: bool>(&self, e: [f64; 2], alpha: f64) -> TurnedIntegrals {
+        self.turned.integrate::<true>(e, alpha)
     }
 
     #[inline(always)]
@@ -121,6 +122,7 @@ impl Foundation {
     }
 
     /// The law with this journal, which has a table of its depth if it belongs to a joint with this law.
+    #[inline(always)]
     pub(crate) fn with_journal<'a>(&'a self, journal: &'a Journal) -> Option<FoundationWithJournal<'a>> {
         let turned = TurnedArc { arc: self.arc(), journal: journal.table()? };
         let arc = Pair { turned, journal };
@@ -130,11 +132,19 @@ impl Foundation {
 
 impl FoundationWithJournal<'_> {
     /// Potential, force and stiffness to e at the eccentricity `e` [m] with the journal turned by `alpha` [rad].
+    #[inline(always)]
     pub(crate) fn load_at(&self, e: [f64; 2], alpha: f64) -> FoundationLoad {
-        self.load_with_journal(e, alpha).to_e
+        self.turned_load(self.arc.turned.integrate::<false>(e, alpha)).to_e
+    }
+
+    /// Half the angle over which the contact extends at the eccentricity `e` [m] with the journal turned by `alpha` [rad].
+    pub(crate) fn half_arc(&self, e: [f64; 2], alpha: f64) -> f64 {
+        let [xx, _, yy] = self.arc.turned.integrate::<false>(e, alpha).to_e.d;
+        0.5 * (xx + yy)
     }
 
     /// The tabulated bore with the journal in it.
+    #[inline(always)]
     pub(crate) fn turned_arc(&self) -> TurnedArc<'_> {
         self.arc.turned
     }
@@ -142,7 +152,7 @@ impl FoundationWithJournal<'_> {
     /// The elastic part of the contact.
     pub(super) fn elastic_with_journal(&self, motion: &JointMotion) -> Elastic {
         let TurnedLoad { to_e: FoundationLoad { energy, force, .. }, moment, .. } =
-            self.load_with_journal(motion.e, motion.turn);
+            self.load_with_journal::<false>(motion.e, motion.turn);
         let size = libm::hypot(force[0], force[1]);
         if size <= 0.0 {
             return Elastic::default();
@@ -154,10 +164,16 @@ impl FoundationWithJournal<'_> {
 }
 
 impl<R: Real, A: JournalInArc<R>> Foundation<R, A> {
-    /// Potential, force and moment at the eccentricity `e` [m] with the journal turned by `alpha` [rad].
+    /// Potential, force and moment at the eccentricity `e` [m] with the journal turned by `alpha` [rad]; their derivatives only if `SECOND`.
     #[inline(always)]
-    fn load_with_journal(&self, e: [R; 2], alpha: R) -> TurnedLoad<R> {
-        let TurnedIntegrals { to_e: sum, t, et, tt } = self.arc.integrate(e, alpha);
+    fn load_with_journal<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> TurnedLoad<R> {
+        self.turned_load(self.arc.integrate::<SECOND>(e, alpha))
+    }
+
+    /// The load with these integrals over the arc in contact.
+    #[inline(always)]
+    fn turned_load(&self, integrals: TurnedIntegrals<R>) -> TurnedLoad<R> {
+        let TurnedIntegrals { to_e: sum, t, et, tt } = integrals;
         let potential = self.modulus.potential(sum.v);
         let (modulus, growth, [px, py]) = (potential.modulus, potential.growth, sum.p);
         TurnedLoad {
@@ -184,7 +200,7 @@ impl<R: Real, A: JournalInArc<R>> Foundation<R, A> {
     ) -> (JointForce<R>, ForceSlopes<R>) {
         let s = &self.surface;
         let JointMotion { e, w, omega_journal, omega_bushing, turn } = *motion;
-        let mut loaded = self.load_with_journal(e, turn);
+        let mut loaded = self.load_with_journal::<JACOBIAN>(e, turn);
         let nothing = e[0].zero();
         let one = nothing.like(1.0);
         let size = length(loaded.to_e.force);

@@ -1,6 +1,6 @@
 //! Tabulated bores with a worn journal in each, one pair per lane.
 //!
-//! As in `law_lanes.rs` the arcs of contact are summed lane by lane, each in loops over its own bore.
+//! Arcs in contact are summed in cells (`turned_cells.rs`), free flight lane by lane.
 //!
 //! # Source
 //! The law: see `foundation_journal.rs`.
@@ -10,18 +10,20 @@
 
 use super::arc::Arc;
 use super::foundation_journal::JournalInArc;
-use super::integrals::Integrals;
 use super::journal::{Journal, worn_radius};
 use super::journal_table::JournalTable;
 use super::turned_arc::{TurnedArc, TurnedIntegrals};
+use super::turned_cells::TurnedCells;
 use crate::bore::{Bore, Bores, Radius};
 use crate::lanes::Real;
+use std::cell::RefCell;
 
 /// Bores with a worn journal in each, one pair per lane.
 #[derive(Debug, Clone)]
 pub struct JournalLanes<R> {
-    /// Tabulated bore and journal of each lane `(lanes,)`.
+    /// Tabulated bore and journal of each lane `(lanes,)`, with the cells of states met last.
     pairs: Vec<(Arc, JournalTable)>,
+    cells: RefCell<TurnedCells<R>>,
     /// Unworn radius of the journals [m], and their depths.
     radius: R,
     depths: Bores,
@@ -30,8 +32,12 @@ pub struct JournalLanes<R> {
 impl<R: Real> JournalLanes<R> {
     /// This tabulated bore and journal in every lane; `journal` has the unworn radius `radius` [m].
     pub(super) fn new((arc, table): (&Arc, &JournalTable), journal: &Journal, radius: R) -> Self {
-        let pair = (arc.clone(), table.clone());
-        JournalLanes { pairs: vec![pair; R::LANES], radius, depths: Bores::new(journal.worn(), R::LANES) }
+        JournalLanes {
+            cells: RefCell::new(TurnedCells::new(arc, radius)),
+            pairs: vec![(arc.clone(), table.clone()); R::LANES],
+            radius,
+            depths: Bores::new(journal.worn(), R::LANES),
+        }
     }
 
     /// Replaces a lane by this bore and this journal of unworn radius `radius` [m].
@@ -41,42 +47,23 @@ impl<R: Real> JournalLanes<R> {
         if let Some(table) = journal.table() {
             to_table.clone_from(table);
         }
+        self.cells.get_mut().set(lane, arc);
         self.radius.set_lane(lane, radius);
         self.depths.set(lane, journal.worn());
     }
 
     /// Leaves a lane idle: its bore takes no time until [`Self::set`] replaces it.
     pub(super) fn leave_idle(&mut self, lane: usize) {
-        self.pairs[lane].0 = Arc::out_of_reach();
+        let arc = Arc::out_of_reach();
+        self.cells.get_mut().set(lane, &arc);
+        self.pairs[lane].0 = arc;
     }
 }
 
 impl<R: Real> JournalInArc<R> for JournalLanes<R> {
     #[inline(always)]
-    fn integrate(&self, e: [R; 2], alpha: R) -> TurnedIntegrals<R> {
-        let nothing = alpha.zero();
-        let mut all = TurnedIntegrals {
-            to_e: Integrals { v: nothing, p: [nothing; 2], d: [nothing; 3] },
-            t: nothing,
-            et: [nothing; 2],
-            tt: nothing,
-        };
-        for lane in 0..R::LANES {
-            let (arc, journal) = &self.pairs[lane];
-            let one =
-                TurnedArc { arc, journal }.integrate([e[0].lane(lane), e[1].lane(lane)], alpha.lane(lane));
-            all.to_e.v.set_lane(lane, one.to_e.v);
-            all.t.set_lane(lane, one.t);
-            all.tt.set_lane(lane, one.tt);
-            for k in 0..2 {
-                all.to_e.p[k].set_lane(lane, one.to_e.p[k]);
-                all.et[k].set_lane(lane, one.et[k]);
-            }
-            for k in 0..3 {
-                all.to_e.d[k].set_lane(lane, one.to_e.d[k]);
-            }
-        }
-        all
+    fn integrate<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> TurnedIntegrals<R> {
+        self.cells.borrow_mut().integrate::<SECOND>(&self.pairs, e, alpha)
     }
 
     #[inline(always)]

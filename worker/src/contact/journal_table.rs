@@ -40,6 +40,14 @@ pub struct Turned {
     fraction: f64,
 }
 
+impl Turned {
+    /// The interval and the fraction.
+    #[inline(always)]
+    pub(super) fn place(self) -> (usize, f64) {
+        (self.base, self.fraction)
+    }
+}
+
 /// Depth at neighbouring angles of the foundation, with its derivatives to the angle alpha of the journal.
 #[derive(Debug, Clone, Copy)]
 pub struct TurnedDepth<const N: usize> {
@@ -103,6 +111,21 @@ impl JournalTable {
         let place = if place < n { place } else { 0.0 };
         let base = place as usize;
         Turned { base, fraction: place - base as f64 }
+    }
+
+    /// Place of the journal where the angle zero of the foundation is at the beginning of its interval `base`, a whole number counted on over
+    /// full turns.
+    #[inline(always)]
+    pub(super) fn in_interval(&self, base: f64) -> Turned {
+        Turned { base: base.rem_euclid(self.intervals as f64) as usize, fraction: 0.0 }
+    }
+
+    /// Coefficients in the fraction of the cubics of the depth at `count` angles of the foundation from the angle `first` on `(4, count)` [m].
+    #[inline(always)]
+    pub(super) fn cubics(&self, at: Turned, first: usize, count: usize) -> [&[f64]; 4] {
+        let (from, [a, b, c, d]) = (at.base + first, &self.cubic);
+        let to = from + count;
+        [&a[from..to], &b[from..to], &c[from..to], &d[from..to]]
     }
 
     /// Lower bound of the depth over the stretch that begins at the angle `first` of the foundation [m].

@@ -25,6 +25,7 @@ mod arc_cells;
 #[cfg(test)]
 mod arc_cells_tests;
 mod arc_visitor;
+mod cells;
 mod coulomb;
 mod damping;
 mod energy;
@@ -50,6 +51,11 @@ mod surface;
 #[cfg(test)]
 mod tests;
 mod turned_arc;
+mod turned_cells;
+#[cfg(test)]
+mod turned_cells_tests;
+mod turned_stretch;
+mod turned_sums;
 
 pub(crate) use arc::Arc;
 pub(crate) use arc_visitor::ArcVisitor;
@@ -70,6 +76,7 @@ pub(crate) use pad::{PadForce, pad_force};
 pub(crate) use stiffness::equivalent_penetration;
 pub use stiffness::hertz_stiffness;
 pub use surface::Surface;
+pub(crate) use turned_arc::StretchParts;
 
 use crate::bore::Profile;
 use common::scene::{Clearance, ContactLaw};

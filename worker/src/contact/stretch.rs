@@ -102,10 +102,10 @@ impl<const N: usize> Angles<N> {
     }
 }
 
-/// Bits of the numbers above zero, at most 16 of them: the first number is the lowest bit. In terms of sign bits, which become vector
+/// Bits of the numbers above zero, at most 32 of them: the first number is the lowest bit. In terms of sign bits, which become vector
 /// instructions where comparisons become branches.
 #[inline(always)]
-fn positive<const N: usize>(x: &[f64; N]) -> u32 {
+pub(super) fn positive<const N: usize>(x: &[f64; N]) -> u32 {
     let mut found = 0;
     for i in 0..N {
         found |= ((0.0 - x[i]).to_bits() >> 63) << i;

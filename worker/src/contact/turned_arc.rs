@@ -18,14 +18,15 @@ use super::arc::Arc;
 use super::integrals::{Integrals, UnitIntegrals};
 use super::journal_table::{JournalTable, Turned};
 use super::stretch::{GROUP, STRETCH, Stretch};
+use crate::lanes::Real;
 use crate::plane::{dot, length};
 use std::f64::consts::TAU;
 
 /// Angles at which the intervals of a stretch begin or end.
-const ANGLES: usize = STRETCH + 1;
+pub(super) const ANGLES: usize = STRETCH + 1;
 
 /// Integrals over the arc in contact with a turned journal.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct TurnedIntegrals<R = f64> {
     /// V and its derivatives to e.
     pub to_e: Integrals<R>,
@@ -35,6 +36,34 @@ pub struct TurnedIntegrals<R = f64> {
     pub et: [R; 2],
     /// Second derivative of V to alpha [m^2/rad].
     pub tt: R,
+}
+
+impl<R: Real> TurnedIntegrals<R> {
+    /// Nothing in contact.
+    #[inline(always)]
+    pub(super) fn none(nothing: R) -> Self {
+        TurnedIntegrals {
+            to_e: Integrals { v: nothing, p: [nothing; 2], d: [nothing; 3] },
+            t: nothing,
+            et: [nothing; 2],
+            tt: nothing,
+        }
+    }
+
+    /// Replaces the integrals of a lane.
+    #[inline(always)]
+    pub(super) fn set_lane(&mut self, lane: usize, one: &TurnedIntegrals) {
+        self.to_e.v.set_lane(lane, one.to_e.v);
+        self.t.set_lane(lane, one.t);
+        self.tt.set_lane(lane, one.tt);
+        for k in 0..2 {
+            self.to_e.p[k].set_lane(lane, one.to_e.p[k]);
+            self.et[k].set_lane(lane, one.et[k]);
+        }
+        for k in 0..3 {
+            self.to_e.d[k].set_lane(lane, one.to_e.d[k]);
+        }
+    }
 }
 
 /// A tabulated bore with a worn journal in it.
@@ -54,22 +83,23 @@ struct TurnedGaps {
 }
 
 impl TurnedArc<'_> {
-    /// Integrals over the arc in contact at the eccentricity `e` [m] with the journal turned by `alpha` [rad].
+    /// Integrals over the arc in contact at the eccentricity `e` [m] with the journal turned by `alpha` [rad]; zeros for the derivatives to
+    /// alpha unless `ALPHA`.
     #[inline(always)]
-    pub(super) fn integrate(&self, e: [f64; 2], alpha: f64) -> TurnedIntegrals {
+    pub(super) fn integrate<const ALPHA: bool>(&self, e: [f64; 2], alpha: f64) -> TurnedIntegrals {
         let mut sums = [[0.0; STRETCH]; 10];
         let mut touched = false;
         let at = self.journal.turned(alpha);
         for g in 0..self.groups(e) {
-            let mut any = self.touching(e, at, g);
+            let mut any = self.touching(e, at, g, 0.0);
             touched |= any != 0;
             while any != 0 {
                 let (s, stretch) = self.next_stretch(g, &mut any);
-                add_stretch(&mut sums, stretch, &self.gaps(e, at, s, stretch));
+                add_stretch::<ALPHA>(&mut sums, stretch, &self.gaps::<ALPHA>(e, at, s, stretch));
             }
         }
         if !touched {
-            return TurnedIntegrals::default();
+            return TurnedIntegrals::none(0.0);
         }
         let sum = sums.map(|of| of.iter().sum::<f64>());
         let to_e = Integrals { v: sum[0], p: [sum[1], sum[2]], d: [sum[3], sum[4], sum[5]] };
@@ -88,14 +118,14 @@ impl TurnedArc<'_> {
         if length(e) <= self.arc.reach() { 0 } else { self.arc.stretches().groups.len() }
     }
 
-    /// The stretches of group `g` that may touch, one bit each.
+    /// The stretches of group `g` that may touch within `margin` of `e` [m], one bit each.
     #[inline(always)]
-    fn touching(&self, e: [f64; 2], at: Turned, g: usize) -> u32 {
+    pub(super) fn touching(&self, e: [f64; 2], at: Turned, g: usize, margin: f64) -> u32 {
         let stretches = self.arc.stretches();
         let mut least = [0.0; GROUP];
         let rest = GROUP.min(stretches.each.len() - g * GROUP);
         for i in 0..rest {
-            least[i] = self.journal.least(at, (g * GROUP + i) * STRETCH);
+            least[i] = self.journal.least(at, (g * GROUP + i) * STRETCH) - margin;
         }
         stretches.groups[g].touched_beyond(e, stretches.widening, &least)
     }
@@ -103,7 +133,7 @@ impl TurnedArc<'_> {
     /// Takes the first stretch of group `g` from the bits `any`: its number and itself. (Not a closure called for each stretch: that
     /// would be compiled for the least processor.)
     #[inline(always)]
-    fn next_stretch(&self, g: usize, any: &mut u32) -> (usize, &Stretch) {
+    pub(super) fn next_stretch(&self, g: usize, any: &mut u32) -> (usize, &Stretch) {
         let s = g * GROUP + any.trailing_zeros() as usize;
         *any &= *any - 1;
         (s, &self.arc.stretches().each[s])
@@ -111,7 +141,7 @@ impl TurnedArc<'_> {
 
     /// Gaps at the angles of stretch `s`; beyond its end they are not positive.
     #[inline(always)]
-    fn gaps(&self, e: [f64; 2], at: Turned, s: usize, stretch: &Stretch) -> TurnedGaps {
+    fn gaps<const ALPHA: bool>(&self, e: [f64; 2], at: Turned, s: usize, stretch: &Stretch) -> TurnedGaps {
         let depth = self.journal.depths::<ANGLES>(at, s * STRETCH);
         let mut gaps = TurnedGaps { gap: [0.0; ANGLES], d1: [0.0; ANGLES], d2: [0.0; ANGLES] };
         for i in 0..STRETCH {
@@ -121,13 +151,16 @@ impl TurnedArc<'_> {
         let last = stretch.intervals;
         let (v, play) = stretch.angle(last);
         gaps.gap[last] = dot(e, v) - play - depth.depth[last];
-        for i in 0..ANGLES {
-            (gaps.d1[i], gaps.d2[i]) = (-depth.d1[i], -depth.d2[i]);
+        if ALPHA {
+            for i in 0..ANGLES {
+                (gaps.d1[i], gaps.d2[i]) = (-depth.d1[i], -depth.d2[i]);
+            }
         }
         gaps
     }
 
     /// Gap function in the direction of the eccentricity itself [m].
+    #[inline(always)]
     pub(crate) fn gap_along(&self, e: [f64; 2], alpha: f64) -> f64 {
         let n = self.arc.intervals();
         let x = libm::atan2(e[1], e[0]).rem_euclid(TAU) / TAU * n as f64;
@@ -156,29 +189,67 @@ impl TurnedArc<'_> {
         ([c, s], -self.journal.depths::<1>(turned, nearest).d1[0])
     }
 
-    /// Calls `weigh` with each angle of the table in contact, or next to it, and the part of the integral of g that belongs to it [m
-    /// rad]; with an angle between two stretches once for each.
-    pub(crate) fn weigh(&self, e: [f64; 2], alpha: f64, mut weigh: impl FnMut(usize, f64)) {
-        let n = self.arc.intervals();
-        let spacing = TAU / n as f64;
+    /// Parts of the integral of g that belong to the angles of each stretch in contact, for intervals of length one, into `parts`, and the integral of g
+    /// u `(2,)` [m]; the angle between two stretches gets a part from either.
+    #[inline(always)]
+    pub(crate) fn weigh(&self, e: [f64; 2], alpha: f64, parts: &mut Vec<StretchParts>) -> [f64; 2] {
+        parts.clear();
         let at = self.journal.turned(alpha);
-        let stretches = (0..self.groups(e)).flat_map(|g| {
-            let mut any = self.touching(e, at, g);
-            std::iter::from_fn(move || (any != 0).then(|| self.next_stretch(g, &mut any)))
-        });
-        for (s, stretch) in stretches {
-            let gaps = self.gaps(e, at, s, stretch);
-            let mut parts = [0.0; ANGLES];
-            for i in 0..stretch.intervals {
-                let weights = IntervalWeights::new(gaps.gap[i], gaps.gap[i + 1]);
-                parts[i] += weights.first[0];
-                parts[i + 1] += weights.first[1];
-            }
-            for (k, part) in parts.iter().enumerate().filter(|(_, part)| **part > 0.0) {
-                weigh((s * STRETCH + k) % n, part * spacing);
+        let (mut x, mut y) = ([0.0; STRETCH], [0.0; STRETCH]);
+        for g in 0..self.groups(e) {
+            let mut any = self.touching(e, at, g, 0.0);
+            while any != 0 {
+                let (s, stretch) = self.next_stretch(g, &mut any);
+                let gaps = self.gaps::<false>(e, at, s, stretch).gap;
+                let (mut to_a, mut to_b) = ([0.0; STRETCH], [0.0; STRETCH]);
+                for i in 0..STRETCH {
+                    [to_a[i], to_b[i]] = IntervalWeights::new(gaps[i], gaps[i + 1]).first;
+                }
+                let mut of = StretchParts { first: s * STRETCH, part: [0.0; ANGLES] };
+                for i in 0..STRETCH {
+                    of.part[i] = to_a[i];
+                    x[i] += to_a[i] * stretch.begin.x[i];
+                    y[i] += to_a[i] * stretch.begin.y[i];
+                }
+                for i in 0..STRETCH {
+                    of.part[i + 1] += to_b[i];
+                }
+                for i in 0..STRETCH - 1 {
+                    x[i] += to_b[i] * stretch.begin.x[i + 1];
+                    y[i] += to_b[i] * stretch.begin.y[i + 1];
+                }
+                let (end, _) = stretch.angle(stretch.intervals);
+                x[0] += to_b[stretch.intervals - 1] * end[0];
+                y[0] += to_b[stretch.intervals - 1] * end[1];
+                parts.push(of);
             }
         }
+        let (mut all_x, mut all_y) = (0.0, 0.0);
+        for i in 0..STRETCH {
+            (all_x, all_y) = (all_x + x[i], all_y + y[i]);
+        }
+        [all_x, all_y]
     }
+
+    /// Table interval of the journal turned by `alpha` [rad] at the first angle of the bore's table, and the fraction there.
+    #[inline(always)]
+    pub(crate) fn place(&self, alpha: f64) -> (usize, f64) {
+        self.journal.turned(alpha).place()
+    }
+}
+
+/// What the angles of a stretch get of an integral.
+#[derive(Debug, Clone, Copy)]
+pub struct StretchParts {
+    /// Its first angle.
+    pub first: usize,
+    /// Parts of its angles; beyond its end zero.
+    pub part: [f64; ANGLES],
+}
+
+impl StretchParts {
+    /// Number of angles of the longest stretch.
+    pub(crate) const ANGLES: usize = ANGLES;
 }
 
 /// First and second derivatives aa, ab, bb of the potential of an interval of length one to the gaps at its ends; zero where neither
@@ -208,10 +279,10 @@ impl IntervalWeights {
     }
 }
 
-/// Adds twice the potential, its gradient x, y, its second derivative xx, xy, yy, its derivative to alpha and the mixed and second
+/// Adds twice the potential, its gradient x, y, its second derivative xx, xy, yy and, if `ALPHA`, its derivative to alpha and the mixed and second
 /// ones, for intervals of length one.
 #[inline(always)]
-fn add_stretch(sums: &mut [[f64; STRETCH]; 10], stretch: &Stretch, gaps: &TurnedGaps) {
+fn add_stretch<const ALPHA: bool>(sums: &mut [[f64; STRETCH]; 10], stretch: &Stretch, gaps: &TurnedGaps) {
     let (last, [end]) = (stretch.intervals, [stretch.angle(stretch.intervals).0]);
     let (mut x, mut y) = ([0.0; ANGLES], [0.0; ANGLES]);
     x[..STRETCH].copy_from_slice(&stretch.begin.x);
@@ -227,6 +298,9 @@ fn add_stretch(sums: &mut [[f64; STRETCH]; 10], stretch: &Stretch, gaps: &Turned
         sums[3][i] += aa * ux * ux + 2.0 * ab * ux * vx + bb * vx * vx;
         sums[4][i] += aa * ux * uy + ab * (ux * vy + vx * uy) + bb * vx * vy;
         sums[5][i] += aa * uy * uy + 2.0 * ab * uy * vy + bb * vy * vy;
+        if !ALPHA {
+            continue;
+        }
         sums[6][i] += wa * da + wb * db;
         // Columns of the second derivative that alpha moves.
         let (to_a, to_b) = (aa * da + ab * db, ab * da + bb * db);

@@ -2,10 +2,11 @@
 //! sample to sample.
 //!
 //! A group holds the samples whose penetration delta [m] lies between a power of [`LEVEL`] and the next, and whose direction lies in
-//! the same sector of the bore, and of a journal that wears. A sector is as wide as [`TURN`] of the half angle sqrt(2 delta / c) [rad] of their contact arc on a
-//! round bore, with the clearance c [m]; on a worn bore the arc is wider. Sectors of very light contacts are [`NARROW`] of the spacing
-//! of the control points, below which nothing of the arc's shape is left in the depths. A group is replaced by its mean, weighted
-//! with the work, so that what it leaves out is of second order in its width.
+//! the same sector of the bore, and of a journal that wears. A sector is as wide as [`TURN`] of the half angle of their contact arc [rad]:
+//! sqrt(2 delta / c) on a round bore, with the clearance c [m]. On a worn bore the arc is wider; where the journal wears too, and samples fall into
+//! many more sectors, the half angle is that of the worn surfaces, between a power of [`WIDTH`] and the next. Sectors of very light contacts are [`NARROW`] of the spacing of the control points, below which
+//! nothing of the arc's shape is left in the depths. A group is replaced by its mean, weighted with the work, so that what it leaves out
+//! is of second order in its width.
 //!
 //! Used for the elastic foundation, whose equilibria are expensive. Under the local law groups would leave a fifth of the arcs and move the
 //! drive's depth by 0.04 %, but the fewer samples share the work, the rougher is the wear rate: wear steps of the finer copy
@@ -19,6 +20,8 @@ use std::f64::consts::TAU;
 
 /// Ratio of the largest to the smallest penetration of a group [1].
 const LEVEL: f64 = 1.2;
+/// Ratio of the largest to the smallest half angle of a group [1].
+const WIDTH: f64 = 1.4;
 /// Width of a sector over the half angle of the arc [1], and its least and largest one over the spacing of the control points.
 const TURN: f64 = 0.35;
 const NARROW: f64 = 0.05;
@@ -29,11 +32,16 @@ const WIDE: f64 = 0.5;
 pub struct Touched {
     /// Penetration on a round bore [m].
     pub penetration: f64,
+    /// Half angle of the contact arc on the worn surfaces; `None`: that on a round bore counts [rad].
+    pub half_arc: Option<f64>,
     /// Direction of the contact, of any length `(2,)`.
     pub direction: [f64; 2],
     /// Angle of a journal that wears from the bushing; `None` of a round one [rad].
     pub turn: Option<f64>,
 }
+
+/// Levels of penetration and half angle, sectors of the bore and of the journal.
+type Group = (i32, i32, u32, u32);
 
 /// Groups samples of joints with one clearance and number of control points.
 #[derive(Debug, Clone)]
@@ -42,8 +50,8 @@ pub struct Condenser {
     clearance: f64,
     /// Angle between control points [rad].
     spacing: f64,
-    /// Group (level, sector, sector of the journal) and index of every sample.
-    order: Vec<(i32, u32, u32, u32)>,
+    /// Group and index of every sample.
+    order: Vec<(Group, u32)>,
 }
 
 impl Condenser {
@@ -52,15 +60,21 @@ impl Condenser {
         Condenser { clearance, spacing: TAU / points as f64, order: Vec::new() }
     }
 
-    /// Group of a contact.
-    fn group(&self, of: Touched) -> (i32, u32, u32) {
+    /// Group of a contact, with a half angle of at least that on a round bore.
+    fn group(&self, of: Touched) -> Group {
         let level = (libm::log(of.penetration) / libm::log(LEVEL)).floor();
-        let half_arc = (2.0 * libm::pow(LEVEL, level) / self.clearance).sqrt();
+        let round = (2.0 * libm::pow(LEVEL, level) / self.clearance).sqrt();
+        // Of contacts with a known half angle those of one width share the sectors.
+        let arc_level = match of.half_arc {
+            Some(half_arc) => (libm::log(half_arc.max(round)) / libm::log(WIDTH)).floor(),
+            None => 0.0,
+        };
+        let half_arc = if of.half_arc.is_some() { libm::pow(WIDTH, arc_level) } else { round };
         let width = (TURN * half_arc).clamp(NARROW * self.spacing, WIDE * self.spacing);
         let turn = libm::atan2(of.direction[1], of.direction[0]) / TAU + 0.5;
         let sectors = (TAU / width).ceil();
         let on_journal = of.turn.map_or(0.0, |angle| (turn - angle / TAU).rem_euclid(1.0));
-        (level as i32, (turn * sectors) as u32, (on_journal * sectors) as u32)
+        (level as i32, arc_level as i32, (turn * sectors) as u32, (on_journal * sectors) as u32)
     }
 
     /// The means of the groups of `samples`, whose contacts are `touched`, into `means`.
@@ -72,14 +86,13 @@ impl Condenser {
     ) {
         self.order.clear();
         for (index, sample) in samples.iter().enumerate() {
-            let (level, sector, on_journal) = self.group(touched(sample));
-            self.order.push((level, sector, on_journal, index as u32));
+            self.order.push((self.group(touched(sample)), index as u32));
         }
         self.order.sort_unstable();
         means.clear();
-        for group in self.order.chunk_by(|a, b| (a.0, a.1, a.2) == (b.0, b.1, b.2)) {
-            let members = group.iter().map(|&(.., index)| &samples[index as usize]);
-            means.push(if group.len() > 1 { mean(members) } else { samples[group[0].3 as usize] });
+        for group in self.order.chunk_by(|a, b| a.0 == b.0) {
+            let members = group.iter().map(|&(_, index)| &samples[index as usize]);
+            means.push(if group.len() > 1 { mean(members) } else { samples[group[0].1 as usize] });
         }
     }
 }
@@ -113,7 +126,12 @@ mod tests {
 
     fn condensed(samples: &[ContactSample]) -> Vec<ContactSample> {
         let mut means = vec![];
-        let touched = |s: &ContactSample| Touched { penetration: s.penetration, direction: s.e, turn: None };
+        let touched = |s: &ContactSample| Touched {
+            penetration: s.penetration,
+            half_arc: None,
+            direction: s.e,
+            turn: None,
+        };
         Condenser::new(23.5e-6, 36).condense(samples, touched, &mut means);
         means
     }

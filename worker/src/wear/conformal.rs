@@ -13,13 +13,13 @@
 
 use super::condense::{Condenser, Touched};
 use super::equilibrium::{ElasticSurfaces, Equilibrium, NoEquilibrium, equilibrium};
+use super::fine_shares::FineShares;
 use super::hat_sums::{ArcShares, HatSums};
 use super::interval::ContactSample;
 use crate::bore::Profile;
-use crate::contact::{Foundation, Journal, Surface, equivalent_penetration};
+use crate::contact::{Foundation, Journal, StretchParts, Surface, equivalent_penetration};
 use crate::lanes::{Vectorised, fused};
 use crate::plane::length;
-use std::f64::consts::TAU;
 
 /// Intervals of the bore at which the foundation is evaluated for wear: 1.25 deg at 36 control points. The
 /// pressure is scaled to the force it carries, so its quadrature need not be that of the force: the volume
@@ -36,10 +36,11 @@ pub struct ConformalContacts {
     condenser: Condenser,
     /// Sums for the shares on the tabulated bore, if the journal is round.
     sums: HatSums,
-    /// Shares of the sample at hand on a bore with a round journal, and with a worn one the angles of the table in contact and the part of the
-    /// integral of g that belongs to each [m rad].
+    /// Shares of the sample at hand on a bore with a round journal, and with a worn one what the angles of the table get.
     shares: ArcShares,
-    parts: Vec<(usize, f64)>,
+    parts: Vec<StretchParts>,
+    /// Sums of these over the samples.
+    fine: FineShares,
     /// Means of groups of samples.
     samples: Vec<ContactSample>,
     /// Evaluations of the foundation so far.
@@ -54,6 +55,7 @@ impl ConformalContacts {
             sums: HatSums::new(law.arc(), points),
             shares: ArcShares::default(),
             parts: Vec::new(),
+            fine: FineShares::default(),
             journal: wears.then(|| law.new_journal(points)),
             law,
             condenser: Condenser::new(surface.clearance, points),
@@ -64,15 +66,17 @@ impl ConformalContacts {
 
     /// Replaces the history by the samples of a cycle simulated on `profile`.
     pub(crate) fn freeze(&mut self, profile: &Profile, samples: &[ContactSample]) {
-        let (stiffness, wears) = (self.law.surface.stiffness, self.journal.is_some());
-        let touched = |s: &ContactSample| Touched {
-            penetration: equivalent_penetration(length(s.force), stiffness),
-            direction: s.force,
-            turn: wears.then_some(s.turn),
-        };
-        self.condenser.condense(samples, touched, &mut self.samples);
         self.law.profile_changed(profile);
         let (law, journal) = (&self.law, self.journal.as_ref());
+        let touched = |s: &ContactSample| Touched {
+            penetration: equivalent_penetration(length(s.force), law.surface.stiffness),
+            half_arc: journal
+                .and_then(|journal| law.with_journal(journal))
+                .map(|law| law.half_arc(s.e, s.turn)),
+            direction: s.force,
+            turn: journal.map(|_| s.turn),
+        };
+        self.condenser.condense(samples, touched, &mut self.samples);
         for sample in &mut self.samples {
             sample.penetration = match journal.and_then(|journal| law.with_journal(journal)) {
                 None => law.gap_along(sample.e),
@@ -151,32 +155,20 @@ impl ConformalContacts {
     /// then those of the journal.
     #[inline(always)]
     fn add_both(&mut self, of_journal: &[f64], to: &mut [f64]) -> Result<(), NoEquilibrium> {
-        let ConformalContacts { law, journal, samples, parts, evaluations, .. } = self;
+        let ConformalContacts { law, journal, samples, parts, fine, evaluations, .. } = self;
         let Some(journal) = journal else { return Ok(()) };
         journal.set_depth(of_journal);
-        let (bore, journals) = to.split_at_mut(of_journal.len());
-        let (points, intervals) = (bore.len() as f64, law.arc().intervals() as f64);
+        fine.clear(law.arc().intervals());
         for sample in samples {
             let Some(law) = law.with_journal(journal) else { continue };
             let law = (law, sample.turn);
             let Some(found) = find_equilibrium(&law, sample)? else { continue };
             *evaluations += u64::from(found.evaluations);
-            parts.clear();
-            let mut pressed = [0.0; 2];
             let arc = law.0.turned_arc();
-            arc.weigh(found.e, sample.turn, |k, part| {
-                let (u, _) = arc.arc.angle(k);
-                pressed = [pressed[0] + part * u[0], pressed[1] + part * u[1]];
-                parts.push((k, part));
-            });
-            let scale = work_per_pressure(sample, pressed)?;
-            let turn = sample.turn * points / TAU;
-            for &(k, part) in &*parts {
-                let place = k as f64 * (points / intervals);
-                add_hats(bore, place, scale * part);
-                add_hats(journals, (place - turn).rem_euclid(points), scale * part);
-            }
+            let pressed = arc.weigh(found.e, sample.turn, parts);
+            fine.add(parts, arc.place(sample.turn), work_per_pressure(sample, pressed)?);
         }
+        fine.share_out(to);
         Ok(())
     }
 }
@@ -189,16 +181,6 @@ impl ConformalContacts {
 fn work_per_pressure(sample: &ContactSample, pressed: [f64; 2]) -> Result<f64, NoEquilibrium> {
     let size = length(pressed);
     if size > 0.0 { Ok(sample.work / size) } else { Err(NoEquilibrium(f64::INFINITY)) }
-}
-
-/// Adds `amount` to the point before a `place`, counted in points, and the one after it.
-#[inline(always)]
-fn add_hats(shares: &mut [f64], place: f64, amount: f64) {
-    let n = shares.len();
-    let i = (place as usize).min(n - 1);
-    let s = place - i as f64;
-    shares[i] += amount * (1.0 - s);
-    shares[if i + 1 == n { 0 } else { i + 1 }] += amount * s;
 }
 
 /// The equilibrium of a sample's force; `None` without a force. Moves the sample's eccentricity and penetration to it, as the start for

@@ -70,9 +70,11 @@ impl ElasticSurfaces for (FoundationWithJournal<'_>, f64) {
     fn surface(&self) -> &Surface {
         &self.0.surface
     }
+    #[inline(always)]
     fn gap_along(&self, e: [f64; 2]) -> f64 {
         self.0.turned_arc().gap_along(e, self.1)
     }
+    #[inline(always)]
     fn load(&self, e: [f64; 2]) -> FoundationLoad {
         self.0.load_at(e, self.1)
     }

@@ -1,0 +1,208 @@
+//! Integrals over the arcs in contact with turned journals for states near each other, prepared once for all of them, with another
+//! bore and journal in each lane.
+//!
+//! A cell (`cells.rs`) holds eccentricities about e_0 [m] and angles of the journal for which its table of depths (`journal_table.rs`) stays in one
+//! interval, or in a part of it. Intervals in contact all over the cell add up to a polynomial (`turned_sums.rs`); only the few
+//! intervals about the ends of an arc are looked at for each state, interval by interval in all lanes at once. The integrals are those
+//! of `turned_arc.rs`, but for rounding; they depend on the state alone, not on the cells met before or on other lanes.
+//!
+//! # Source
+//! Derived here.
+
+// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
+#![allow(clippy::needless_range_loop)]
+
+use super::arc::Arc;
+use super::cells::{CellContents, Cells, MOST, SIDE, change_of_gaps};
+use super::integrals::{Integrals, UnitIntegrals};
+use super::journal_table::JournalTable;
+use super::stretch::STRETCH;
+use super::turned_arc::{TurnedArc, TurnedIntegrals};
+use super::turned_stretch::TurnedStretch;
+use super::turned_sums::{TurnedEnd, Whole};
+use crate::lanes::Real;
+use std::f64::consts::TAU;
+
+/// Number of intervals to look at above which cells are made smaller: more than with a round journal, since cells are left more often and
+/// take longer to prepare.
+const ENOUGH: usize = 40;
+/// Factor from one size of cells to the next smaller one in the direction of the journal's turn [1]: odd, so that the cells of each size
+/// lie within those of the size before, and near that of the eccentricities.
+const TURNED_LESS: f64 = 1.0 / 3.0;
+
+/// Bores with worn journals and the cells met last, one per lane.
+#[derive(Debug, Clone)]
+pub struct TurnedCells<R> {
+    cells: Cells<R, 3>,
+    contents: TurnedContents<R>,
+    /// Spacing s of the tables [rad].
+    spacing: R,
+    /// Derivative of the place in the journal's table to alpha, minus the number of its intervals in a radian [1/rad].
+    slope: R,
+}
+
+/// What is prepared for the cells of bores with worn journals.
+#[derive(Debug, Clone)]
+struct TurnedContents<R> {
+    whole: Whole<R>,
+    /// The other intervals that may touch.
+    ends: Vec<TurnedEnd<R>>,
+    /// Stretches of each lane with the journal as it was turned when they were met last `(lanes, stretches)`.
+    stretches: Vec<Vec<TurnedStretch>>,
+}
+
+impl<R: Real> TurnedCells<R> {
+    /// Cells of the bore `arc` in every lane; `like` sets the number of lanes.
+    pub(super) fn new(arc: &Arc, like: R) -> Self {
+        let zero = like.zero();
+        let contents = TurnedContents {
+            whole: Whole { d: [zero; 3], p: [[zero; 4]; 2], c: [zero; 7] },
+            ends: vec![TurnedEnd::none(like); MOST],
+            stretches: vec![vec![]; R::LANES],
+        };
+        let mut all = TurnedCells {
+            cells: Cells::new((ENOUGH, 5), [TURNED_LESS; 3], like),
+            contents,
+            spacing: zero,
+            slope: zero,
+        };
+        (0..R::LANES).for_each(|lane| all.set(lane, arc));
+        all
+    }
+
+    /// True if a lane has too many intervals to look at.
+    #[cfg(test)]
+    pub(super) fn is_overfull(&self) -> bool {
+        self.cells.is_overfull()
+    }
+
+    /// Forgets the cells of a lane, whose bore is `arc` from now on and whose journal is another one.
+    pub(super) fn set(&mut self, lane: usize, arc: &Arc) {
+        self.contents.set_whole(lane, &Whole::default());
+        self.contents.stretches[lane].clear();
+        self.contents.stretches[lane].resize(arc.stretches().each.len(), TurnedStretch::NONE);
+        self.spacing.set_lane(lane, arc.spacing());
+        self.slope.set_lane(lane, -(arc.intervals() as f64) / TAU);
+        let side = SIDE * arc.scale();
+        let of_arc = (arc.reach(), [side, side, 1.0]);
+        self.cells.set(lane, of_arc, &mut OfPairs { pairs: &[], contents: &mut self.contents });
+    }
+
+    /// Integrals over the arcs of these bores and journals `(lanes,)` in contact at the eccentricity `e` [m] with the journals turned by `alpha`
+    /// [rad]; the bores are those of [`Self::set`]. Zeros for the second derivatives unless `SECOND`.
+    #[inline(always)]
+    pub(super) fn integrate<const SECOND: bool>(
+        &mut self,
+        pairs: &[(Arc, JournalTable)],
+        e: [R; 2],
+        alpha: R,
+    ) -> TurnedIntegrals<R> {
+        let zero = alpha.zero();
+        let touches = self.cells.touches(e);
+        if !R::any(touches) {
+            return TurnedIntegrals::none(zero);
+        }
+        // Intervals of the journal's table, counted on over full turns, are the largest cells about whole numbers of this coordinate.
+        let place = alpha * self.slope - 0.5;
+        let contents = &mut OfPairs { pairs, contents: &mut self.contents };
+        self.cells.find([e[0], e[1], place], touches, contents);
+        let centre = self.cells.centre();
+        let x = [e[0] - centre[0], e[1] - centre[1]];
+        let f = place - centre[2].round() + 0.5;
+        let mut sums = self.contents.whole.at::<SECOND>(x, f);
+        for k in 0..self.cells.used() {
+            sums.add_end::<SECOND>(&self.contents.ends[k], x, f);
+        }
+        let (to_alpha, slope) = (self.slope * self.spacing, self.slope);
+        let only = |value: R| R::select(touches, value, zero);
+        let UnitIntegrals { sums: Integrals { v, p, d }, extent } = sums.to_e;
+        let to_e = UnitIntegrals {
+            sums: Integrals { v: only(v), p: p.map(only), d: d.map(only) },
+            extent: only(extent),
+        };
+        let mut all = TurnedIntegrals {
+            to_e: to_e.scaled(self.spacing),
+            t: only(sums.t * to_alpha),
+            et: sums.et.map(|et| only(et * to_alpha)),
+            tt: only(sums.tt * to_alpha * slope),
+        };
+        if self.cells.is_overfull() {
+            for lane in 0..R::LANES {
+                let at = [e[0].lane(lane), e[1].lane(lane)];
+                if self.cells.is_lane_overfull(lane, at) {
+                    let (arc, journal) = &pairs[lane];
+                    all.set_lane(lane, &TurnedArc { arc, journal }.integrate::<true>(at, alpha.lane(lane)));
+                }
+            }
+        }
+        all
+    }
+}
+
+impl<R: Real> TurnedContents<R> {
+    #[inline(always)]
+    fn set_whole(&mut self, lane: usize, whole: &Whole<f64>) {
+        for k in 0..3 {
+            self.whole.d[k].set_lane(lane, whole.d[k]);
+        }
+        for k in 0..4 {
+            self.whole.p[0][k].set_lane(lane, whole.p[0][k]);
+            self.whole.p[1][k].set_lane(lane, whole.p[1][k]);
+        }
+        for k in 0..7 {
+            self.whole.c[k].set_lane(lane, whole.c[k]);
+        }
+    }
+}
+
+/// The contents with the bores and journals from which they are prepared, one per lane `(lanes,)`.
+struct OfPairs<'a, R> {
+    pairs: &'a [(Arc, JournalTable)],
+    contents: &'a mut TurnedContents<R>,
+}
+
+impl<R: Real> CellContents<R, 3> for OfPairs<'_, R> {
+    #[inline(always)]
+    fn fill(&mut self, lane: usize, [x, y, place]: [f64; 3], half: [f64; 3]) -> usize {
+        let (centre, margin) = ([x, y], change_of_gaps(half[0]));
+        let (arc, journal) = &self.pairs[lane];
+        let turned = TurnedArc { arc, journal };
+        let base = Real::round(place);
+        let (f, turned_by) = (place - base + 0.5, half[2] * 1.000_001);
+        let at = journal.in_interval(base);
+        let mut whole = Whole::default();
+        let mut found = 0;
+        for g in 0..arc.stretches().groups.len() {
+            let mut any = turned.touching(centre, at, g, margin);
+            while any != 0 {
+                let (s, of_bore) = turned.next_stretch(g, &mut any);
+                let stretch = &mut self.contents.stretches[lane][s];
+                if stretch.base != base {
+                    stretch.base = base;
+                    stretch.prepare(of_bore, journal, at, s * STRETCH);
+                }
+                let [inside, reached] = stretch.bounds(centre, margin, (f, turned_by));
+                let both = inside & (inside >> 1) & of_bore.all();
+                if both != 0 {
+                    whole.add_moved(&stretch.of(both), of_bore.relative_to_centre(centre));
+                }
+                let mut ends = (reached | (reached >> 1)) & of_bore.all() & !both;
+                while ends != 0 {
+                    let k = ends.trailing_zeros() as usize;
+                    ends &= ends - 1;
+                    if found < MOST {
+                        self.contents.ends[found].set_lane(lane, stretch, k, centre);
+                    }
+                    found += 1;
+                }
+            }
+        }
+        self.contents.set_whole(lane, &whole);
+        found
+    }
+
+    #[inline(always)]
+    fn leave_free(&mut self, lane: usize, k: usize) {
+        self.contents.ends[k].set_lane(lane, &TurnedStretch::NONE, 0, [0.0; 2]);
+    }
+}

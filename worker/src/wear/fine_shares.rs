@@ -1,0 +1,67 @@
+//! Shares of contacts with a worn journal per angle of the table, of the bore and of the journal.
+//!
+//! A journal turned by a fraction f of an interval has what an angle of the bore's table gets between two angles of its own: 1 - f and
+//! f of it go to these. Hat functions of control points at angles of the table are linear in between, so that nothing is lost.
+//!
+//! # Source
+//! Derived here.
+
+// Compiled for the instructions of the processor, where closures of iterators are not: plain loops.
+#![allow(clippy::needless_range_loop)]
+
+use crate::contact::StretchParts;
+
+/// Sums over samples, per angle of the table.
+#[derive(Debug, Clone, Default)]
+pub struct FineShares {
+    /// Number of intervals of a turn.
+    intervals: usize,
+    /// Angles of the bore counted over one turn and a stretch more, of the journal over two [N m].
+    bore: Vec<f64>,
+    journal: Vec<f64>,
+}
+
+impl FineShares {
+    /// Empties the sums, for tables with `intervals` in a turn.
+    pub(super) fn clear(&mut self, intervals: usize) {
+        self.intervals = intervals;
+        let more = StretchParts::ANGLES + 1;
+        for (sums, turns) in [(&mut self.bore, 1), (&mut self.journal, 2)] {
+            sums.clear();
+            sums.resize(turns * intervals + more, 0.0);
+        }
+    }
+
+    /// Adds `scale` times these parts, with the journal's interval `base` at the first angle of the bore and the fraction `f` there.
+    #[inline(always)]
+    pub(super) fn add(&mut self, parts: &[StretchParts], (base, f): (usize, f64), scale: f64) {
+        let (here, next) = (scale * (1.0 - f), scale * f);
+        for of in parts {
+            let bore = &mut self.bore[of.first..of.first + StretchParts::ANGLES];
+            for i in 0..StretchParts::ANGLES {
+                bore[i] += scale * of.part[i];
+            }
+            let first = base + of.first;
+            let journal = &mut self.journal[first..first + StretchParts::ANGLES + 1];
+            for i in 0..StretchParts::ANGLES {
+                journal[i] += here * of.part[i];
+            }
+            for i in 0..StretchParts::ANGLES {
+                journal[i + 1] += next * of.part[i];
+            }
+        }
+    }
+
+    /// Adds the sums to the control points of the bore and then those of the journal, whose number divides that of the intervals.
+    pub(super) fn share_out(&self, to: &mut [f64]) {
+        let (bore, journal) = to.split_at_mut(to.len() / 2);
+        for (points, sums) in [(bore, &self.bore), (journal, &self.journal)] {
+            let (n, between) = (points.len(), self.intervals / points.len());
+            for (k, amount) in sums.iter().enumerate() {
+                let (i, s) = ((k / between) % n, (k % between) as f64 / between as f64);
+                points[i] += amount * (1.0 - s);
+                points[if i + 1 == n { 0 } else { i + 1 }] += amount * s;
+            }
+        }
+    }
+}
