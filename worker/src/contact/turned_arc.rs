@@ -206,8 +206,8 @@ impl TurnedArc<'_> {
                     [to_a[i], to_b[i]] = IntervalWeights::new(gaps[i], gaps[i + 1]).first;
                 }
                 let mut of = StretchParts { first: s * STRETCH, part: [0.0; ANGLES] };
+                of.part[..STRETCH].copy_from_slice(&to_a);
                 for i in 0..STRETCH {
-                    of.part[i] = to_a[i];
                     x[i] += to_a[i] * stretch.begin.x[i];
                     y[i] += to_a[i] * stretch.begin.y[i];
                 }

@@ -1,5 +1,8 @@
 //! Cells of states give the integrals of the arc in contact with a turned journal, whatever was met before and in other lanes.
 
+// A state has several coordinates and a lane: plain indices.
+#![allow(clippy::needless_range_loop)]
+
 use super::arc::Arc;
 use super::journal_table::JournalTable;
 use super::turned_arc::{TurnedArc, TurnedIntegrals};

@@ -40,7 +40,7 @@ pub struct ConformalContacts {
     shares: ArcShares,
     parts: Vec<StretchParts>,
     /// Sums of these over the samples.
-    fine: FineShares,
+    fine: Box<FineShares>,
     /// Means of groups of samples.
     samples: Vec<ContactSample>,
     /// Evaluations of the foundation so far.
@@ -55,7 +55,7 @@ impl ConformalContacts {
             sums: HatSums::new(law.arc(), points),
             shares: ArcShares::default(),
             parts: Vec::new(),
-            fine: FineShares::default(),
+            fine: Box::default(),
             journal: wears.then(|| law.new_journal(points)),
             law,
             condenser: Condenser::new(surface.clearance, points),
