@@ -11,13 +11,16 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::arc::Arc;
-use super::cells::{CellContents, Cells, MOST, SIDE, SMALLER, change_of_gaps};
+use super::cells::{CellContents, Cells, MOST, SIDE, change_of_gaps};
 use super::integrals::{Integrals, UnitIntegrals};
 use crate::lanes::Real;
 use crate::plane::fused_dot;
 
 /// Number of intervals to look at above which cells are made smaller.
 const ENOUGH: usize = 16;
+/// Factor from one size of cells to the next smaller one [1], and number of sizes.
+const SMALLER: f64 = 0.125;
+const SIZES: usize = 3;
 
 /// An interval about the end of an arc; in lanes where there is none it touches nothing.
 #[derive(Debug, Clone, Copy)]
@@ -73,7 +76,7 @@ impl<R: Real> ArcCells<R> {
             whole: UnitIntegrals::none(like.zero()).sums,
             ends: vec![EndInterval::none(like); MOST],
         };
-        let mut all = ArcCells { cells: Cells::new((ENOUGH, 3), [SMALLER; 2], like), contents };
+        let mut all = ArcCells { cells: Cells::new((ENOUGH, SIZES), [SMALLER; 2], like), contents };
         (0..R::LANES).for_each(|lane| all.set(lane, arc));
         all
     }

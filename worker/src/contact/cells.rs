@@ -18,9 +18,8 @@
 use crate::lanes::Real;
 use crate::plane::length;
 
-/// Side of the widest cells over c a^2 [1], and factor from one size to the next smaller one [1].
+/// Side of the widest cells over c a^2 [1].
 pub(super) const SIDE: f64 = 40.0;
-pub(super) const SMALLER: f64 = 0.125;
 /// Largest number of sizes of cells.
 const SIZES: usize = 5;
 /// Largest number of intervals to look at.
@@ -28,8 +27,8 @@ pub(super) const MOST: usize = 64;
 
 /// What is prepared for a cell.
 pub(super) trait CellContents<R, const D: usize> {
-    /// Prepares in a lane what holds in the cell of size `size` about `centre` `(D,)`, whose coordinates reach up to `half` [`(D,)`] to either
-    /// side; the number of intervals to look at, of which the first [`MOST`] are kept.
+    /// Prepares in a lane what holds in the cell about `centre` `(D,)`, whose coordinates reach up to `half` `(D,)` to either side; returns the
+    /// number of intervals to look at, of which the first [`MOST`] are kept.
     fn fill(&mut self, lane: usize, centre: [f64; D], half: [f64; D]) -> usize;
     /// Leaves the kept interval `k` of a lane out of contact.
     fn leave_free(&mut self, lane: usize, k: usize);

@@ -1,7 +1,7 @@
 //! Shares of contacts with a worn journal per angle of the table, of the bore and of the journal.
 //!
-//! A journal turned by a fraction f of an interval has what an angle of the bore's table gets between two angles of its own: 1 - f and
-//! f of it go to these. Hat functions of control points at angles of the table are linear in between, so that nothing is lost.
+//! With the journal turned by the fraction f of an interval, an angle of the bore's table lies between two angles of the journal's table: the
+//! shares 1 - f and f are added there. Hat functions of control points, which are angles of the table, are linear in between: this is exact.
 //!
 //! # Source
 //! Derived here.
