@@ -12,7 +12,7 @@
 
 use super::arc::Arc;
 use super::cells::{CellContents, Cells, MOST, SIDE, change_of_gaps};
-use super::integrals::{Integrals, UnitIntegrals};
+use super::integrals::{Integrals, UnitIntegrals, weights_in_lanes};
 use crate::lanes::Real;
 use crate::plane::fused_dot;
 
@@ -180,38 +180,10 @@ impl<R: Real> CellContents<R, 2> for OfArcs<'_, R> {
 }
 
 /// Adds this interval at the eccentricity `x` from the centre of the cell [m], without second derivatives unless `SECOND`.
-///
-/// Of an interval with the larger gap h and the smaller one l the share f = h / (h - l), at most one, is in contact; the formulas are
-/// those of `integrals.rs`, without branches and with fused operations.
 #[inline(always)]
 fn add_end<R: Real, const SECOND: bool>(to: &mut UnitIntegrals<R>, end: &EndInterval<R>, x: [R; 2]) {
     let ([ux, uy], [vx, vy]) = (end.u, end.v);
-    let (zero, sixth_part) = (ux.zero(), ux.like(1.0 / 6.0));
     let a = end.a.plus_product(x[0], ux).plus_product(x[1], uy);
     let b = end.b.plus_product(x[0], vx).plus_product(x[1], vy);
-    let falls = b.below(a);
-    let (high, low) = (R::select(falls, a, b).larger(zero), R::select(falls, b, a));
-    let (over, under) = (low.larger(zero), low.smaller(zero));
-    let f = high / (high - under + f64::MIN_POSITIVE);
-    let f2 = f * f;
-    // Half and a sixth of the parts h f and h f^2.
-    let (half, sixth) = (high * f * 0.5, high * f2 * sixth_part);
-    let near = (half - sixth).plus_product(over, sixth_part);
-    let far = sixth.plus_product(over, sixth_part * 2.0);
-    let (wa, wb) = (R::select(falls, near, far), R::select(falls, far, near));
-    let sums = &mut to.sums;
-    sums.v = sums.v.plus_product(wa, a).plus_product(wb, b);
-    sums.p[0] = sums.p[0].plus_product(wa, ux).plus_product(wb, vx);
-    sums.p[1] = sums.p[1].plus_product(wa, uy).plus_product(wb, vy);
-    to.extent += f;
-    if SECOND {
-        let f3 = f2 * f * (1.0 / 3.0);
-        let (near, mixed, far) = (f - f2 + f3, f2 * 0.5 - f3, f3);
-        let (aa, bb) = (R::select(falls, near, far), R::select(falls, far, near));
-        let (ax, bx) = ((aa * ux).plus_product(mixed, vx), (mixed * ux).plus_product(bb, vx));
-        let (ay, by) = ((aa * uy).plus_product(mixed, vy), (mixed * uy).plus_product(bb, vy));
-        sums.d[0] = sums.d[0].plus_product(ax, ux).plus_product(bx, vx);
-        sums.d[1] = sums.d[1].plus_product(ay, ux).plus_product(by, vx);
-        sums.d[2] = sums.d[2].plus_product(ay, uy).plus_product(by, vy);
-    }
+    to.add_end::<SECOND>([end.u, end.v], [a, b], weights_in_lanes::<R, SECOND>(a, b));
 }

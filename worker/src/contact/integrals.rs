@@ -96,6 +96,57 @@ impl Weights {
     }
 }
 
+/// First derivatives of the potential of an interval to the gaps `a` and `b` [m] at its ends, as those of [`Weights`], its second
+/// derivatives aa, ab, bb if `SECOND`, else zeros, and the share of it in contact [1]. Without branches, also where nothing is in contact.
+///
+/// Of an interval with the larger gap h and the smaller one l the share f = h / (h - l), at most one, is in contact.
+#[inline(always)]
+pub(super) fn weights_in_lanes<R: Real, const SECOND: bool>(a: R, b: R) -> ([R; 2], [R; 3], R) {
+    let (zero, sixth_part) = (a.zero(), a.like(1.0 / 6.0));
+    let falls = b.below(a);
+    let (high, low) = (R::select(falls, a, b).larger(zero), R::select(falls, b, a));
+    let (over, under) = (low.larger(zero), low.smaller(zero));
+    let f = high / (high - under + f64::MIN_POSITIVE);
+    let f2 = f * f;
+    // Half and a sixth of the parts h f and h f^2.
+    let (half, sixth) = (high * f * 0.5, high * f2 * sixth_part);
+    let near = (half - sixth).plus_product(over, sixth_part);
+    let far = sixth.plus_product(over, sixth_part * 2.0);
+    let first = [R::select(falls, near, far), R::select(falls, far, near)];
+    if !SECOND {
+        return (first, [zero; 3], f);
+    }
+    let f3 = f2 * f * (1.0 / 3.0);
+    let (near, mixed, far) = (f - f2 + f3, f2 * 0.5 - f3, f3);
+    (first, [R::select(falls, near, far), mixed, R::select(falls, far, near)], f)
+}
+
+impl<R: Real> UnitIntegrals<R> {
+    /// Adds an interval with the unit vectors `u`, `v` and the gaps `gaps` [m] at its ends and these weights and share in contact; its
+    /// second derivative only if `SECOND`.
+    #[inline(always)]
+    pub(super) fn add_end<const SECOND: bool>(
+        &mut self,
+        [u, v]: [[R; 2]; 2],
+        [a, b]: [R; 2],
+        ([wa, wb], [aa, mixed, bb], share): ([R; 2], [R; 3], R),
+    ) {
+        let ([ux, uy], [vx, vy]) = (u, v);
+        let sums = &mut self.sums;
+        sums.v = sums.v.plus_product(wa, a).plus_product(wb, b);
+        sums.p[0] = sums.p[0].plus_product(wa, ux).plus_product(wb, vx);
+        sums.p[1] = sums.p[1].plus_product(wa, uy).plus_product(wb, vy);
+        self.extent += share;
+        if SECOND {
+            let (ax, bx) = ((aa * ux).plus_product(mixed, vx), (mixed * ux).plus_product(bb, vx));
+            let (ay, by) = ((aa * uy).plus_product(mixed, vy), (mixed * uy).plus_product(bb, vy));
+            sums.d[0] = sums.d[0].plus_product(ax, ux).plus_product(bx, vx);
+            sums.d[1] = sums.d[1].plus_product(ay, ux).plus_product(by, vx);
+            sums.d[2] = sums.d[2].plus_product(ay, uy).plus_product(by, vy);
+        }
+    }
+}
+
 impl Integrals {
     /// Adds twice the potential, its gradient and its second derivative of one interval of length one with
     /// unit vectors `u`, `v` and gaps `gaps` [m] at its ends.

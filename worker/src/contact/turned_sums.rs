@@ -13,7 +13,7 @@
 // Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
 #![allow(clippy::needless_range_loop)]
 
-use super::integrals::{Integrals, UnitIntegrals};
+use super::integrals::{Integrals, UnitIntegrals, weights_in_lanes};
 use super::turned_stretch::{SUMS, TurnedStretch};
 use crate::lanes::Real;
 use crate::plane::fused_dot;
@@ -154,40 +154,18 @@ fn cubic_bend<R: Real>(of: &[R; 4], f: R) -> R {
 
 impl<R: Real> TurnedSums<R> {
     /// Adds this interval at the eccentricity `x` from the centre of the cell [m] and the fraction `f`, without second derivatives unless
-    /// `SECOND`. Of an interval with the larger gap h and the smaller one l the share h / (h - l), at most one, is in contact; the formulas
-    /// are those of `integrals.rs`, without branches and with fused operations.
+    /// `SECOND`.
     #[inline(always)]
     pub(super) fn add_end<const SECOND: bool>(&mut self, end: &TurnedEnd<R>, x: [R; 2], f: R) {
         let ([ux, uy], [vx, vy]) = (end.u, end.v);
-        let (zero, sixth_part) = (ux.zero(), ux.like(1.0 / 6.0));
         let a = cubic(&end.a, f).plus_product(x[0], ux).plus_product(x[1], uy);
         let b = cubic(&end.b, f).plus_product(x[0], vx).plus_product(x[1], vy);
         let (da, db) = (cubic_slope(&end.a, f), cubic_slope(&end.b, f));
-        let falls = b.below(a);
-        let (high, low) = (R::select(falls, a, b).larger(zero), R::select(falls, b, a));
-        let (over, under) = (low.larger(zero), low.smaller(zero));
-        let share = high / (high - under + f64::MIN_POSITIVE);
-        let share2 = share * share;
-        // Half and a sixth of the parts h share and h share^2.
-        let (half, sixth) = (high * share * 0.5, high * share2 * sixth_part);
-        let near = (half - sixth).plus_product(over, sixth_part);
-        let far = sixth.plus_product(over, sixth_part * 2.0);
-        let (wa, wb) = (R::select(falls, near, far), R::select(falls, far, near));
-        let UnitIntegrals { sums, extent } = &mut self.to_e;
-        sums.v = sums.v.plus_product(wa, a).plus_product(wb, b);
-        sums.p[0] = sums.p[0].plus_product(wa, ux).plus_product(wb, vx);
-        sums.p[1] = sums.p[1].plus_product(wa, uy).plus_product(wb, vy);
-        *extent += share;
+        let weights = weights_in_lanes::<R, SECOND>(a, b);
+        self.to_e.add_end::<SECOND>([end.u, end.v], [a, b], weights);
+        let ([wa, wb], [aa, mixed, bb], _) = weights;
         self.t = self.t.plus_product(wa, da).plus_product(wb, db);
         if SECOND {
-            let share3 = share2 * share * (1.0 / 3.0);
-            let (near, mixed, far) = (share - share2 + share3, share2 * 0.5 - share3, share3);
-            let (aa, bb) = (R::select(falls, near, far), R::select(falls, far, near));
-            let (ax, bx) = ((aa * ux).plus_product(mixed, vx), (mixed * ux).plus_product(bb, vx));
-            let (ay, by) = ((aa * uy).plus_product(mixed, vy), (mixed * uy).plus_product(bb, vy));
-            sums.d[0] = sums.d[0].plus_product(ax, ux).plus_product(bx, vx);
-            sums.d[1] = sums.d[1].plus_product(ay, ux).plus_product(by, vx);
-            sums.d[2] = sums.d[2].plus_product(ay, uy).plus_product(by, vy);
             let (af, bf) = ((aa * da).plus_product(mixed, db), (mixed * da).plus_product(bb, db));
             self.et[0] = self.et[0].plus_product(af, ux).plus_product(bf, vx);
             self.et[1] = self.et[1].plus_product(af, uy).plus_product(bf, vy);
