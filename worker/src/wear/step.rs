@@ -111,16 +111,17 @@ impl WearStep {
         let fastest = largest(self.f0.iter().copied());
         // Error allowed in excess of each sub-step's own share [m].
         let mut credit = FIRST_CREDIT * self.tolerance * fastest * cycles;
+        let smallest = SMALLEST * cycles;
         while done < cycles {
             step = step.min(cycles - done);
             let relative = match self.attempt(rate, depth, step, radius, &mut credit, stats) {
                 Ok(relative) => relative,
                 Err(Refused { smaller, error }) => {
                     stats.rejected += 1;
-                    if smaller < SMALLEST * cycles {
+                    if step <= smallest {
                         return Err(WearStepFailed(error.min(f64::MAX)));
                     }
-                    step = smaller;
+                    step = smaller.max(smallest);
                     continue;
                 }
             };
@@ -137,7 +138,9 @@ impl WearStep {
             depth.copy_from_slice(&self.end);
             std::mem::swap(&mut self.f0, &mut self.f1);
             done = last;
-            step *= (0.8 / libm::cbrt(relative.max(1e-3))).clamp(0.5, 4.0);
+            // Not below the smallest one, however large the error that the credit allowed: where the rate jumps, ever shorter sub-steps would
+            // approach the place without passing it.
+            step = f64::max(step * (0.8 / libm::cbrt(relative.max(1e-3))).clamp(0.5, 4.0), smallest);
         }
         Ok(())
     }
