@@ -70,11 +70,12 @@ fn row(name: &str, nominal: &Scene, law: ContactLaw) {
     };
     let percent = |value: f64, of: f64| format!("{:+.2} %", 100.0 * (value / of - 1.0));
     let over_points = POINTS.map(|points| wear(points, balanced));
-    let finest = over_points[4].clone();
+    // The finest that can be simulated; a failure is shown in its place.
+    let finest = over_points.iter().rposition(Result::is_ok);
     let mut cells: Vec<String> = over_points[..4]
         .iter()
-        .map(|found| match (found, &finest) {
-            (Ok((depth, stated)), Ok((of, _))) => {
+        .map(|found| match (found, finest.map(|k| &over_points[k])) {
+            (Ok((depth, stated)), Some(Ok((of, _)))) => {
                 format!("{} ({:.2} %)", percent(*depth, *of), 100.0 * stated / of)
             }
             _ => "failed".to_owned(),
@@ -88,6 +89,12 @@ fn row(name: &str, nominal: &Scene, law: ContactLaw) {
             _ => "failed".to_owned(),
         });
     }
-    let depth = finest.map_or_else(|failure| failure, |(depth, _)| format!("{:.3} µm", depth * 1e6));
+    let depth = match (&over_points[4], finest.map(|k| (POINTS[k], &over_points[k]))) {
+        (Ok((depth, _)), _) => format!("{:.3} µm", depth * 1e6),
+        (Err(failure), Some((points, Ok((depth, _))))) => {
+            format!("{failure}; with {points} {:.3} µm", depth * 1e6)
+        }
+        (Err(failure), _) => failure.clone(),
+    };
     println!("| `{name}` | `{}` | {depth} | {} |", law.name(), cells.join(" | "));
 }
