@@ -140,13 +140,13 @@ fn cubic<R: Real>(of: &[R; 4], f: R) -> R {
     of[0].plus_product(of[1].plus_product(of[2].plus_product(of[3], f), f), f)
 }
 
-/// Its slope.
+/// Derivative of that cubic to `f`.
 #[inline(always)]
 fn cubic_slope<R: Real>(of: &[R; 4], f: R) -> R {
     of[1].plus_product((of[2] * 2.0).plus_product(of[3] * 3.0, f), f)
 }
 
-/// Its second derivative.
+/// Second derivative of that cubic to `f`.
 #[inline(always)]
 fn cubic_bend<R: Real>(of: &[R; 4], f: R) -> R {
     (of[2] * 2.0).plus_product(of[3] * 6.0, f)

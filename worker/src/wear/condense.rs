@@ -41,7 +41,7 @@ pub struct Touched {
 }
 
 /// Levels of penetration and half angle, sectors of the bore and of the journal.
-type Group = (i32, i32, u32, u32);
+type SampleGroup = (i32, i32, u32, u32);
 
 /// Groups samples of joints with one clearance and number of control points.
 #[derive(Debug, Clone)]
@@ -51,7 +51,7 @@ pub struct Condenser {
     /// Angle between control points [rad].
     spacing: f64,
     /// Group and index of every sample.
-    order: Vec<(Group, u32)>,
+    order: Vec<(SampleGroup, u32)>,
 }
 
 impl Condenser {
@@ -61,7 +61,7 @@ impl Condenser {
     }
 
     /// Group of a contact, with a half angle of at least that on a round bore.
-    fn group(&self, of: Touched) -> Group {
+    fn group(&self, of: Touched) -> SampleGroup {
         let level = (libm::log(of.penetration) / libm::log(LEVEL)).floor();
         let round = (2.0 * libm::pow(LEVEL, level) / self.clearance).sqrt();
         // Of contacts with a known half angle those of one width share the sectors.
