@@ -1,5 +1,6 @@
 //! Motion and joint forces of one island over a displayed cycle, interpolated to its displayed times as the states of the integrator
-//! arrive: only the last two of these are held, whatever the number of time steps.
+//! arrive: only the last two of these are held, whatever the number of time steps. Positions lie on the cubic with the positions and velocities
+//! of both states, velocities are its slope, whose error is of third order in the step, and forces lie on a straight line.
 //!
 //! # Source
 //! Cubic Hermite interpolation: de Boor, A Practical Guide to Splines (1978), chapter IV.
@@ -80,7 +81,7 @@ impl DisplayedMotion {
         self.interpolate(f64::INFINITY);
     }
 
-    /// Adds the displayed times up to `end` [s], from the last two states: positions by cubics, the rest along straight lines.
+    /// Adds the displayed times up to `end` [s], from the last two states.
     fn interpolate(&mut self, end: f64) {
         let DisplayedMotion { at, last, before, states, q, v, force, .. } = self;
         let n = last.q.len();
@@ -93,8 +94,9 @@ impl DisplayedMotion {
             let along = |from: f64, to: f64| from + share * (to - from);
             for k in 0..n {
                 let value = [before.q[k], last.q[k]];
-                q.push(Piece::new(&time, &value, [before.v[k], last.v[k]], 0).at(t).0);
-                v.push(along(before.v[k], last.v[k]));
+                let (position, velocity) = Piece::new(&time, &value, [before.v[k], last.v[k]], 0).at(t);
+                q.push(position);
+                v.push(velocity);
             }
             force.extend(before.force.iter().zip(&last.force).map(|(from, to)| along(*from, *to)));
         }
@@ -154,11 +156,9 @@ mod tests {
         assert_eq!(shown.q.len(), 8);
         shown.finish();
         assert_eq!(shown.q.len(), at.len());
-        for ((q, force), t) in shown.q.iter().zip(shown.force(0)).zip(&at) {
+        for (((q, v), force), t) in shown.q.iter().zip(&shown.v).zip(shown.force(0)).zip(&at) {
             assert!((q - x(*t)).abs() < 1e-12 && (force - 3.0 * t).abs() < 1e-12, "{t}: {q} {force}");
+            assert!((v - speed(*t)).abs() < 1e-12, "{t}: {v}");
         }
-        // Velocities lie on the line between those of the two states.
-        let expected = speed(0.4) + (0.5 - 0.4) / 0.35 * (speed(0.75) - speed(0.4));
-        assert!((shown.v[4] - expected).abs() < 1e-15);
     }
 }

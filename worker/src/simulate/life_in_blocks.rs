@@ -73,16 +73,15 @@ pub(crate) async fn simulate_life<M: CycleModel>(
     let (mut life, mut longer) = LongerSteps::start(runs, &model, &ends).await?;
     let mut simulated = 0;
     while simulated + 1 < ends.len() {
-        let block = ends[simulated]..ends[simulated + 1];
         match &mut longer {
             Some(steps) => {
-                if let Some(lasted) = steps.add_block(runs, &mut life, &block).await {
+                if let Some(lasted) = steps.add_block(runs, &mut life, &ends[simulated..]).await {
                     simulated = ends.partition_point(|&end| end < lasted);
                     longer = None;
                     continue;
                 }
             }
-            None => life.add_block(runs, &model, &block).await?,
+            None => life.add_block(runs, &model, &(ends[simulated]..ends[simulated + 1])).await?,
         }
         simulated += 1;
     }

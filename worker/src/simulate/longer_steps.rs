@@ -4,20 +4,20 @@
 //! is low: late in the life of the flapping-wing drive, where the worn bores feed it. Before, longer steps change neither the wear
 //! nor the outputs by a thousandth. Steps 2.5 times as long would be too long: with them the scheme itself feeds the vibration.
 //!
-//! A life starts with its own steps. On the unworn bores the cycle after the measured one has steps longer by [`FINER`]. If no output
-//! y of the motion and no wear rate w changes by more than
+//! A life starts with its own steps. On the unworn bores the cycle after the measured one has steps longer by [`FINER`], or as much longer
+//! as [`LARGEST_TOLERANCE`] permits (by 1.26 for `draft`). If no output y of the motion and no wear rate w changes by more than
 //!
 //!   |dy| <= 0.002 |y|,   |dw| <= 0.005 w,
 //!
 //! the cycles after it have the longer steps. Some of them are checked: the cycle after such a one, on the same bores, has steps of the life's
 //! own and is compared with it, as in a [`Probe`]. These are the ones that are probed otherwise, and those whose outputs of the motion have
 //! moved by more than 0.5 % since the last check. Where the two differ by more than the bounds above, or a cycle with longer steps
-//! fails, the life returns to the check before and goes on with its own steps to its end. What the checks find counts in the stated error
-//! as that of the probes. If the motion repeats itself with the longer steps on the unworn bores, that comparison takes the place of the probe
+//! fails, the life returns to the check before and goes on with its own steps to its end. So it does after two thirds of the life if fewer than
+//! [`FEWEST_BLOCKS_LEFT`] blocks are left, as with `draft`. What the checks find counts in the stated error as that of the probes. If the motion repeats itself with the longer steps on the unworn bores, that comparison takes the place of the probe
 //! there, which costs more.
 //!
-//! Not used if the motion does not repeat itself on the unworn bores, for [`Tier::Dynamic`], and where the steps of the accuracy are long
-//! already, as those of `draft` are: there the checks cost what the longer steps save. Dynamic cycles beside the quasi-static model keep their steps
+//! Not used if the motion does not repeat itself on the unworn bores, for [`Tier::Dynamic`], and where the steps of the accuracy are so long
+//! already that they could be longer by less than [`LEAST_FACTOR`]. Dynamic cycles beside the quasi-static model keep their steps
 //! too: twice as long, they change the wear rates under `foundation` by 0.7 % on worn bores, which its comparison would state as an error of the wear.
 //! Steps twice as long save another 5 % of the time of the drive, but state errors of the wear twice as large.
 //!
@@ -35,8 +35,11 @@ use std::ops::Range;
 
 /// Largest tolerance of the local error of longer steps [1], some four steps a period of the contact vibration.
 const LARGEST_TOLERANCE: f64 = 5e-3;
-/// Fewest blocks of a life that are worth them.
+/// Least factor by which they are longer [1]: below it the checks cost what they save.
+const LEAST_FACTOR: f64 = 1.2;
+/// Fewest blocks of a life that are worth them, and fewest after the check at two thirds of it.
 const FEWEST_BLOCKS: usize = 8;
+const FEWEST_BLOCKS_LEFT: usize = 4;
 /// Largest relative change of an output of the motion, and of a wear rate, that is no difference [1].
 const SAME_MOTION: f64 = 2e-3;
 const SAME_WEAR: f64 = 5e-3;
@@ -107,14 +110,15 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         LongerSteps { model, checked }
     }
 
-    /// Adds a block with longer steps, and checks the cycles at its end if that is due. If the steps are to have their own length from
-    /// now on, the life [cycles] to go on from, which `runs` and `life` have then.
+    /// Adds the first of the blocks between these `ends` [cycles] with longer steps, and checks the cycles at its end if that is due. If the
+    /// steps are to have their own length from now on, the life [cycles] to go on from, which `runs` and `life` have then.
     pub(crate) async fn add_block(
         &mut self,
         runs: &mut [Run<'a>],
         life: &mut PartialLife<'a>,
-        block: &Range<u32>,
+        ends: &[u32],
     ) -> Option<u32> {
+        let block = &(ends[0]..ends[1]);
         let added = life.add_block(runs, &self.model, block).await;
         if added.is_ok() && !self.is_due(life, block, &runs[0].scene.life) {
             return None;
@@ -123,8 +127,9 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         let probes = if added.is_ok() { compare(runs, block.end, own).await } else { None };
         let Some(probes) = probes else { return Some(self.go_back(runs, life)) };
         note(life, probes);
-        if block.start == self.checked.cycles {
-            // A check after every block would cost more than longer steps save.
+        let few_left = ends.len() - 2 < FEWEST_BLOCKS_LEFT && is_probed(block, &runs[0].scene.life);
+        if block.start == self.checked.cycles || few_left {
+            // A check after every block, or for a few last ones, would cost more than longer steps save.
             runs.iter_mut().for_each(|run| run.set_steps(own));
             return Some(block.end);
         }
@@ -157,8 +162,9 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
 
 /// `accuracy` with longer time steps, if they may be tried; the largest step stays.
 pub(crate) fn longer(accuracy: &Accuracy) -> Option<Accuracy> {
-    let step_tolerance = accuracy.refined(1.0 / FINER).step_tolerance;
-    let may_be_tried = accuracy.tier == Tier::Automatic && step_tolerance <= LARGEST_TOLERANCE;
+    let factor = FINER.min((LARGEST_TOLERANCE / accuracy.step_tolerance).sqrt().sqrt());
+    let step_tolerance = accuracy.refined(1.0 / factor).step_tolerance;
+    let may_be_tried = accuracy.tier == Tier::Automatic && factor >= LEAST_FACTOR;
     may_be_tried.then_some(Accuracy { step_tolerance, ..*accuracy })
 }
 
@@ -207,7 +213,10 @@ mod tests {
         let steps = longer(&balanced).expect("longer ones").refined(FINER).step_tolerance;
         assert!((steps / balanced.step_tolerance - 1.0).abs() < 1e-15, "{steps}");
         assert!(longer(&balanced.refined(1.25)).is_some());
-        assert!([Accuracy::draft(), Accuracy::reference()].iter().all(|accuracy| longer(accuracy).is_none()));
+        let draft = longer(&Accuracy::draft()).expect("longer ones").step_tolerance;
+        assert!((draft / LARGEST_TOLERANCE - 1.0).abs() < 1e-15, "{draft}");
+        let longest = Accuracy { step_tolerance: 2.5e-3, ..Accuracy::draft() };
+        assert!([longest, Accuracy::reference()].iter().all(|accuracy| longer(accuracy).is_none()));
     }
 
     #[test]

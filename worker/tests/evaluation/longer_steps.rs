@@ -21,6 +21,16 @@ fn difference(a: &Evaluation, b: &Evaluation, k: usize, life: u32) -> f64 {
     within.fold(0.0, |m: f64, (_, (a, b))| m.max((a - b).abs() / LIMITS[k]))
 }
 
+/// Every value of `found` is within its stated error of that of `fine`.
+fn assert_within_stated_errors(found: &Evaluation, fine: &Evaluation) {
+    for k in [WEAR, ASYMMETRY] {
+        for (i, life) in found.cycles.iter().enumerate() {
+            let off = (found.histories[k][i] - fine.histories[k][i]).abs();
+            assert!(off <= found.errors[k][i], "output {k} at {life}: {off} > {}", found.errors[k][i]);
+        }
+    }
+}
+
 /// Points of the drive that no choice was made with.
 fn points() -> [Scene; 2] {
     let source = SceneSource::builtin("flapping-wing").expect("built in");
@@ -54,12 +64,25 @@ fn early_cycles_of_the_drive_take_longer_steps_and_late_ones_its_own() {
             println!("output {k} up to {life}: off by {off:.2e}");
             assert!(off < bound, "output {k} up to {life} cycles: {off}");
         }
-        for k in [WEAR, ASYMMETRY] {
-            for (i, life) in found.cycles.iter().enumerate() {
-                let off = (found.histories[k][i] - fine.histories[k][i]).abs();
-                assert!(off <= found.errors[k][i], "output {k} at {life}: {off} > {}", found.errors[k][i]);
-            }
+        assert_within_stated_errors(&found, &fine);
+    }
+}
+
+#[test]
+fn early_cycles_of_a_draft_take_longer_steps() {
+    let own = Accuracy { tier: Tier::Dynamic, ..Accuracy::draft() };
+    for scene in points() {
+        let found = evaluate(&scene, Accuracy::draft());
+        let (plain, fine) = (evaluate(&scene, own), evaluate(&scene, own.refined(2.5)));
+        let share = found.diagnostics.steps as f64 / plain.diagnostics.steps as f64;
+        println!("steps {share:.2}");
+        assert!((0.7..0.85).contains(&share), "{share}");
+        for (k, life, bound) in [(WEAR, 72_000, 1e-3), (ASYMMETRY, 48_000, 1e-3), (ASYMMETRY, 60_000, 5e-3)] {
+            let off = difference(&found, &fine, k, life);
+            println!("output {k} up to {life}: off by {off:.2e}");
+            assert!(off < bound, "output {k} up to {life} cycles: {off}");
         }
+        assert_within_stated_errors(&found, &fine);
     }
 }
 
