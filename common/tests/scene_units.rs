@@ -78,3 +78,20 @@ fn units_outside_the_si_have_their_exact_definitions() {
         assert!((value(text).value / si - 1.0).abs() < 5e-7, "{text}: {}", value(text).value);
     }
 }
+
+#[test]
+fn several_units_below_the_bar_may_stand_in_a_parenthesis() {
+    for (grouped, single) in [
+        ("1e-4 mm^3/(N m)", "1e-4 mm^3/N/m"),
+        ("2 kg/(m * s^2)", "2 kg/m/s^2"),
+        ("3 1/(Pa s)", "3 1/Pa/s"),
+        ("4 m/(s^2)*2", "8 m/s^2"),
+        ("6 m/(2 m)", "3"),
+    ] {
+        assert_eq!(value(grouped), value(single), "{grouped}");
+    }
+    let unknown = |name: &str| Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None });
+    for wrong in ["1 mm^3/(N m", "1 mm^3/(N m) s", "1 mm^3/(N q)"] {
+        assert!(evaluate(wrong, &mut { unknown }).is_err(), "{wrong}");
+    }
+}

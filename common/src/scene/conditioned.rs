@@ -5,7 +5,6 @@ use super::context::Overrides;
 use super::faults::{Fault, FaultKind};
 use super::joint::{Clearance, ContactDamping, GuideClearance, GuideWear, Joint, JointKind};
 use super::model::{Condition, Fails, LimitState, Scene};
-use super::output::OutputKind;
 use super::resolve::resolve;
 use toml::Table;
 
@@ -71,7 +70,7 @@ pub(super) fn conditions(
 /// Name of the first limit state that fails on another side than one before it of the same output of the motion, or on both; `None` if
 /// there is none. Wear is the same under all conditions.
 fn two_sided(scene: &Scene) -> Option<&str> {
-    let of_motion = |output: usize| !matches!(scene.outputs[output].kind, OutputKind::LargestWear { .. });
+    let of_motion = |output: usize| scene.outputs[output].kind.wear().is_none();
     let limits = || scene.limit_states.iter().filter(|limit| of_motion(limit.output));
     let is_two_sided = |(k, limit): &(usize, &LimitState)| {
         let mut before = limits().take(*k).filter(|other| other.output == limit.output);

@@ -73,8 +73,9 @@ fn check(file: &Section, rows: &[ConditionRow], life: Option<&Life>) {
     let sum: f64 = rows.iter().map(|row| row.share).sum();
     if (sum - 1.0).abs() > WHOLE {
         let message = format!(
-            "the shares add up to {sum}, not to 1; shares that vary are written by a parameter p, \"p\" and \"1 - p\", which a \
-             variable changes"
+            "the shares add up to {}, not to 1; shares that vary are written by a parameter p, \"p\" and \"1 - p\", which a \
+             variable changes",
+            (sum * 1e12).round() / 1e12
         );
         file.inconsistent("conditions", message);
     }

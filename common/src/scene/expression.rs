@@ -262,12 +262,31 @@ impl<'t> Parser<'_, 't> {
         let bare_one = matches!(self.peek(), Some(Token::Number(1.0, _)));
         if bare_one
             && self.tokens.get(self.next + 1) == Some(&Token::Sign('/'))
-            && self.unit_at(self.next + 2).is_some()
+            && (self.unit_at(self.next + 2).is_some()
+                || self.tokens.get(self.next + 2) == Some(&Token::Sign('('))
+                    && self.unit_at(self.next + 3).is_some())
         {
             self.next += 1;
         }
         let mut after_bar = false;
+        let mut times = |factor: Unit, n: i16| {
+            for _ in 0..n.unsigned_abs() {
+                let (above, under) =
+                    if n < 0 { (factor.divide, factor.multiply) } else { (factor.multiply, factor.divide) };
+                multiply *= above;
+                divide *= under;
+            }
+            dimension = dimension.times(factor.dimension.power(n));
+            if factor.angle == AngleUnit::Present {
+                angle = AngleUnit::Present;
+            }
+        };
         loop {
+            if let Some(below) = self.units_in_parenthesis()? {
+                below.into_iter().for_each(|(factor, n)| times(factor, -n));
+                after_bar = true;
+                continue;
+            }
             let (below, skip) = match self.peek() {
                 Some(Token::Sign('/')) => (true, 1),
                 Some(Token::Sign('*')) => (false, 1),
@@ -281,20 +300,30 @@ impl<'t> Parser<'_, 't> {
             after_bar |= below;
             self.next += skip + 1;
             let n = if self.accept('^') { self.exponent()? } else { 1 };
-            let n = if below { -n } else { n };
-            for _ in 0..n.unsigned_abs() {
-                let (above, under) =
-                    if n < 0 { (factor.divide, factor.multiply) } else { (factor.multiply, factor.divide) };
-                multiply *= above;
-                divide *= under;
-            }
-            dimension = dimension.times(factor.dimension.power(n));
-            if factor.angle == AngleUnit::Present {
-                angle = AngleUnit::Present;
-            }
+            times(factor, if below { -n } else { n });
         }
         self.refuse_unknown_unit()?;
         Ok(Quantity { value: number * multiply / divide, dimension, angle })
+    }
+
+    /// Units with their exponents in a parenthesis behind a fraction bar, as in `mm^3/(N m)`; nothing is read if that holds anything else.
+    fn units_in_parenthesis(&mut self) -> Result<Option<Vec<(Unit, i16)>>, ExpressionError> {
+        let start = self.next;
+        let mut found = Vec::new();
+        if self.accept('/') && self.accept('(') {
+            loop {
+                // Before a further factor there may be a sign of multiplication.
+                let skip = usize::from(!found.is_empty() && self.peek() == Some(Token::Sign('*')));
+                let Some(factor) = self.unit_at(self.next + skip) else { break };
+                self.next += skip + 1;
+                found.push((factor, if self.accept('^') { self.exponent()? } else { 1 }));
+            }
+            if !found.is_empty() && self.accept(')') {
+                return Ok(Some(found));
+            }
+        }
+        self.next = start;
+        Ok(None)
     }
 
     /// Refuses a name after a number that is neither a unit nor the name of a parameter, function or constant.

@@ -16,8 +16,8 @@ const DENSITIES: (f64, f64) = (1e-3, 5e4);
 const LARGEST_CLEARANCE: f64 = 0.2;
 /// Young's moduli from soft rubber to diamond [Pa].
 const MODULI: (f64, f64) = (1e5, 2e12);
-/// Wear coefficients per hardness, from films in oil to abrasion of plastics [1/Pa].
-const WEAR: (f64, f64) = (1e-21, 1e-9);
+/// Wear coefficients per hardness, from films in oil to abrasion of plastics, 1e-2 mm^3/(N m) [1/Pa].
+const WEAR: (f64, f64) = (1e-21, 1e-11);
 /// Largest speed of a driven body [rad/s]: a dental turbine has 4e4.
 const LARGEST_SPEED: f64 = 1e5;
 /// Gravity on the moon and on Jupiter, a tenth and ten times [m/s^2].
@@ -36,7 +36,7 @@ pub(super) fn magnitudes(scene: &Scene) -> Vec<Warning> {
         let found = match &joint.kind {
             JointKind::Clearance(clearance) => of_hinge(clearance),
             JointKind::Guide(GuideClearance { wear: Some(wear), .. }) => {
-                of_wear("wear_coefficient", wear.coefficient).into_iter().collect()
+                of_wear(wear.coefficient, "slider_wear_coefficient", wear.slider_coefficient)
             }
             _ => continue,
         };
@@ -132,15 +132,23 @@ fn of_hinge(clearance: &Clearance) -> Vec<(&'static str, String)> {
             found.push((key, message));
         }
     }
-    found.extend(of_wear("wear_coefficient", clearance.wear_coefficient));
+    let second = clearance.journal_wear_coefficient;
+    found.extend(of_wear(clearance.wear_coefficient, "journal_wear_coefficient", second));
     found
 }
 
-/// Key and warning about a wear coefficient [1/Pa].
-fn of_wear(key: &'static str, wear: f64) -> Option<(&'static str, String)> {
-    let message =
-        || format!("is {wear:.3e} 1/Pa; lubricated steel has about 1e-17 to 1e-13 1/Pa: check the unit");
-    (wear > 0.0 && !within(wear, WEAR)).then(|| (key, message()))
+/// Keys and warnings about the wear coefficients of two surfaces, the second of which has the key `second_key` if it is given [1/Pa].
+fn of_wear(first: f64, second_key: &'static str, second: Option<f64>) -> Vec<(&'static str, String)> {
+    let both = [("wear_coefficient", Some(first)), (second_key, second)];
+    let given = both.into_iter().filter_map(|(key, wear)| Some((key, wear?)));
+    let unusual = given.filter(|(_, wear)| *wear > 0.0 && !within(*wear, WEAR));
+    let message = |wear| {
+        format!(
+            "is {wear:.3e} 1/Pa = {:.3e} mm^3/(N m); lubricated steel has about 1e-17 to 1e-13 1/Pa: check the unit",
+            1e9 * wear
+        )
+    };
+    unusual.map(|(key, wear)| (key, message(wear))).collect()
 }
 
 #[cfg(test)]

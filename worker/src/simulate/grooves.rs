@@ -14,12 +14,16 @@ use common::outputs::NarrowGroove;
 const LEAST_OPEN: f64 = 0.01;
 
 impl Run<'_> {
-    /// Looks for grooves in the bores as worn to `life` [cycles], for journals as unworn; keeps the most open one of each joint.
+    /// Looks for grooves in the bores as worn to `life` [cycles], for journals as thick as they are at least: a journal that wears has lost
+    /// its least depth all round. Keeps the most open groove of each joint.
     pub(crate) fn note_grooves(&mut self, life: u32) {
-        for joint in self.islands.iter().flat_map(|state| &state.island.joints).filter(|j| j.wears()) {
+        let joints = self.islands.iter().flat_map(|state| state.island.joints.iter().zip(&state.depth));
+        for (joint, depth) in joints.filter(|(joint, _)| joint.wears()) {
             let surface = joint.contact.surface();
+            let (_, of_journal) = depth.split_at(joint.first_depths());
+            let lost = of_journal.iter().copied().reduce(f64::min).unwrap_or(0.0);
             let bore = Surfaces { bore: &joint.profile, journal: None };
-            let found = FreeRegion::new(bore, surface.journal_radius, 0.0)
+            let found = FreeRegion::new(bore, surface.journal_radius - lost, 0.0)
                 .narrow_grooves(LEAST_OPEN * surface.clearance)
                 .into_iter()
                 .max_by(|a, b| a.open.total_cmp(&b.open));

@@ -28,7 +28,7 @@
 
 use crate::bore::Profile;
 use crate::lanes::Real;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Fewest table intervals of a turn: 1.25 deg each; a linear interpolation there misplaces the ends of a 20 deg arc by 0.2 %.
 const INTERVALS: usize = 288;
@@ -221,7 +221,8 @@ impl Side<'_> {
                 };
                 match (inside, start) {
                     (true, None) => arc = zero,
-                    (true, Some(from)) => patch(from, zero),
+                    // Rounded, an end may lie before the start of a patch that only grazes an angle.
+                    (true, Some(from)) => patch(from, zero.max(from)),
                     (false, _) => start = Some(zero),
                 }
                 inside = !inside;
@@ -322,14 +323,14 @@ impl ArcEnds {
     }
 
     /// Number of table angles on one side beyond which p is negative for an eccentricity of `size` [m]: with the largest gap g,
-    /// p <= g + e cos(phi), and cos(phi) <= 1 - 11/24 phi^2 up to 1 rad, 1 - 2 (phi / pi)^2 up to pi.
+    /// p <= g + e cos(phi), and cos(phi) <= 1 - phi^2 / 2 + phi^4 / 24.
     #[inline(always)]
     fn reach(&self, size: f64) -> usize {
         let n = self.intervals();
         let fall = 1.0 + self.largest_gap / size;
-        let square = if fall <= 11.0 / 24.0 { fall * (24.0 / 11.0) } else { fall * (0.5 * PI * PI) };
-        // Also where it is not a number: half a turn.
-        if square < PI * PI { 1 + (square.sqrt() * (n as f64 / TAU)) as usize } else { n / 2 }
+        let square = 6.0 - (36.0 - 24.0 * fall).sqrt();
+        // Where that has no root, or is not a number, half a turn.
+        if square < 6.0 { 1 + (square.sqrt() * (n as f64 / TAU)) as usize } else { n / 2 }
     }
 
     /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m]; `near` are the distance to

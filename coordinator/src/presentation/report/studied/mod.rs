@@ -143,7 +143,7 @@ fn assumptions(input: &ReportInput) -> Vec<String> {
             }
         }
         if scene.joints.iter().any(|joint| !joint.kind.has_clearance()) {
-            text.push("Ideal joints have neither clearance nor friction nor wear.".to_owned());
+            text.push("Ideal joints have neither clearance nor wear.".to_owned());
         }
     }
     text.push(
