@@ -78,8 +78,9 @@ fn warning(scene: &Scene, life: &NominalLife) -> Option<String> {
     let limit = life.thresholds();
     match life.reached {
         Reached::FromTheStart => Some(format!(
-            "the nominal mechanism has {} in its first cycle, unworn, and has failed from the start: the limit is {limit}",
+            "the nominal mechanism has {} in its first cycle, unworn, and has failed from the start: the limit is {limit}{}",
             life.shown(life.unworn?),
+            life.doubt(life.unworn?, life.errors[0]),
         )),
         Reached::After(cycles) if life.limit.is_reached(life.first) => {
             life.unworn?;
@@ -89,8 +90,9 @@ fn warning(scene: &Scene, life: &NominalLife) -> Option<String> {
             };
             Some(format!(
                 "the nominal mechanism reaches the limit of {limit} after about {cycles:.0} cycles, before the first checkpoint at \
-                 {every}, where it has {}: {remedy}",
-                life.shown(life.first)
+                 {every}, where it has {}: {remedy}{}",
+                life.shown(life.first),
+                life.doubt(life.first, life.errors[0])
             ))
         }
         Reached::Beyond(_)

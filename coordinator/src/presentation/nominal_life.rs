@@ -33,6 +33,8 @@ pub struct NominalLife<'s> {
     pub last: f64,
     /// When the limit is reached.
     pub reached: Reached,
+    /// Stated numerical errors of the values at the first and at the last checkpoint [SI]; zero if none is stated.
+    pub errors: [f64; 2],
 }
 
 /// A limit state in JSON, values in SI units.
@@ -54,7 +56,9 @@ pub fn nominal_lives<'s>(scene: &'s Scene, evaluation: &Evaluation) -> Vec<Nomin
     let life = |limit: &'s LimitState| {
         let history = &evaluation.histories[limit.output];
         let unworn = evaluation.start.get(limit.output).copied().flatten();
+        let errors = evaluation.errors.get(limit.output).map_or(&[][..], Vec::as_slice);
         NominalLife {
+            errors: [errors.first(), errors.last()].map(|error| error.copied().unwrap_or(0.0)),
             limit,
             unit: scene.outputs[limit.output].kind.unit(),
             unworn,
@@ -112,6 +116,15 @@ impl NominalLife<'_> {
         (threshold - response) / self.limit.scale()
     }
 
+    /// What is to be added to a statement about the limit from a `value` with this stated `error` [SI]: nothing if the error is smaller than the
+    /// distance from the threshold.
+    pub fn doubt(&self, value: f64, error: f64) -> String {
+        if error < (self.limit.response(value) - self.limit.response_threshold()).abs() {
+            return String::new();
+        }
+        format!("; its numerical error of {} leaves that open: choose another accuracy", self.shown(error))
+    }
+
     /// The line about this limit state, e.g. `wear: 10.0 µm after 8 000 cycles, limit 8.00 µm, margin -25 %; reached after about 5 930
     /// cycles`.
     pub fn line(&self, cycles: u32) -> String {
@@ -126,8 +139,8 @@ impl NominalLife<'_> {
             Reached::Beyond(_) => "not reached".to_owned(),
         };
         let (value, limit) = (self.shown(self.last), self.thresholds());
-        let cycles = count(cycles.into());
-        format!("{name}: {value} after {cycles} cycles, limit {limit}, margin {margin:.0} %; {when}\n")
+        let (cycles, doubt) = (count(cycles.into()), self.doubt(self.last, self.errors[1]));
+        format!("{name}: {value} after {cycles} cycles, limit {limit}, margin {margin:.0} %; {when}{doubt}\n")
             .replace('\u{a0}', " ")
     }
 
