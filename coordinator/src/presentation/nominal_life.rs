@@ -117,9 +117,9 @@ impl NominalLife<'_> {
     }
 
     /// What is to be added to a statement about the limit from a `value` with this stated `error` [SI]: nothing if the error is smaller than the
-    /// distance from the threshold.
+    /// distance from the threshold, or none is stated.
     pub fn doubt(&self, value: f64, error: f64) -> String {
-        if error < (self.limit.response(value) - self.limit.response_threshold()).abs() {
+        if error <= 0.0 || error < (self.limit.response(value) - self.limit.response_threshold()).abs() {
             return String::new();
         }
         format!("; its numerical error of {} leaves that open: choose another accuracy", self.shown(error))
