@@ -175,7 +175,6 @@ fn batch_of_eight_under_foundation(bencher: Bencher, how: &str) {
 #[divan::bench(
     args = [
         "flapping-wing draft",
-        "flapping-wing draft+dynamic",
         "flapping-wing balanced",
         "flapping-wing balanced+jump-2000",
         "flapping-wing reference",
