@@ -52,3 +52,14 @@ fn conditions() {
     let again = SceneSource::parse(source.text(), "again").unwrap();
     assert_eq!(again.nominal(), scene);
 }
+
+#[test]
+fn issue_two_sided_limits_of_wear_outputs_were_refused_over_several_conditions() {
+    for output in ["bushing_wear", "journal_wear", "growth"] {
+        let limit = format!("output = \"{output}\"\nlower = \"2 um\"");
+        let text = EVERYTHING.replace("output = \"all_wear\"\nlower = \"2 um\"", &limit);
+        assert!(text.contains(&limit));
+        let source = SceneSource::parse(&text, "everything").unwrap();
+        assert!(source.nominal().conditions.len() > 1);
+    }
+}

@@ -2,7 +2,7 @@
 //!
 //! Such a journal lies on both edges of the groove. Under `foundation` it has a patch of contact on each; `local-hertz`, whose penetration is
 //! measured along the eccentricity alone, lets it into the groove. In both cases the geometry deserves a look: more control points may
-//! smooth the groove, or the load wears it there in truth.
+//! smooth the groove, or the load wears it there in truth. A journal that wears counts as a circle, as thick as it is where it has worn least.
 
 use super::run::Run;
 use crate::contact::{FreeRegion, Surfaces};
