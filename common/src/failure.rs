@@ -105,7 +105,7 @@ pub enum SimulationFailure {
     },
     /// The wear step could not reach its tolerance.
     #[error(
-        "at cycle {cycle} the wear of joint {joint} did not reach its tolerance (error {} times its bound); use shorter blocks (jump-N in the accuracy) or another number of control_points; deep wear under a load of one direction needs contact_law = \"foundation\"",
+        "at cycle {cycle} the wear of joint {joint} did not reach its tolerance (error {} times its bound); use shorter blocks (jump-N in the accuracy) or another number of control_points; a hinge worn deep by a load of one direction needs contact_law = \"foundation\"",
         rounded(*error)
     )]
     WearStep {
