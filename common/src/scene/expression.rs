@@ -260,11 +260,10 @@ impl<'t> Parser<'_, 't> {
         let mut angle = AngleUnit::Absent;
         // `2 1/Pa`: the 1 only carries the fraction bar.
         let bare_one = matches!(self.peek(), Some(Token::Number(1.0, _)));
+        let has_parenthesis = self.tokens.get(self.next + 2) == Some(&Token::Sign('('));
         if bare_one
             && self.tokens.get(self.next + 1) == Some(&Token::Sign('/'))
-            && (self.unit_at(self.next + 2).is_some()
-                || self.tokens.get(self.next + 2) == Some(&Token::Sign('('))
-                    && self.unit_at(self.next + 3).is_some())
+            && self.unit_at(self.next + 2 + usize::from(has_parenthesis)).is_some()
         {
             self.next += 1;
         }

@@ -222,4 +222,21 @@ mod tests {
         assert_eq!(printed["limit_state"], "wear");
         assert!((printed["life"].as_f64().unwrap() - 6400.0).abs() < 1e-6, "{printed}");
     }
+
+    #[test]
+    fn an_error_beyond_the_distance_from_the_limit_leaves_the_verdict_open() {
+        let scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
+        let line = |error| {
+            let mut evaluation =
+                Evaluation::from_histories(vec![1000, 2000], vec![vec![1e-6, 7e-6], vec![0.0; 2]]);
+            evaluation.errors = vec![vec![0.0, error], vec![0.0; 2]];
+            nominal_lives(&scene, &evaluation)[0].line(2000)
+        };
+        // 7 um of the 8 um allowed.
+        assert!(
+            line(2e-6)
+                .ends_with("; its numerical error of 2.00 µm leaves that open: choose another accuracy\n")
+        );
+        assert!(!line(5e-7).contains("open"));
+    }
 }

@@ -13,8 +13,8 @@
 //! own and is compared with it, as in a [`Probe`]. These are the ones that are probed otherwise, and those whose outputs of the motion have
 //! moved by more than 0.5 % since the last check. Where the two differ by more than the bounds above, or a cycle with longer steps
 //! fails, the life returns to the check before and goes on with its own steps to its end. So it does after two thirds of the life if fewer than
-//! [`FEWEST_BLOCKS_LEFT`] blocks are left, as with `draft`. What the checks find counts in the stated error as that of the probes. If the motion repeats itself with the longer steps on the unworn bores, that comparison takes the place of the probe
-//! there, which costs more.
+//! [`FEWEST_BLOCKS_LEFT`] blocks are left, as with `draft`. What the checks find counts in the stated error as that of the probes. If the
+//! motion repeats itself with the longer steps on the unworn bores, that comparison takes the place of the probe there, which costs more.
 //!
 //! Not used if the motion does not repeat itself on the unworn bores, for [`Tier::Dynamic`], and where the steps of the accuracy are so long
 //! already that they could be longer by less than [`LEAST_FACTOR`]. Dynamic cycles beside the quasi-static model keep their steps
@@ -35,7 +35,7 @@ use std::ops::Range;
 
 /// Largest tolerance of the local error of longer steps [1], some four steps a period of the contact vibration.
 const LARGEST_TOLERANCE: f64 = 5e-3;
-/// Least factor by which they are longer [1]: below it the checks cost what they save.
+/// Least factor by which they are longer [1]: shorter ones save less than a fifth of the steps, and the checks cost some of it.
 const LEAST_FACTOR: f64 = 1.2;
 /// Fewest blocks of a life that are worth them, and fewest after the check at two thirds of it.
 const FEWEST_BLOCKS: usize = 8;

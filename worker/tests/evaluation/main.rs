@@ -17,6 +17,7 @@ mod islands;
 mod kinematics;
 mod loads;
 mod longer_steps;
+mod mistyped_wear;
 mod n_four_bar;
 mod nominal;
 mod outputs;
