@@ -202,6 +202,8 @@ impl Side<'_> {
     ) -> f64 {
         let half = n / 2 + 1;
         let reach = reach.min(half);
+        // A patch may end before it starts: half a turn away, and by rounding where it only grazes an angle.
+        let mut patch = |from: f64, to: f64| patch(from, to.max(from));
         // Number of the angle to go on from, p at the one before, and whether that is inside a patch.
         let (mut at, mut last, mut inside) = (0, self.penetration, true);
         // End of the arc, and start of the patch at hand.
@@ -221,8 +223,7 @@ impl Side<'_> {
                 };
                 match (inside, start) {
                     (true, None) => arc = zero,
-                    // Rounded, an end may lie before the start of a patch that only grazes an angle.
-                    (true, Some(from)) => patch(from, zero.max(from)),
+                    (true, Some(from)) => patch(from, zero),
                     (false, _) => start = Some(zero),
                 }
                 inside = !inside;
