@@ -126,11 +126,16 @@ impl Profile {
     /// Radius at `x` control points from that at angle zero, in [-n, 2 n) [m].
     #[inline(always)]
     pub(crate) fn turned(&self, x: f64) -> f64 {
+        let from = x + self.cubic.len() as f64;
+        let point = from as usize;
+        self.turned_to(point, from - point as f64)
+    }
+
+    /// Radius at the fraction `s` of the interval behind point `point` of three turns, the second of which begins at angle zero [m].
+    #[inline(always)]
+    pub(crate) fn turned_to(&self, point: usize, s: f64) -> f64 {
         let n = self.cubic.len();
-        let from = x + n as f64;
-        let floor = from as usize;
-        let s = from - floor as f64;
-        let once = if floor >= n { floor - n } else { floor };
+        let once = if point >= n { point - n } else { point };
         Cubic(self.cubic[if once >= n { once - n } else { once }]).value(s)
     }
 

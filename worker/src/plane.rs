@@ -32,6 +32,12 @@ pub(crate) fn left<R: Real>(a: [R; 2]) -> [R; 2] {
     [-a[1], a[0]]
 }
 
+/// The vector times `factor`.
+#[inline(always)]
+pub(crate) fn scaled<R: Real>(a: [R; 2], factor: R) -> [R; 2] {
+    [a[0] * factor, a[1] * factor]
+}
+
 /// Length |a| of a vector.
 #[inline(always)]
 pub(crate) fn length<R: Real>(a: [R; 2]) -> R {

@@ -60,7 +60,9 @@ impl<R: Real> UnitIntegrals<R> {
         // Of contacts below a tenth of a picometre rounding leaves less than this bound (Cauchy and Schwarz).
         let least = dot(p, p) / R::select(touches, extent, zero.like(1.0));
         let v = R::select(R::both(touches, v.below(least)), least, v);
-        Integrals { v: v * spacing * 0.5, p: p.map(|p| p * spacing), d: d.map(|d| d * spacing) }
+        // In lanes, closures are not compiled for the instruction set of the code around them.
+        let p = [p[0] * spacing, p[1] * spacing];
+        Integrals { v: v * spacing * 0.5, p, d: [d[0] * spacing, d[1] * spacing, d[2] * spacing] }
     }
 }
 

@@ -118,13 +118,17 @@ impl<R: Real> TurnedCells<R> {
         let only = |value: R| R::select(touches, value, zero);
         let UnitIntegrals { sums: Integrals { v, p, d }, extent } = sums.to_e;
         let to_e = UnitIntegrals {
-            sums: Integrals { v: only(v), p: p.map(only), d: d.map(only) },
+            sums: Integrals {
+                v: only(v),
+                p: [only(p[0]), only(p[1])],
+                d: [only(d[0]), only(d[1]), only(d[2])],
+            },
             extent: only(extent),
         };
         let mut all = TurnedIntegrals {
             to_e: to_e.scaled(self.spacing),
             t: only(sums.t * to_alpha),
-            et: sums.et.map(|et| only(et * to_alpha)),
+            et: [only(sums.et[0] * to_alpha), only(sums.et[1] * to_alpha)],
             tt: only(sums.tt * to_alpha * slope),
         };
         if self.cells.is_overfull() {

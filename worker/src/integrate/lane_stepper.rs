@@ -186,6 +186,16 @@ impl<R: Real> LaneStepper<R> {
         self.drift = drift;
     }
 
+    /// One in lanes whose state has a finite force and is not `outside` the range of the model (one there, else zero), else zero.
+    #[inline(always)]
+    pub(crate) fn sound(&self, outside: R) -> R {
+        let (zero, one) = (outside.zero(), outside.like(1.0));
+        let existing = self.at.independent.unwrap_or(one) * self.at.balanced.unwrap_or(one);
+        // Zero or not a number, of which only zero is below one.
+        let finite = R::select(self.force.below(one), existing, zero);
+        R::select(zero.below(outside), zero, finite)
+    }
+
     /// Second half of a round: accepts or refuses the step tried in every lane, unless the end of its span was reached before or its
     /// state has no force or is `outside` the range of the model (one there, else zero). True if a lane stopped, for a reason that
     /// [`Self::outcome`] tells.
@@ -193,11 +203,7 @@ impl<R: Real> LaneStepper<R> {
     pub(crate) fn finish_round(&mut self, outside: R) -> bool {
         let (zero, one) = (outside.zero(), outside.like(1.0));
         let SpanProgress { time, end, steps, control, .. } = self.progress;
-        let existing = self.at.independent.unwrap_or(one) * self.at.balanced.unwrap_or(one);
-        // Zero or not a number, of which only zero is below one.
-        let finite = R::select(self.force.below(one), existing, zero);
-        let sound = R::select(zero.below(outside), zero, finite);
-        let entered = R::select(zero.below(self.fresh), sound, one);
+        let entered = R::select(zero.below(self.fresh), self.sound(outside), one);
         let entered = R::select(zero.below(self.busy), entered, zero);
         let under_way = R::select(time.below(end), entered, zero);
         let tried = R::select(steps.below(control.bound), under_way, zero);
@@ -245,11 +251,7 @@ impl<R: Real> LaneStepper<R> {
     ///
     /// # Errors
     /// [`IntegrationError`] with the joint that left the range.
-    pub(crate) fn check(
-        &self,
-        lane: usize,
-        deepest: impl Iterator<Item = f64>,
-    ) -> Result<(), IntegrationError> {
+    fn check(&self, lane: usize, deepest: impl Iterator<Item = f64>) -> Result<(), IntegrationError> {
         let time = self.progress.time.lane(lane);
         let missing = |exists: &Option<R>| exists.is_some_and(|exists| exists.lane(lane) != 1.0);
         if missing(&self.at.independent) || missing(&self.at.balanced) {

@@ -298,9 +298,14 @@ impl<S: Simd> Real for Lanes<S> {
             // One bit for each lane.
             return u64::from(bytes[0]) & ((1 << S::F64_LANES) - 1);
         }
-        // A number for each lane, all of whose bits are one where the mask is true.
-        let size = size_of::<S::m64s>() / S::F64_LANES;
-        (0..S::F64_LANES).fold(0, |bits, k| bits | u64::from(bytes[size * k] & 1) << k)
+        // A number for each lane, all of whose bits are one where the mask is true; halves of them take fewest instructions.
+        let halves: &[u32] = bytemuck::cast_slice(bytes);
+        let each = halves.len() / S::F64_LANES;
+        let mut bits = 0;
+        for k in 0..S::F64_LANES {
+            bits |= halves[each * k] & (1 << k);
+        }
+        u64::from(bits)
     }
     #[inline(always)]
     fn store(self, to: &mut [f64]) {

@@ -29,7 +29,7 @@ use super::frame::{End, Frame};
 use super::load::LoadForce;
 use crate::contact::{GuideReaction, PADS, PadForce, Restitution, coulomb, initial_damping, pad_force};
 use crate::lanes::{Real, lanewise};
-use crate::plane::{cross, dot, left, length};
+use crate::plane::{cross, dot, left, length, scaled};
 use common::scene::GuideClearance;
 
 /// Slider and guide with the constants of their contact.
@@ -227,9 +227,9 @@ impl<R: Real> Guide<R> {
     pub(super) fn face(&self, face: usize, t: [R; 2], [fa, fb]: [&Frame<R>; 2]) -> ([R; 2], [PadEnd<R>; 3]) {
         let ([i, j], zero) = (&self.ends, self.unit.zero());
         let side = if face == 0 { self.unit.like(1.0) } else { self.unit.like(-1.0) };
-        let n = left(t).map(|x| x * side);
+        let n = scaled(left(t), side);
         let wall = dot(left(self.axis), j.arm) * side + self.half_gap;
-        let across = left(self.along).map(|x| x * side * self.half_height);
+        let across = scaled(left(self.along), side * self.half_height);
         let mut at = [PadEnd { a: n, d: n, overlap: zero, rate: zero, sliding: zero }; 3];
         for point in 0..3 {
             let ahead = self.half_length * (point as f64 - 1.0);
@@ -269,7 +269,7 @@ impl<R: Real> Guide<R> {
         [n, t]: [[R; 2]; 2],
         bodies: [&Frame<R>; 2],
     ) {
-        let to_overlap = ends.map(|end| gradient(n, end.a, end.d));
+        let to_overlap = [gradient(n, ends[0].a, ends[0].d), gradient(n, ends[1].a, ends[1].d)];
         for i in 0..2 {
             let (end, p) = (&ends[i], pressed.force[i]);
             let (ratio, slope) = coulomb(self.friction, self.per_friction_speed, end.sliding);

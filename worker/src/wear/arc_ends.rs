@@ -26,12 +26,17 @@
 //! Arc ends by the law of cosines: Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485,
 //! doi 10.3969/j.issn.1004-132X.2026.06.020. The expansion is derived here.
 
+use super::crossing::Crossing;
+use super::on_journal::OnJournal;
 use crate::bore::Profile;
 use crate::lanes::Real;
 use std::f64::consts::TAU;
 
 /// Fewest table intervals of a turn: 1.25 deg each; a linear interpolation there misplaces the ends of a 20 deg arc by 0.2 %.
 const INTERVALS: usize = 288;
+
+/// Number of shares for which the angles to be searched are tabulated.
+const SHARES: usize = 512;
 
 /// Table angles tried before any end is looked for among them: as many as a word has bits.
 pub(super) const WORD: usize = 64;
@@ -58,48 +63,24 @@ pub struct ArcEnds {
     mirrored_gap: Vec<f64>,
     /// Largest R1 - R of the table [m].
     largest_gap: f64,
+    /// Table angles on one side to be searched, by the share of the eccentricity that the least gap takes `(SHARES,)`; see
+    /// [`Self::reach`].
+    reach: Vec<usize>,
     /// Depth of the journal at the table's angles in its own body, from the angle before zero on, and that of the mirrored one
     /// `(2 n + 3,)` each [m]; empty if it does not wear.
     depth: [Vec<f64>; 2],
 }
 
-/// Place of the table's angles on the surface of a turned journal.
-#[derive(Clone, Copy)]
-struct OnJournal<'a> {
-    /// Depth from the angle before the first one on [m].
-    depth: &'a [f64],
-    /// Weights of four neighbouring depths [1].
-    weights: [f64; 4],
-}
-
-impl<'a> OnJournal<'a> {
-    /// Of the surface tabulated in `depth`, from the place `place` on, in intervals of a table of `n`.
-    fn new(depth: &'a [f64], place: f64, n: usize) -> Self {
-        let place = place.rem_euclid(n as f64);
-        let place = if place < n as f64 { place } else { 0.0 };
-        let base = place as usize;
-        let f = place - base as f64;
-        // Lagrange's cubic through the places -1, 0, 1, 2.
-        let (a, b, c) = (f + 1.0, f - 1.0, f - 2.0);
-        let weights = [-f * b * c / 6.0, a * b * c / 2.0, -a * f * c / 2.0, a * f * b / 6.0];
-        OnJournal { depth: &depth[base..], weights }
-    }
-
-    /// Depths at the angles from the `m`-th on [m].
-    #[inline(always)]
-    fn depth<R: Real>(&self, m: usize, like: R) -> R {
-        let at = |k: usize| like.load(&self.depth[m + k..]) * self.weights[k];
-        (at(0) + at(1)) + (at(2) + at(3))
-    }
-}
-
 /// Direction of a contact.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Spot {
     /// Unit vector of the eccentricity `(2,)` [1].
     pub u: [f64; 2],
     /// Its angle in table intervals, in [0, n).
     pub place: f64,
+    /// Number of the table angle below, and the distance from it in table intervals.
+    below: usize,
+    lead: f64,
 }
 
 impl Spot {
@@ -108,10 +89,13 @@ impl Spot {
         let length = libm::hypot(e[0], e[1]);
         let turn = libm::atan2(e[1], e[0]) / TAU;
         let place = n as f64 * if turn < 0.0 { turn + 1.0 } else { turn };
+        // A turn just below zero is rounded to a whole one.
+        let place = if place < n as f64 { place } else { 0.0 };
         Spot {
             u: if length > 0.0 { [e[0] / length, e[1] / length] } else { [1.0, 0.0] },
-            // A turn just below zero is rounded to a whole one.
-            place: if place < n as f64 { place } else { 0.0 },
+            place,
+            below: place as usize,
+            lead: place - (place as usize) as f64,
         }
     }
 
@@ -125,7 +109,7 @@ impl Spot {
 }
 
 /// A journal pressed into a bore.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Pressed {
     /// Direction of the eccentricity.
     pub spot: Spot,
@@ -189,6 +173,24 @@ impl Side<'_> {
         inside & (u64::MAX >> (WORD - count))
     }
 
+    /// Where the arc ends on this side, if that is the only change among the first `reach` table angles, at most [`WORD`].
+    #[inline(always)]
+    fn only_end<R: Real>(&self, reach: usize, like: R, beyond: &mut Beyond) -> Option<Crossing> {
+        let bits = self.inside(0, reach, like, beyond);
+        let end = bits.trailing_ones() as usize;
+        if end >= reach || bits >> end != 0 {
+            return None;
+        }
+        let before = if end == 0 { self.penetration } else { beyond[end - 1] };
+        Some(Crossing { at: end, before, next: beyond[end] })
+    }
+
+    /// Distance to a crossing on this side, in table intervals.
+    #[inline(always)]
+    fn distance(&self, to: &Crossing) -> f64 {
+        to.distance(self.penetration, self.slope, self.lead)
+    }
+
     /// Distance to the end of the arc on this side of a table of `n` intervals. Calls `patch` with start and end of those behind it, among
     /// the first `reach` table angles.
     #[inline(always)]
@@ -217,10 +219,7 @@ impl Side<'_> {
                 changes &= changes - 1;
                 let (m, next) = (at + k, beyond[k]);
                 let p = if k == 0 { last } else { beyond[k - 1] };
-                let zero = match m {
-                    0 => first_end(self.penetration, self.slope, self.lead, next),
-                    m => self.lead + (m - 1) as f64 + p / (p - next),
-                };
+                let zero = self.distance(&Crossing { at: m, before: p, next });
                 match (inside, start) {
                     (true, None) => arc = zero,
                     (true, Some(from)) => patch(from, zero),
@@ -251,6 +250,9 @@ impl ArcEnds {
             gap: vec![0.0; 2 * n],
             mirrored_gap: vec![0.0; 2 * n],
             largest_gap: 0.0,
+            reach: (0..SHARES)
+                .map(|k| 2 + (libm::acos(k as f64 / SHARES as f64) * (n as f64 / TAU)) as usize)
+                .collect(),
             depth: [depth(), depth()],
         }
     }
@@ -290,26 +292,68 @@ impl ArcEnds {
         }
     }
 
-    /// Distances from the direction of the `contact` to the two ends of its arc, downwards and upwards, in table intervals; half a turn
-    /// where the arc does not end. `like` sets the number of angles tried at once.
-    ///
-    /// Calls `patch` with the start and the end of every further patch, in table intervals from the direction of the contact, negative
-    /// below it. `beyond` is overwritten.
+    /// Where the arc of the `contact` ends, downwards and upwards, on the sides where nothing else can be in contact. `like` sets the number of
+    /// angles tried at once; `beyond` is overwritten.
     #[inline(always)]
-    pub(crate) fn find<R: Real>(
+    pub(crate) fn only_ends<R: Real>(
         &self,
         contact: &Pressed,
         like: R,
         beyond: &mut Beyond,
+    ) -> [Option<Crossing>; 2] {
+        let ([down, up], reach) = self.sides(contact);
+        if reach > WORD {
+            return [None; 2];
+        }
+        [down.only_end(reach, like, beyond), up.only_end(reach, like, beyond)]
+    }
+
+    /// Distances from the direction of the `contact` to the two ends of its arc, downwards and upwards, in table intervals; half a turn
+    /// where the arc does not end. `only` are those of [`Self::only_ends`].
+    ///
+    /// Calls `patch` with the start and the end of every further patch, in table intervals from the direction of the contact, negative
+    /// below it. `like` sets the number of angles tried at once; `beyond` is overwritten.
+    #[inline(always)]
+    pub(crate) fn find<R: Real>(
+        &self,
+        contact: &Pressed,
+        only: &[Option<Crossing>; 2],
+        like: R,
+        beyond: &mut Beyond,
         mut patch: impl FnMut(f64, f64),
     ) -> (f64, f64) {
-        let Pressed { spot, penetration, radius, slope, on_journal } = *contact;
+        if let [Some(down), Some(up)] = only {
+            let (lead, slope, penetration) = (contact.spot.lead, self.slope(contact), contact.penetration);
+            return (down.distance(penetration, slope, lead), up.distance(penetration, -slope, 1.0 - lead));
+        }
+        let n = self.intervals();
+        let ([down, up], reach) = self.sides(contact);
+        let mut further = |from: f64, to: f64| patch(-to, -from);
+        let before = match &only[0] {
+            Some(end) => down.distance(end),
+            None => down.end(n, reach, like, beyond, &mut further),
+        };
+        let after = match &only[1] {
+            Some(end) => up.distance(end),
+            None => up.end(n, reach, like, beyond, &mut patch),
+        };
+        (before, after)
+    }
+
+    /// Slope of the gap where the `contact` is [m per interval].
+    #[inline(always)]
+    fn slope(&self, contact: &Pressed) -> f64 {
+        contact.slope * TAU / self.intervals() as f64
+    }
+
+    /// Both sides of a `contact`, and the number of table angles to be searched on each.
+    #[inline(always)]
+    fn sides(&self, contact: &Pressed) -> ([Side<'_>; 2], usize) {
+        let Pressed { spot, penetration, radius, on_journal, .. } = *contact;
         let n = self.intervals();
         let size = penetration + radius - self.journal_radius;
         let e = [size * spot.u[0], size * spot.u[1]];
-        let below = spot.place as usize;
-        let lead = spot.place - below as f64;
-        let slope = slope * TAU / n as f64;
+        let (Spot { below, lead, .. }, slope) = (spot, self.slope(contact));
         // In the mirrored bore the first table angle is that of `below`, and slopes change sign.
         let mut down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]], [lead, penetration, slope]);
         let mut up = self.side(&self.gap, below + 1, e, [1.0 - lead, penetration, -slope]);
@@ -317,21 +361,17 @@ impl ArcEnds {
             down.journal = Some(OnJournal::new(&self.depth[1], lead - place, n));
             up.journal = Some(OnJournal::new(&self.depth[0], place + 1.0 - lead, n));
         }
-        let reach = self.reach(size);
-        let mut further = |from: f64, to: f64| patch(-to, -from);
-        let before = down.end(n, reach, like, beyond, &mut further);
-        (before, up.end(n, reach, like, beyond, &mut patch))
+        ([down, up], self.reach(size))
     }
 
-    /// Number of table angles on one side beyond which p is negative for an eccentricity of `size` [m]: with the largest gap g,
-    /// p <= g + e cos(phi), and cos(phi) <= 1 - phi^2 / 2 + phi^4 / 24.
+    /// Number of table angles on one side beyond which p is negative for an eccentricity of `size` [m]: with the largest gap g, p <= g + e
+    /// cos(phi), so beyond the angle whose cosine is -g / e.
     #[inline(always)]
     fn reach(&self, size: f64) -> usize {
-        let n = self.intervals();
-        let fall = 1.0 + self.largest_gap / size;
-        let square = 6.0 - (36.0 - 24.0 * fall).sqrt();
-        // Where that has no root, or is not a number, half a turn.
-        if square < 6.0 { 1 + (square.sqrt() * (n as f64 / TAU)) as usize } else { n / 2 }
+        let share = -self.largest_gap / size;
+        let tabulated = self.reach.get((share * SHARES as f64) as usize).copied();
+        // Where the least gap is none, or that is not a number, half a turn; where it is larger than the eccentricity, nothing.
+        if share >= 0.0 { tabulated.unwrap_or(1) } else { self.intervals() / 2 }
     }
 
     /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m]; `near` are the distance to
@@ -343,17 +383,4 @@ impl ArcEnds {
         let [lead, penetration, slope] = near;
         Side { gap, cos, sin, e, curvature, journal: None, lead, penetration, slope }
     }
-}
-
-/// End of the arc within the first table interval: positive root of delta + slope x + q x^2, where q makes
-/// the parabola pass through (first, p), p <= 0 < delta; lengths in any one unit, `slope` per that unit.
-fn first_end(delta: f64, slope: f64, first: f64, p: f64) -> f64 {
-    if delta <= 0.0 || first <= 0.0 {
-        return first.max(f64::MIN_POSITIVE);
-    }
-    let q = (p - delta - slope * first) / (first * first);
-    let root = (slope * slope - 4.0 * q * delta).max(0.0).sqrt();
-    // q x^2 + slope x + delta = 0, the root that stays finite as q -> 0.
-    let x = if slope >= 0.0 { (slope + root) / (-2.0 * q) } else { 2.0 * delta / (root - slope) };
-    if x.is_finite() && x > 0.0 { x.min(first) } else { first }
 }

@@ -9,8 +9,8 @@
 //! is of second order in its width.
 //!
 //! Used for the elastic foundation, whose equilibria are expensive. Under the local law groups would leave a fifth of the arcs and move the
-//! drive's depth by 0.04 %, but the fewer samples share the work, the rougher is the wear rate: wear steps of the finer copy
-//! (`finer_bore.rs`) then fail in some blocks, and the stated error grows from 0.07 to 0.17 um and more.
+//! drive's depth by 0.04 %, but the fewer samples share the work, the rougher is the bore they wear: the vibration that sets in late in the
+//! drive's life depends on such details, and its asymmetry moves by up to 4 % of its limit, with groups half as wide as well.
 //!
 //! # Source
 //! Chosen here.

@@ -23,7 +23,6 @@ use crate::bore::{Profile, Radius};
 use crate::contact::{Contact, Journal};
 use crate::lanes::{InLanes, Real, in_widest_lanes};
 use std::f64::consts::TAU;
-use std::ops::Range;
 
 /// Contacts of a frozen history on a bore.
 ///
@@ -46,6 +45,9 @@ pub struct LocalArcs {
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     spot: Spot,
+    /// Interval between control points that contains the contact, and its fraction there in [0, 1].
+    interval: usize,
+    fraction: f64,
     /// Penetration delta [m].
     penetration: f64,
     /// Work F S [N m].
@@ -70,12 +72,15 @@ impl LocalArcs {
     /// Replaces the history by the samples of a cycle.
     pub(crate) fn freeze(&mut self, samples: &[ContactSample]) {
         let n = self.ends.intervals();
+        let points = self.unrolled.len() / if self.journal.is_some() { 6 } else { 3 };
+        let per_point = points as f64 / n as f64;
         let sample = |s: &ContactSample| {
             let spot = Spot::new(s.e, n);
+            let (interval, fraction) = spot.within(points, per_point);
             let on_journal = (spot.place - s.turn * (n as f64 / TAU)).rem_euclid(n as f64);
             // A place just below zero is rounded to a whole turn.
             let on_journal = if on_journal < n as f64 { on_journal } else { 0.0 };
-            Sample { spot, penetration: s.penetration, work: s.work, on_journal }
+            Sample { spot, interval, fraction, penetration: s.penetration, work: s.work, on_journal }
         };
         self.samples.clear();
         self.samples.extend(samples.iter().map(sample));
@@ -125,7 +130,6 @@ impl Sharing<'_> {
         let LocalArcs { ends, samples, unrolled, further, journal } = self.arcs;
         let journal = if WORN { journal.as_ref() } else { None };
         let (unrolled, of_journal) = unrolled.split_at_mut(3 * self.profile.points());
-        // The offset of a turn makes truncation the floor.
         let turn = self.profile.points() as f64;
         let per_point = self.profile.points() as f64 / ends.intervals() as f64;
         let radius_of_journal = |journal: &Journal, [start, end]: [f64; 2], middle: f64| {
@@ -134,24 +138,33 @@ impl Sharing<'_> {
         };
         let mut beyond = [0.0; WORD];
         for samples in samples.chunks(AT_ONCE) {
-            let mut arcs = [(0.0, 0.0, 0.0, 0.0); AT_ONCE];
-            for (arc, sample) in arcs.iter_mut().zip(samples) {
-                let Sample { spot, penetration, work, on_journal } = *sample;
-                let (interval, s) = spot.within(self.profile.points(), per_point);
-                let Radius { r, d1, .. } = self.profile.within(interval, s);
-                let place = on_journal * per_point;
+            let mut contacts = [Pressed::default(); AT_ONCE];
+            let mut bores = [0.0; AT_ONCE];
+            for ((contact, bore), sample) in contacts.iter_mut().zip(&mut bores).zip(samples) {
+                let Sample { spot, interval, fraction, penetration, on_journal, .. } = *sample;
+                let Radius { r, d1, .. } = self.profile.within(interval, fraction);
                 let depth = journal.map(|journal| {
+                    let place = on_journal * per_point;
                     let at = (place as usize).min(self.profile.points() - 1);
                     journal.worn().within(at, place - at as f64)
                 });
                 let (radius, slope) = depth.map_or((r, d1), |depth| (r + depth.r, d1 + depth.d1));
                 let on_journal = journal.map(|_| on_journal);
+                *bore = r;
+                *contact = Pressed { spot, penetration, radius, slope, on_journal };
+            }
+            let mut only_ends = [[None; 2]; AT_ONCE];
+            for (only, contact) in only_ends.iter_mut().zip(&contacts[..samples.len()]) {
+                *only = ends.only_ends(contact, like, &mut beyond);
+            }
+            let mut arcs = [([Place::default(); 2], 0.0); AT_ONCE];
+            for (k, sample) in samples.iter().enumerate() {
+                let (contact, r, mut work) = (&contacts[k], bores[k], sample.work);
+                let (place, middle) = (sample.on_journal * per_point, contact.spot.place * per_point);
                 further.clear();
                 let patch = |from: f64, to: f64| further.push([from * per_point, to * per_point]);
-                let pressed = Pressed { spot, penetration, radius, slope, on_journal };
-                let (before, after) = ends.find(&pressed, like, &mut beyond, patch);
-                let (middle, before, after) = (spot.place * per_point, before * per_point, after * per_point);
-                let mut work = work;
+                let (before, after) = ends.find(contact, &only_ends[k], like, &mut beyond, patch);
+                let (before, after) = (before * per_point, after * per_point);
                 if !further.is_empty() {
                     // Each patch wears as deeply as the arc: its work is in proportion to its length.
                     let lengths = further.iter().map(|[from, to]| to - from).sum::<f64>() + (before + after);
@@ -161,44 +174,69 @@ impl Sharing<'_> {
                         let (start, end, between) = (middle + from, middle + to, middle + 0.5 * (from + to));
                         let at = |x: f64| self.profile.turned(x);
                         let mean = (at(start) + 4.0 * at(between) + at(end)) / 6.0;
-                        share_out(unrolled, turn + start..turn + end, density * (to - from) / mean);
+                        share_out(
+                            unrolled,
+                            Place::both(turn + start, turn + end),
+                            density * (to - from) / mean,
+                        );
                         if let Some(journal) = journal {
                             let ends = [place + from, place + to];
                             let between = journal.worn().turned(place + 0.5 * (from + to));
                             let mean = radius_of_journal(journal, ends, between);
-                            share_out(
-                                of_journal,
-                                turn + ends[0]..turn + ends[1],
-                                density * (to - from) / mean,
-                            );
+                            let places = Place::both(turn + ends[0], turn + ends[1]);
+                            share_out(of_journal, places, density * (to - from) / mean);
                         }
                     }
                 }
                 if let Some(journal) = journal {
                     let ends = [place - before, place + after];
-                    let mean = radius_of_journal(journal, ends, radius - r);
-                    share_out(of_journal, turn + ends[0]..turn + ends[1], work / mean);
+                    let mean = radius_of_journal(journal, ends, contact.radius - r);
+                    share_out(of_journal, Place::both(turn + ends[0], turn + ends[1]), work / mean);
                 }
-                *arc = (middle - before, middle + after, r, work);
+                arcs[k] = (Place::both(turn + (middle - before), turn + (middle + after)), work);
             }
-            for (start, end, r, work) in &mut arcs[..samples.len()] {
-                // Mean radius along the arc, by Simpson's rule over its angle; then work per radius in its place.
-                let mean = (self.profile.turned(*start) + 4.0 * *r + self.profile.turned(*end)) / 6.0;
-                *r = *work / mean;
+            for ((ends, amount), r) in arcs[..samples.len()].iter_mut().zip(&bores) {
+                // Mean radius along the arc, by Simpson's rule over its angle; then work per radius in the place of work.
+                let at = |place: &Place| self.profile.turned_to(place.point, place.fraction);
+                *amount /= (at(&ends[0]) + 4.0 * r + at(&ends[1])) / 6.0;
             }
-            for (start, end, amount, _) in &arcs[..samples.len()] {
-                share_out(unrolled, turn + start..turn + end, *amount);
+            for (ends, amount) in &arcs[..samples.len()] {
+                share_out(unrolled, *ends, *amount);
             }
         }
     }
 }
 
-/// Shares `amount` out over the points next to and inside the `arc`, counted in points from the first of `unrolled`: to each in
-/// proportion to the integral of its hat function over the arc.
+/// A place on three turns of a surface.
+#[derive(Debug, Clone, Copy, Default)]
+struct Place {
+    /// Distance from the first point, in points, and the number of the point before.
+    x: f64,
+    point: usize,
+    /// Fraction of the interval behind that point.
+    fraction: f64,
+}
+
+impl Place {
+    /// The place `x` >= 0.
+    #[inline(always)]
+    fn new(x: f64) -> Self {
+        let point = x as usize;
+        Place { x, point, fraction: x - point as f64 }
+    }
+
+    /// The places `x` and `y`, the ends of an arc.
+    #[inline(always)]
+    fn both(x: f64, y: f64) -> [Self; 2] {
+        [Place::new(x), Place::new(y)]
+    }
+}
+
+/// Shares `amount` out over the points next to and inside an arc between two places: to each in proportion to the integral of its hat
+/// function over the arc.
 #[inline(always)]
-fn share_out(unrolled: &mut [f64], arc: Range<f64>, amount: f64) {
-    let (i, j) = (arc.start as usize, arc.end as usize);
-    let (s, t) = (arc.start - i as f64, arc.end - j as f64);
+fn share_out(unrolled: &mut [f64], [start, end]: [Place; 2], amount: f64) {
+    let (i, j, s, t) = (start.point, end.point, start.fraction, end.fraction);
     if i == j {
         // Between two points each has the hat function's value in the middle of the arc.
         let middle = 0.5 * (s + t);
@@ -206,7 +244,7 @@ fn share_out(unrolled: &mut [f64], arc: Range<f64>, amount: f64) {
         unrolled[i + 1] += middle * amount;
         return;
     }
-    let density = amount / (arc.end - arc.start);
+    let density = amount / (end.x - start.x);
     // Parts of the hat functions of i and i + 1 before the start, and of j and j + 1 behind the end.
     let (before, behind) = (0.5 * s * s, 0.5 * (1.0 - t) * (1.0 - t));
     unrolled[i] += 0.5 * (1.0 - s) * (1.0 - s) * density;

@@ -13,6 +13,7 @@ mod archard;
 mod condense;
 mod conformal;
 mod contact_arc;
+mod crossing;
 mod equilibrium;
 #[cfg(test)]
 mod equilibrium_tests;
@@ -26,6 +27,7 @@ mod journal_tests;
 mod local_arcs;
 #[cfg(test)]
 mod local_arcs_tests;
+mod on_journal;
 mod rail_equilibrium;
 mod rail_history;
 mod rail_rate;

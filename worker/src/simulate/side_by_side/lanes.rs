@@ -146,7 +146,8 @@ impl<S: Simd> Vectorised for Rounds<'_, S> {
                 }
             });
             if !group.watched.is_empty() {
-                group.record_watched();
+                let sound = group.stepper.sound(group.island_lanes.outside(&group.stepper.at));
+                group.record_watched(sound);
             }
             if group.motion.is_full() {
                 group.record_rows();
@@ -260,15 +261,15 @@ impl<S: Simd> LaneGroup<S> {
         self.occupants[lane].iter().flat_map(|pending| pending.span.state.island.deepest())
     }
 
-    /// Records the motion of the lanes whose recorders need the forces of the joints, where their states are new and sound.
-    fn record_watched(&mut self) {
+    /// Records the motion of the lanes whose recorders need the forces of the joints, where their states are new and `sound` is one.
+    fn record_watched(&mut self, sound: Lanes<S>) {
         for index in 0..self.watched.len() {
             let lane = self.watched[index];
-            let sound = self.stepper.check(lane, self.deepest(lane)).is_ok();
             let Some(pending) = &mut self.occupants[lane] else { continue };
             let IslandState { island, recorder, .. } = &mut pending.span.state;
             let time = self.stepper.time().lane(lane);
-            if !sound || self.stepper.fresh.lane(lane) != 1.0 || recorder.has_recorded(time) {
+            if sound.lane(lane) != 1.0 || self.stepper.fresh.lane(lane) != 1.0 || recorder.has_recorded(time)
+            {
                 continue;
             }
             self.stepper.read_forces(lane, &mut self.at);
