@@ -8,7 +8,7 @@
 //! Chosen here.
 
 /// Where the circle of a journal crosses a bore.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Crossing {
     /// Number of the table angle behind the crossing.
     pub at: usize,

@@ -113,7 +113,7 @@ struct Sharing<'a> {
     profile: &'a Profile,
 }
 
-/// Samples whose arcs are found before any is shared out: their divisions then overlap.
+/// Samples for which each part of the work is done before the next one: while one waits for a division, another goes on.
 const AT_ONCE: usize = 16;
 
 impl InLanes for Sharing<'_> {

@@ -4,7 +4,7 @@
 //! depth at the bore's angles is that of the cubic through four neighbours.
 //!
 //! # Source
-//! Lagrange's interpolation: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section III.1.
+//! Lagrange's interpolation. Chosen here.
 
 use crate::lanes::Real;
 
