@@ -157,7 +157,7 @@ impl Sharing<'_> {
             for (only, contact) in only_ends.iter_mut().zip(&contacts[..samples.len()]) {
                 *only = ends.only_ends(contact, like, &mut beyond);
             }
-            let mut arcs = [([Place::default(); 2], 0.0); AT_ONCE];
+            let mut arcs = [([ArcEnd::default(); 2], 0.0); AT_ONCE];
             for (k, sample) in samples.iter().enumerate() {
                 let (contact, r, mut work) = (&contacts[k], bores[k], sample.work);
                 let (place, middle) = (sample.on_journal * per_point, contact.spot.place * per_point);
@@ -176,14 +176,14 @@ impl Sharing<'_> {
                         let mean = (at(start) + 4.0 * at(between) + at(end)) / 6.0;
                         share_out(
                             unrolled,
-                            Place::both(turn + start, turn + end),
+                            ArcEnd::both(turn + start, turn + end),
                             density * (to - from) / mean,
                         );
                         if let Some(journal) = journal {
                             let ends = [place + from, place + to];
                             let between = journal.worn().turned(place + 0.5 * (from + to));
                             let mean = radius_of_journal(journal, ends, between);
-                            let places = Place::both(turn + ends[0], turn + ends[1]);
+                            let places = ArcEnd::both(turn + ends[0], turn + ends[1]);
                             share_out(of_journal, places, density * (to - from) / mean);
                         }
                     }
@@ -191,13 +191,13 @@ impl Sharing<'_> {
                 if let Some(journal) = journal {
                     let ends = [place - before, place + after];
                     let mean = radius_of_journal(journal, ends, contact.radius - r);
-                    share_out(of_journal, Place::both(turn + ends[0], turn + ends[1]), work / mean);
+                    share_out(of_journal, ArcEnd::both(turn + ends[0], turn + ends[1]), work / mean);
                 }
-                arcs[k] = (Place::both(turn + (middle - before), turn + (middle + after)), work);
+                arcs[k] = (ArcEnd::both(turn + (middle - before), turn + (middle + after)), work);
             }
             for ((ends, amount), r) in arcs[..samples.len()].iter_mut().zip(&bores) {
                 // Mean radius along the arc, by Simpson's rule over its angle; then work per radius in the place of work.
-                let at = |place: &Place| self.profile.turned_to(place.point, place.fraction);
+                let at = |place: &ArcEnd| self.profile.turned_to(place.point, place.fraction);
                 *amount /= (at(&ends[0]) + 4.0 * r + at(&ends[1])) / 6.0;
             }
             for (ends, amount) in &arcs[..samples.len()] {
@@ -207,9 +207,9 @@ impl Sharing<'_> {
     }
 }
 
-/// A place on three turns of a surface.
+/// An end of an arc, on three turns of a surface.
 #[derive(Debug, Clone, Copy, Default)]
-struct Place {
+struct ArcEnd {
     /// Distance from the first point, in points, and the number of the point before.
     x: f64,
     point: usize,
@@ -217,25 +217,25 @@ struct Place {
     fraction: f64,
 }
 
-impl Place {
-    /// The place `x` >= 0.
+impl ArcEnd {
+    /// The end at the place `x` >= 0.
     #[inline(always)]
     fn new(x: f64) -> Self {
         let point = x as usize;
-        Place { x, point, fraction: x - point as f64 }
+        ArcEnd { x, point, fraction: x - point as f64 }
     }
 
-    /// The places `x` and `y`, the ends of an arc.
+    /// The ends of an arc at the places `x` and `y`.
     #[inline(always)]
     fn both(x: f64, y: f64) -> [Self; 2] {
-        [Place::new(x), Place::new(y)]
+        [ArcEnd::new(x), ArcEnd::new(y)]
     }
 }
 
 /// Shares `amount` out over the points next to and inside an arc between two places: to each in proportion to the integral of its hat
 /// function over the arc.
 #[inline(always)]
-fn share_out(unrolled: &mut [f64], [start, end]: [Place; 2], amount: f64) {
+fn share_out(unrolled: &mut [f64], [start, end]: [ArcEnd; 2], amount: f64) {
     let (i, j, s, t) = (start.point, end.point, start.fraction, end.fraction);
     if i == j {
         // Between two points each has the hat function's value in the middle of the arc.
