@@ -65,7 +65,7 @@ pub struct ArcEnds {
     largest_gap: f64,
     /// Table angles on one side to be searched, by the share of the eccentricity that the least gap takes `(SHARES,)`; see
     /// [`Self::reach`].
-    reach: Vec<usize>,
+    reach: Vec<u16>,
     /// Depth of the journal at the table's angles in its own body, from the angle before zero on, and that of the mirrored one
     /// `(2 n + 3,)` each [m]; empty if it does not wear.
     depth: [Vec<f64>; 2],
@@ -78,9 +78,8 @@ pub struct Spot {
     pub u: [f64; 2],
     /// Its angle in table intervals, in [0, n).
     pub place: f64,
-    /// Number of the table angle below, and the distance from it in table intervals.
-    below: usize,
-    lead: f64,
+    /// Number of the table angle below.
+    below: u32,
 }
 
 impl Spot {
@@ -94,17 +93,19 @@ impl Spot {
         Spot {
             u: if length > 0.0 { [e[0] / length, e[1] / length] } else { [1.0, 0.0] },
             place,
-            below: place as usize,
-            lead: place - (place as usize) as f64,
+            below: place as u32,
         }
     }
 
-    /// Interval between `points` control points that contains the contact, and its fraction there in [0, 1]; `per_point` is one over
-    /// the table intervals of a point.
-    pub(crate) fn within(&self, points: usize, per_point: f64) -> (usize, f64) {
-        let place = self.place * per_point;
-        let interval = (place as usize).min(points - 1);
-        (interval, place - interval as f64)
+    /// Distance from the table angle below, in table intervals.
+    #[inline(always)]
+    fn lead(&self) -> f64 {
+        self.place - f64::from(self.below)
+    }
+
+    /// Interval between `points` control points that contains the contact; `per_point` is one over the table intervals of a point.
+    pub(crate) fn interval(&self, points: usize, per_point: f64) -> u32 {
+        ((self.place * per_point) as u32).min(points as u32 - 1)
     }
 }
 
@@ -251,7 +252,7 @@ impl ArcEnds {
             mirrored_gap: vec![0.0; 2 * n],
             largest_gap: 0.0,
             reach: (0..SHARES)
-                .map(|k| 2 + (libm::acos(k as f64 / SHARES as f64) * (n as f64 / TAU)) as usize)
+                .map(|k| 2 + (libm::acos(k as f64 / SHARES as f64) * (n as f64 / TAU)) as u16)
                 .collect(),
             depth: [depth(), depth()],
         }
@@ -323,7 +324,7 @@ impl ArcEnds {
         mut patch: impl FnMut(f64, f64),
     ) -> (f64, f64) {
         if let [Some(down), Some(up)] = only {
-            let (lead, slope, penetration) = (contact.spot.lead, self.slope(contact), contact.penetration);
+            let (lead, slope, penetration) = (contact.spot.lead(), self.slope(contact), contact.penetration);
             return (down.distance(penetration, slope, lead), up.distance(penetration, -slope, 1.0 - lead));
         }
         let n = self.intervals();
@@ -353,7 +354,7 @@ impl ArcEnds {
         let n = self.intervals();
         let size = penetration + radius - self.journal_radius;
         let e = [size * spot.u[0], size * spot.u[1]];
-        let (Spot { below, lead, .. }, slope) = (spot, self.slope(contact));
+        let (below, lead, slope) = (spot.below as usize, spot.lead(), self.slope(contact));
         // In the mirrored bore the first table angle is that of `below`, and slopes change sign.
         let mut down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]], [lead, penetration, slope]);
         let mut up = self.side(&self.gap, below + 1, e, [1.0 - lead, penetration, -slope]);
@@ -371,7 +372,7 @@ impl ArcEnds {
         let share = -self.largest_gap / size;
         let tabulated = self.reach.get((share * SHARES as f64) as usize).copied();
         // Where the least gap is none, or that is not a number, half a turn; where it is larger than the eccentricity, nothing.
-        if share >= 0.0 { tabulated.unwrap_or(1) } else { self.intervals() / 2 }
+        if share >= 0.0 { usize::from(tabulated.unwrap_or(1)) } else { self.intervals() / 2 }
     }
 
     /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m]; `near` are the distance to

@@ -45,9 +45,8 @@ pub struct LocalArcs {
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     spot: Spot,
-    /// Interval between control points that contains the contact, and its fraction there in [0, 1].
-    interval: usize,
-    fraction: f64,
+    /// Interval between control points that contains the contact.
+    interval: u32,
     /// Penetration delta [m].
     penetration: f64,
     /// Work F S [N m].
@@ -76,11 +75,11 @@ impl LocalArcs {
         let per_point = points as f64 / n as f64;
         let sample = |s: &ContactSample| {
             let spot = Spot::new(s.e, n);
-            let (interval, fraction) = spot.within(points, per_point);
+            let interval = spot.interval(points, per_point);
             let on_journal = (spot.place - s.turn * (n as f64 / TAU)).rem_euclid(n as f64);
             // A place just below zero is rounded to a whole turn.
             let on_journal = if on_journal < n as f64 { on_journal } else { 0.0 };
-            Sample { spot, interval, fraction, penetration: s.penetration, work: s.work, on_journal }
+            Sample { spot, interval, penetration: s.penetration, work: s.work, on_journal }
         };
         self.samples.clear();
         self.samples.extend(samples.iter().map(sample));
@@ -141,8 +140,9 @@ impl Sharing<'_> {
             let mut contacts = [Pressed::default(); AT_ONCE];
             let mut bores = [0.0; AT_ONCE];
             for ((contact, bore), sample) in contacts.iter_mut().zip(&mut bores).zip(samples) {
-                let Sample { spot, interval, fraction, penetration, on_journal, .. } = *sample;
-                let Radius { r, d1, .. } = self.profile.within(interval, fraction);
+                let Sample { spot, interval, penetration, on_journal, .. } = *sample;
+                let fraction = spot.place * per_point - f64::from(interval);
+                let Radius { r, d1, .. } = self.profile.within(interval as usize, fraction);
                 let depth = journal.map(|journal| {
                     let place = on_journal * per_point;
                     let at = (place as usize).min(self.profile.points() - 1);
