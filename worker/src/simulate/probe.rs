@@ -27,9 +27,7 @@ const APERIODIC_UNWORN: f64 = 2e-4;
 /// That threshold for wear rates [1], which are noisy from control point to control point: 300 samples of the contact a cycle
 /// change them by more than half a per cent.
 const APERIODIC_WEAR: f64 = 0.02;
-/// Largest number of further cycles of an aperiodic motion. (To stop after the first one where a cycle with the steps of the measured one repeats that
-/// was tried: it saves a fifth of the steps of `draft`, but a chaotic motion may repeat itself once, and its stated errors were then a
-/// fifteenth of the true ones, see `tests/extremes.rs`.)
+/// Largest number of further cycles of an aperiodic motion.
 const MOST_CYCLES: usize = 3;
 
 /// Factors of the damping that joints with a coefficient of restitution took from their last impact, one further cycle after the
