@@ -206,7 +206,7 @@ async fn examine(
                 look.dynamic_cycles += share;
                 look.expected += trying;
                 if makes_no_difference(&trial, &run.measured) {
-                    if !trial.aperiodic && !run.depends_on_last_impact() {
+                    if !run.depends_on_last_impact() {
                         // The trial takes the place of the probe on the unworn bores.
                         look.dynamic_cycles -= FINER * cycles;
                         look.expected = look.expected.saturating_sub(probing);

@@ -14,8 +14,8 @@
 //! moved by more than 0.5 % since the last check. Where the two differ by more than the bounds above, or a cycle with longer steps
 //! fails, the life returns to the check before and goes on with its own steps to its end. (To keep the cycles in between, whose outputs have hardly moved,
 //! was tried: in two of three lives of the drive the last of them differs as well, though it does not show it.) So it does after two thirds of the life if fewer than
-//! [`FEWEST_BLOCKS_LEFT`] blocks are left, as with `draft`. What the checks find counts in the stated error as that of the probes. If the
-//! motion repeats itself with the longer steps on the unworn bores, that comparison takes the place of the probe there, which costs more.
+//! [`FEWEST_BLOCKS_LEFT`] blocks are left, as with `draft`. What the checks find counts in the stated error as that of the probes. The
+//! comparison on the unworn bores takes the place of the probe there, which costs more, if it finds no difference.
 //!
 //! Not used if the motion does not repeat itself on the unworn bores, for [`Tier::Dynamic`], and where the steps of the accuracy are so long
 //! already that they could be longer by less than [`LEAST_FACTOR`]. Dynamic cycles beside the quasi-static model keep their steps
@@ -81,7 +81,7 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
             let before = runs.to_vec();
             let mut life = PartialLife::start(runs, &plain).await?;
             let probes = compare(runs, 0, &accuracy).await;
-            if let Some(probes) = probes.filter(|probes| probes.iter().all(|probe| !probe.aperiodic)) {
+            if let Some(probes) = probes {
                 let steps = LongerSteps::taken(runs, plain, &mut life, probes, &accuracy);
                 return Ok((life, Some(steps)));
             }

@@ -19,11 +19,8 @@ use std::ops::Range;
 /// that the measured cycle skipped too, and the difference shows a third of the error.
 pub const FINER: f64 = 1.75;
 /// Relative change of an output above which a motion counts as aperiodic [1]: the outputs of the flapping wing change by 0.01 %
-/// from cycle to cycle, with a friction of 0.5 by 1 %.
+/// from cycle to cycle, with a friction of 0.5 by up to 1 %.
 const APERIODIC: f64 = 0.005;
-/// That threshold on the unworn bores [1], where only friction makes a motion aperiodic: the outputs of the flapping wing change
-/// by 0.001 %.
-const APERIODIC_UNWORN: f64 = 2e-4;
 /// That threshold for wear rates [1], which are noisy from control point to control point: 300 samples of the contact a cycle
 /// change them by more than half a per cent.
 const APERIODIC_WEAR: f64 = 0.02;
@@ -75,8 +72,7 @@ impl Run<'_> {
         found
     }
 
-    /// As [`Run::probe`] for one further cycle, with the time steps of `accuracy`. On the unworn bores, where a difference might be that of
-    /// a motion that does not repeat itself, a second one tells: it has the same steps as the first.
+    /// As [`Run::probe`] for one further cycle, with the time steps of `accuracy`.
     ///
     /// # Errors
     /// [`SimulationFailure`] if the further cycle fails.
@@ -88,27 +84,18 @@ impl Run<'_> {
         let measured = CycleValues { motion: self.measured.clone(), wear: self.wear_rates(life)? };
         let mut tools = self.tools_for(accuracy);
         self.exchange_tools(&mut tools);
-        let found = self.compare_next_cycles(life, &measured).await;
+        let next = self.measure_next(life).await;
         self.exchange_tools(&mut tools);
-        found
+        let mut probe = Probe::unchanged(life, &measured);
+        probe.add_cycle(&measured, &next?);
+        Ok(probe)
     }
 
-    /// Compares the next cycle with the `measured` one, and if need be the one after it with the next.
-    async fn compare_next_cycles(
-        &mut self,
-        life: u32,
-        measured: &CycleValues,
-    ) -> Result<Probe, SimulationFailure> {
+    /// Values of the cycle after this one, on the profile of `life` [cycles].
+    async fn measure_next(&mut self, life: u32) -> Result<CycleValues, SimulationFailure> {
         self.further_cycle().await?;
-        let next = self.cycle_values(life)?;
-        let mut probe = Probe::unchanged(life, measured);
-        probe.add_cycle(measured, &next);
-        if life == 0 && probe.aperiodic {
-            self.further_cycle().await?;
-            let second = self.cycle_values(life)?;
-            probe.aperiodic = Probe::unchanged(life, &next).add_cycle(&next, &second) > 0;
-        }
-        Ok(probe)
+        let motion = self.motion_outputs();
+        Ok(CycleValues { motion, wear: self.wear_rates(life)? })
     }
 
     fn tools_for(&self, accuracy: &Accuracy) -> Vec<CycleTools> {
@@ -119,13 +106,8 @@ impl Run<'_> {
         self.islands.iter_mut().zip(tools).for_each(|(state, tools)| state.exchange_tools(tools));
     }
 
-    fn cycle_values(&mut self, life: u32) -> Result<CycleValues, SimulationFailure> {
-        let motion = self.motion_outputs();
-        Ok(CycleValues { motion, wear: self.wear_rates(life)? })
-    }
-
-    /// Simulates further cycles and keeps the largest changes: one of a periodic motion, up to [`MOST_CYCLES`] of others, and one
-    /// for each damping factor. Of a motion seen once, the same cycle again, for each damping factor.
+    /// Simulates further cycles and keeps the largest changes: one of a motion that repeats itself, up to [`MOST_CYCLES`] of others, and
+    /// one for each damping factor. Of a motion seen once, the same cycle again, for each damping factor.
     async fn compare_further_cycles(
         &mut self,
         life: u32,
@@ -142,8 +124,7 @@ impl Run<'_> {
                 let since_measured = || DAMPING_FACTORS[..=cycle].iter().product();
                 self.scale_remembered_damping(if once { since_measured() } else { *factor });
             }
-            self.further_cycle().await?;
-            let further = self.cycle_values(life)?;
+            let further = self.measure_next(life).await?;
             probe.rattles |= !once && cycle > 0 && is_other_wear(&further.wear, &latest);
             let aperiodic = probe.add_cycle(measured, &further);
             latest = further.wear;
@@ -151,9 +132,22 @@ impl Run<'_> {
             if probe.rattles || (once || aperiodic == 0) && !factors_left {
                 break;
             }
+            if cycle == 0 && !once && !remembers && self.repeats_itself(life, measured).await? {
+                break;
+            }
         }
         probe.aperiodic &= !once;
         Ok(probe)
+    }
+
+    /// True if a further cycle with the time steps of the `measured` one has its values: what shorter steps changed is then due to their
+    /// length, and more cycles with them would change the same.
+    async fn repeats_itself(&mut self, life: u32, measured: &CycleValues) -> Result<bool, SimulationFailure> {
+        let mut tools = self.tools_for(self.accuracy);
+        self.exchange_tools(&mut tools);
+        let again = self.measure_next(life).await;
+        self.exchange_tools(&mut tools);
+        Ok(Probe::unchanged(life, measured).add_cycle(measured, &again?) == 0)
     }
 
     /// True if the damping of a joint, or of a guide that wears, depends on the speed of its last impact.
@@ -210,12 +204,11 @@ impl Probe {
 
     /// Adds the changes of a further cycle. Returns how many of them are above the thresholds of an aperiodic motion.
     fn add_cycle(&mut self, measured: &CycleValues, further: &CycleValues) -> usize {
-        let threshold = if self.life == 0 { APERIODIC_UNWORN } else { APERIODIC };
         let mut above = 0;
         for ((largest, now), was) in self.motion.iter_mut().zip(&further.motion).zip(&measured.motion) {
             let change = (now - was).abs();
             *largest = largest.max(change);
-            above += usize::from(change > threshold * was.abs());
+            above += usize::from(change > APERIODIC * was.abs());
         }
         for ((largest, now), was) in self.wear.iter_mut().zip(&further.wear).zip(&measured.wear) {
             let change = relative_change(now, was);

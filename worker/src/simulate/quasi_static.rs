@@ -108,7 +108,7 @@ impl CycleModel for QuasiStaticCycles {
         for (k, output) in run.scene.outputs.iter().enumerate() {
             let values = measured.of_output(k);
             let largest = values.iter().fold(0.0_f64, |a, value| a.max(value.abs()));
-            let off = largest_bend(measured.lives, &values, |_| true);
+            let off = largest_bend(measured.lives, &values);
             if off > STRAIGHT * run.accuracy.wear_tolerance * largest {
                 return Err(Unsuitable::Curved { output: output.name.clone(), share: off / largest });
             }

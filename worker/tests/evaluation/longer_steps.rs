@@ -103,3 +103,15 @@ fn a_motion_that_the_steps_decide_keeps_its_own() {
     let (plain, found) = (evaluate(&scene, own), evaluate(&scene, Accuracy { tier: Tier::Automatic, ..own }));
     assert_eq!(found.histories, plain.histories);
 }
+
+#[test]
+fn a_probe_whose_steps_alone_make_a_difference_takes_one_cycle_with_finer_ones() {
+    let scene = SceneSource::builtin("flapping-wing").expect("built in").nominal().clone();
+    let found = evaluate(&scene, Accuracy::draft());
+    // One to settle, fourteen lives, longer steps tried and checked, and at the end of life one with finer steps and one with the same.
+    assert_eq!(found.diagnostics.simulated_cycles, 1 + 14 + 2 + 2);
+    // The finer ones change the asymmetry by more than half a per cent, which counts three times two and a half.
+    let last = found.cycles.len() - 1;
+    let least = 3.0 * 2.5 * 0.005 * found.histories[ASYMMETRY][last];
+    assert!(found.errors[ASYMMETRY][last] > least, "{:?} {least}", found.errors[ASYMMETRY]);
+}
