@@ -92,7 +92,7 @@ fn foundation_is_sound_at_its_extremes() {
 }
 
 /// The drive with this friction coefficient, wear coefficients times `wear` and blocks of `jump` cycles, at inputs that
-/// differ by some 1e-13: its motion is chaotic, and each of them another sample of it.
+/// differ by some 1e-13: its output depends on details of the bores, and each of them is another sample of it.
 fn neighbours(friction: f64, wear: f64, jump: u32, count: usize) -> Vec<Case> {
     let source = SceneSource::builtin("flapping-wing").expect("built in");
     let accuracy = Accuracy { cycle_jump: jump, ..Accuracy::balanced() };
@@ -111,12 +111,29 @@ fn neighbours(friction: f64, wear: f64, jump: u32, count: usize) -> Vec<Case> {
     (0..count).map(neighbour).collect()
 }
 
-/// The factors of the estimate were settled with the first two; the others were not used for any choice.
+/// Number of `count` such inputs with a value off by more than stated, and how many stated errors the worst one is off.
+/// Prints a row of the table.
+fn inputs_off(friction: f64, wear: f64, jump: u32, count: usize) -> (usize, f64) {
+    let rows = run_all(&neighbours(friction, wear, jump, count), 2, |_| ());
+    let refused = rows.iter().filter(|row| matches!(row.outcome, Outcome::Refused(_))).count();
+    let off = rows.iter().filter(|row| !row.outcome.is_sound()).count();
+    let shares = rows.iter().flat_map(|row| &row.compared).map(|c| c.difference / c.error);
+    let largest = shares.fold(0.0, f64::max);
+    println!("| {friction:.3} | x {wear:.2} | {jump} | {off} of {} | {largest:.2} |", count - refused);
+    (off, largest)
+}
+
+/// Of a motion that repeats itself on given bores, whose asymmetry depends on their details.
 #[test]
-#[ignore = "some minutes; prints the table of theory/integration.md"]
-fn stated_errors_of_chaotic_motions_hold_for_neighbouring_inputs() {
-    const COUNT: usize = 16;
-    let cases = [
+fn stated_errors_hold_for_an_erratic_output() {
+    let (off, largest) = inputs_off(0.5, 10.0, 8000, 4);
+    assert!(off == 0 && largest > 0.1, "{off} {largest}");
+}
+
+#[test]
+#[ignore = "some minutes; prints the tables of theory/integration.md"]
+fn stated_errors_of_erratic_outputs_hold_for_neighbouring_inputs() {
+    let chosen = [
         (0.5, 1.0, 4000),
         (0.5, 10.0, 8000),
         (0.3, 1.0, 4000),
@@ -125,19 +142,26 @@ fn stated_errors_of_chaotic_motions_hold_for_neighbouring_inputs() {
         (0.7, 5.0, 8000),
     ];
     println!(
-        "| friction | wear coefficient | blocks [cycles] | inputs with a value off by more than stated | largest share |"
+        "| friction | wear coefficient | blocks [cycles] | inputs off by more than stated | largest share |"
     );
     println!("|---|---|---|---|---|");
-    let mut over = 0;
-    for (friction, wear, jump) in cases {
-        let rows = run_all(&neighbours(friction, wear, jump, COUNT), 2, |_| ());
-        let refused = rows.iter().filter(|row| matches!(row.outcome, Outcome::Refused(_))).count();
-        let off = rows.iter().filter(|row| !row.outcome.is_sound()).count();
-        let shares = rows.iter().flat_map(|row| &row.compared).map(|c| c.difference / c.error);
-        let largest = shares.fold(0.0, f64::max);
-        let of = COUNT - refused;
-        println!("| {friction} | x {wear} | {jump} | {off} of {of} | {largest:.2} |");
-        over += off;
+    let off: usize =
+        chosen.iter().map(|&(friction, wear, jump)| inputs_off(friction, wear, jump, 16).0).sum();
+    assert!(off * 20 <= chosen.len() * 16, "{off}");
+    // Spread evenly over three intervals (a sequence of Roberts); none of them was used for any choice.
+    let (draws, count) = (30, 8);
+    let mut rows = vec![];
+    for k in 1..=draws {
+        let [friction, wear, jump] =
+            [0.8191725, 0.6710436, 0.5497005].map(|step: f64| (k as f64 * step).fract());
+        let jump = [2000, 4000, 8000][(3.0 * jump) as usize];
+        rows.push(inputs_off(0.2 + 0.6 * friction, 10f64.powf(wear), jump, count));
     }
-    assert!(over * 20 <= cases.len() * COUNT, "{over}");
+    let off: usize = rows.iter().map(|row| row.0).sum();
+    println!(
+        "{off} of {}, at most {:.2} stated errors",
+        draws * count,
+        rows.iter().fold(0.0, |a, r| r.1.max(a))
+    );
+    assert!(off * 20 <= draws * count, "{off}");
 }
