@@ -133,6 +133,21 @@ fn a_locked_linkage_names_joint_and_angle() {
 }
 
 #[test]
+fn a_nominal_mechanism_that_cannot_be_simulated_does_not_pass_the_check() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = scene_file(
+        folder.path(),
+        "\nfriction = \"friction\"",
+        "\nwall = \"0.5 um\"\nfriction = \"friction\"",
+    );
+    let file = file.to_str().unwrap();
+    one_message(&refused(&["check", file], 1), &[file, "the simulation failed", "crank", "worn through"]);
+    let output = coordinator(&["check", file, "--json"]);
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((output.status.code(), &found["valid"]), (Some(1), &serde_json::Value::Bool(false)));
+}
+
+#[test]
 fn a_linkage_that_cannot_be_assembled_or_is_tied_twice_names_its_joint() {
     let folder = tempfile::tempdir().unwrap();
     // Coupler and rocker together are shorter than the way from the crank to the frame.

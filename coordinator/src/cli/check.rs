@@ -4,7 +4,7 @@ use super::draw::{check_picture, write_drawing};
 use super::error::CommandError;
 use super::external;
 use super::measured::{MeasuredFinding, measured_findings};
-use super::nominal::nominal_check;
+use super::nominal::{nominal_check, nominal_evaluation};
 use super::output::{count, print, to_json};
 use super::scenes::check_linkage;
 use common::external::SimulatorId;
@@ -57,10 +57,16 @@ impl<'f> SceneFinding<'f> {
 /// its program exists. Unused parameters and warnings are listed but are no fault. As JSON, faults are printed too.
 ///
 /// # Errors
-/// [`CommandError::Scene`] with all faults, the errors of [`check_linkage`], or [`CommandError::Simulator`].
+/// [`CommandError::Scene`] with all faults, the errors of [`check_linkage`], [`CommandError::Simulator`], or
+/// [`CommandError::Simulation`] if the nominal mechanism cannot be simulated.
 pub fn check(file: &str, drawing: Option<&Path>, as_json: bool) -> Result<(), CommandError> {
     check_picture(drawing)?;
-    let checked = valid_scene(file);
+    let checked = valid_scene(file).and_then(|source| {
+        drawing.map_or(Ok(()), |drawing| write_drawing(&source, drawing))?;
+        let failed = |failure| CommandError::of_simulation(source.origin(), source.nominal(), failure);
+        let evaluation = nominal_evaluation(source.nominal()).map_err(failed)?;
+        Ok((source, evaluation))
+    });
     if let (Err(error), true) = (&checked, as_json) {
         let findings = match error {
             CommandError::Scene(faults) => faults.0.iter().map(SceneFinding::of_fault).collect(),
@@ -68,14 +74,11 @@ pub fn check(file: &str, drawing: Option<&Path>, as_json: bool) -> Result<(), Co
         };
         print(&to_json(&json!({ "file": file, "valid": false, "faults": findings }))?)?;
     }
-    let source = checked?;
-    if let Some(drawing) = drawing {
-        write_drawing(&source, drawing)?;
-    }
+    let (source, evaluation) = checked?;
     let scene = source.nominal();
     let unused = source.unused_parameters();
     let mut warnings = source.warnings();
-    let (lives, of_limits) = nominal_check(scene);
+    let (lives, of_limits) = evaluation.map(|found| nominal_check(scene, &found)).unwrap_or_default();
     warnings.extend(of_limits);
     let measured = measured_findings(&source)?;
     warnings.extend(measured.iter().filter_map(MeasuredFinding::warning));

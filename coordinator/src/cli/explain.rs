@@ -9,7 +9,7 @@ use super::farm::cores;
 use super::limit_text::failed;
 use super::measured::{MeasuredFinding, measured_findings};
 use super::model::Model;
-use super::nominal::nominal_check;
+use super::nominal::{nominal_check, nominal_evaluation};
 use super::output::{count, print, to_json};
 use super::shared::Verbosity;
 use common::scene::*;
@@ -37,7 +37,13 @@ pub fn explain(name: &str, accuracy: &AccuracyArguments, verbosity: Verbosity) -
     let accuracy = accuracy.for_study(&source, scene.study.seed, cores(), verbosity.quiet, Arc::default())?;
     let model = Model::new(scene, &accuracy.setting);
     let mut warnings = source.warnings();
-    let (lives, of_limits) = nominal_check(scene);
+    let (lives, of_limits) = match nominal_evaluation(scene) {
+        Ok(evaluation) => evaluation.map(|found| nominal_check(scene, &found)).unwrap_or_default(),
+        Err(failure) => {
+            let message = format!("the nominal mechanism cannot be simulated: {failure}");
+            (vec![], vec![Warning { key: "scene".to_owned(), message }])
+        }
+    };
     warnings.extend(of_limits);
     let measured = measured_findings(&source)?;
     warnings.extend(measured.iter().filter_map(MeasuredFinding::warning));

@@ -2,6 +2,7 @@
 //! the first checkpoint or is far from.
 
 use common::accuracy::Accuracy;
+use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::{Fails, JointKind, Scene, Warning};
 use coordinator::presentation::nominal_life::{NominalLife, Reached, nominal_lives};
@@ -19,26 +20,27 @@ const FAR_FROM_LIMIT: f64 = 0.1;
 /// Largest pressure on the projected area of a bearing as a share of the elastic modulus: hardened steel yields at 1 %.
 const LARGEST_PRESSURE: f64 = 0.02;
 
-/// Simulates the nominal mechanism at `draft`: its expected lives, and warnings about its limits. Nothing is simulated for a scene
-/// without limits, or with its own simulator.
-pub fn nominal_check(scene: &Scene) -> (Vec<NominalLife<'_>>, Vec<Warning>) {
-    if scene.limit_states.is_empty() || scene.simulator.is_some() {
-        return Default::default();
+/// Simulates the nominal mechanism at `draft`, or where that fails at the accuracy of the scene; none for a scene with its own simulator.
+///
+/// # Errors
+/// [`SimulationFailure`] if both fail.
+pub fn nominal_evaluation(scene: &Scene) -> Result<Option<Evaluation>, SimulationFailure> {
+    if scene.simulator.is_some() {
+        return Ok(None);
     }
-    let evaluation = match simulate(scene, &Accuracy::draft(), SimulateOptions::WITH_FIRST_CYCLE) {
-        Ok(evaluation) => evaluation,
-        Err(failure) => {
-            let message = format!("the nominal mechanism cannot be simulated: {failure}");
-            return (Vec::new(), vec![Warning { key: "scene".to_owned(), message }]);
-        }
-    };
-    let lives = nominal_lives(scene, &evaluation);
+    let at = |accuracy: &Accuracy| simulate(scene, accuracy, SimulateOptions::WITH_FIRST_CYCLE);
+    at(&Accuracy::draft()).or_else(|_| at(&scene.accuracy.accuracy)).map(Some)
+}
+
+/// Expected lives of the nominal mechanism from its `evaluation`, and warnings about its limits and contacts.
+pub fn nominal_check<'s>(scene: &'s Scene, evaluation: &Evaluation) -> (Vec<NominalLife<'s>>, Vec<Warning>) {
+    let lives = nominal_lives(scene, evaluation);
     let warnings = lives.iter().filter_map(|life| {
         Some(Warning { key: format!("limit_states.{}", life.limit.name), message: warning(scene, life)? })
     });
     let of_contacts =
         unphysical_work(&evaluation.diagnostics).map(|message| Warning { key: "joints".to_owned(), message });
-    let warnings = warnings.chain(of_hinges(scene, &evaluation)).chain(of_contacts).collect();
+    let warnings = warnings.chain(of_hinges(scene, evaluation)).chain(of_contacts).collect();
     (lives, warnings)
 }
 
@@ -128,30 +130,32 @@ mod tests {
     #[test]
     fn issue_a_mechanism_past_its_limit_before_the_first_checkpoint_passed_without_a_word() {
         let mut scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
-        let (lives, warnings) = nominal_check(&scene);
+        let found = |scene: &Scene| {
+            let evaluation = nominal_evaluation(scene).expect("simulated").expect("by the worker");
+            let (lives, warnings) = nominal_check(scene, &evaluation);
+            (lives[0].reached, warnings)
+        };
+        let (reached, warnings) = found(&scene);
         assert_eq!(warnings, []);
-        assert!(
-            matches!(lives[0].reached, Reached::After(life) if (5000.0..7000.0).contains(&life)),
-            "{lives:?}"
-        );
+        assert!(matches!(reached, Reached::After(life) if (5000.0..7000.0).contains(&life)), "{reached:?}");
         // 2.2 um are worn at the first checkpoint, after 1000 cycles.
         scene.limit_states[0].threshold = 1e-6;
-        let (_, found) = nominal_check(&scene);
-        assert_eq!(found.len(), 1, "{found:?}");
-        let message = &found[0].message;
-        assert_eq!(found[0].key, "limit_states.wear");
+        let (_, warnings) = found(&scene);
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
+        let message = &warnings[0].message;
+        assert_eq!(warnings[0].key, "limit_states.wear");
         assert!(message.contains("before the first checkpoint at 1000"), "{message}");
         assert!(message.ends_with("checkpoint_every = 20 resolves its life"), "{message}");
         // The joint turns at 424 r/min from the first cycle on.
         scene.limit_states[0] = LimitState { output: 1, threshold: 40.0, ..scene.limit_states[0].clone() };
-        let (_, found) = nominal_check(&scene);
-        assert!(found[0].message.contains("has failed from the start"), "{found:?}");
+        let (_, warnings) = found(&scene);
+        assert!(warnings[0].message.contains("has failed from the start"), "{warnings:?}");
         // Millimetres instead of micrometres.
         scene.limit_states[0] = LimitState { output: 0, threshold: 8e-3, ..scene.limit_states[0].clone() };
-        let (_, found) = nominal_check(&scene);
+        let (_, warnings) = found(&scene);
         assert!(
-            found[0].message.contains("0.1 % of the limit of 8000 µm: no failure will be seen"),
-            "{found:?}"
+            warnings[0].message.contains("0.1 % of the limit of 8000 µm: no failure will be seen"),
+            "{warnings:?}"
         );
     }
 

@@ -58,7 +58,7 @@ use acceleration::{Acceleration, AngularAcceleration};
 use angle_difference::AngleDifference;
 use angle_error::AngleError;
 use backlash::Backlash;
-use common::scene::{OutputKind, Scene};
+use common::scene::{Output, OutputKind};
 use driving_torque::DrivingTorque;
 use impacts::{ImpactEnergy, Impacts};
 use peak_joint_force::PeakJointForce;
@@ -91,10 +91,10 @@ pub(crate) fn motion_output(kind: &OutputKind) -> Option<Box<dyn MotionOutput + 
     }
 }
 
-/// What the outputs of a scene need recorded of its motion.
-pub(crate) fn recording_request(scene: &Scene) -> RecordingRequest {
+/// What these outputs need recorded of the motion.
+pub(crate) fn recording_request(outputs: &[Output]) -> RecordingRequest {
     let mut request = RecordingRequest::default();
-    for output in scene.outputs.iter().filter_map(|output| motion_output(&output.kind)) {
+    for output in outputs.iter().filter_map(|output| motion_output(&output.kind)) {
         output.request(&mut request);
     }
     request

@@ -10,7 +10,7 @@ fn contacts_in_a_lane_are_those_of_one_recorder() {
     let scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
     let island = islands(&scene).expect("assembled").remove(0);
     assert!(!island.scales().0.is_empty());
-    let mut alone = Recorder::new(&island, &scene, &recording_request(&scene), 40);
+    let mut alone = Recorder::new(&island, &scene, &recording_request(&scene.outputs), 40);
     let (mut in_lane, mut at) = (alone.clone(), island.linearised());
     let mut lanes = ContactLanes::new(0.0, island.joints.len());
     lanes.load(0, &in_lane, 0.0);

@@ -13,8 +13,9 @@ use crate::wear::{WearHistory, WearLaw, WearStepStats, WornAmounts, wear_output}
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{EnergyBalance, NarrowGroove, WornLife};
-use common::scene::Scene;
+use common::scene::{Output, Scene};
 use std::ops::Range;
+use std::slice;
 
 /// A running evaluation.
 #[derive(Clone)]
@@ -74,18 +75,18 @@ impl<'a> Run<'a> {
         accuracy: &'a Accuracy,
     ) -> Result<Self, SimulationFailure> {
         let mut newton = 0;
-        let requested = recording_request(scene);
+        let requested = recording_request(&scene.outputs);
         let islands = islands(scene)?;
         // A linkage that locks is found here, and not attributed to a contact.
         let samples = if requested.needs_ideal_motion() { PATH_POINTS } else { 2 };
         let poses = ideal_cycle(scene, samples, &mut newton)?;
-        if poses.len() < samples && requested.needs_ideal_motion() {
-            return Err(SimulationFailure::NotModelled {
-                what:
-                    "an error against the ideal mechanism, or a backlash, where the drives leave the ideal \
-                       motion open"
-                        .into(),
-            });
+        let of_ideal = |output: &&Output| recording_request(slice::from_ref(*output)).needs_ideal_motion();
+        if let Some(output) = scene.outputs.iter().find(of_ideal).filter(|_| poses.len() < samples) {
+            let what = format!(
+                "output {}, since the drives leave the ideal motion open: an error against the ideal mechanism and a backlash need it",
+                output.name
+            );
+            return Err(SimulationFailure::NotModelled { what });
         }
         let ideal = ideal_tracks(scene, &poses, &requested, &mut newton)?;
         let turns = turns_per_cycle(scene, &poses)?;

@@ -188,7 +188,11 @@ fn issue_a_backlash_that_the_mechanism_does_not_determine_is_refused() {
     let pendulum = scene("pendulum", &[]);
     let outputs = vec![OutputKind::Backlash { body: body(&pendulum, "pendulum"), held: None }];
     let failure = run(&with_outputs(pendulum, outputs)).expect_err("free to swing");
-    assert!(failure.to_string().contains("drives leave the ideal motion open"), "{failure}");
+    let message = failure.to_string();
+    assert!(
+        message.contains(": output") && message.contains("drives leave the ideal motion open"),
+        "{failure}"
+    );
     // A crank that rocks by 20 degrees does not pass 90 degrees.
     let mut rocking = scene("four-bar", &[]);
     let crank = body(&rocking, "crank");
