@@ -129,7 +129,7 @@ fn measured(browser: &str, page: &Path, folder: &Path) -> Vec<Value> {
     let text = serde_json::to_string(&text).unwrap().replace("</", "<\\/").replace("<!--", "<\\!--");
     let widths = serde_json::to_string(&WIDTHS).unwrap();
     let around = format!(
-        "<!DOCTYPE html><html><body><script>const WIDTHS = {widths}, page = {text};{MEASURE}</script></body></html>"
+        "<!DOCTYPE html><html><head><meta charset=\"utf-8\"></head><body><script>const WIDTHS = {widths}, page = {text};{MEASURE}</script></body></html>"
     );
     let path = folder.join("measure.html");
     std::fs::write(&path, around).unwrap();

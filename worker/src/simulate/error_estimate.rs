@@ -7,9 +7,9 @@
 //! - d, largest change of y in the [`Probe`]s around N: time steps, and what had not settled;
 //! - s, share of a peak missed between two time steps ([`crate::outputs::Sampling`]);
 //! - l, straight line between the simulated lives: interpolation between them;
-//! - r, largest distance of a value of y from the straight line through its neighbours, over all simulated lives: if y goes up and down from
-//!   one to the next, since it depends on details of the bores, c = 2; if they are few since the quasi-static model drives the wear, c = 1;
-//!   over the lives at which the motion does not repeat itself, c = 2; else c = 0;
+//! - r, irregularity: the largest distance of a value of y from the straight line through its neighbours, over the simulated lives at which
+//!   the motion does not repeat itself, c = 2, and over all of them if there are few since the quasi-static model drives the wear, c = 1;
+//!   at least, with c = 2, that at lives where y goes up and down from one to the next, since it depends on details of the bores;
 //! - e, relative error of the wear, which displaces the life by e N.
 //!
 //! For a wear depth it is the root of the sum of squares of two: the error of wear steps, blocks and control points, from a bore

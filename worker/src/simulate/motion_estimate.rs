@@ -16,13 +16,13 @@ const WEAR_SAFETY: f64 = 2.0;
 /// Further factor of both for an aperiodic motion [1]: with friction 0.5 the flapping wing's asymmetry was off by up to 3 times the
 /// estimate without it.
 const APERIODIC_SAFETY: f64 = 3.0;
-/// Error over the irregularity of an output that is erratic or whose motion is aperiodic [1]. With values that scatter independently by sigma around a
-/// straight line, 95 % of the differences of two of them are below 2.8 sigma, and the largest of a few distances from the line
+/// Error over the irregularity of an output that is erratic or whose motion is aperiodic [1]. With values that scatter independently by
+/// sigma around a straight line, 95 % of the differences of two of them are below 2.8 sigma, and the largest of a few distances from the line
 /// through both neighbours is about 1.3 sigma.
 const IRREGULAR_SAFETY: f64 = 2.0;
-/// Zigzag over the simulated lives, as a share of the largest value, above which an output is erratic [1]: it depends on details of the bores,
-/// which another time step or inputs off by rounding change. That of `flapping-wing` and `four-bar` is below 8e-5; with a friction of 0.5
-/// the asymmetry of the wing, the same in every cycle on given bores to 1e-4, has one of 1e-2.
+/// Bends of unlike sign at two successive lives, as a share of the largest value, above which an output is erratic [1]: it depends on
+/// details of the bores, which another time step or inputs off by rounding change. Those of `flapping-wing` and `four-bar` are below 8e-5;
+/// with a friction of 0.5 the asymmetry of the wing, the same in every cycle on given bores to 1e-4, has some of 1e-2.
 const ERRATIC: f64 = 2e-4;
 /// Lower bound of the relative error of the motion on worn bores [1]. Other time steps cut the history of the
 /// contact elsewhere, and the bore worn by it differs by a little that no probe shows, since a probe runs on the same bore: with a
@@ -131,8 +131,8 @@ impl MotionEstimate {
                 .map(|(&life, &value)| scatter + missed_peak * value.abs() + of_wear(life, value))
                 .collect();
         }
-        let erratic = is_erratic(measured.lives, &values);
-        let irregular = self.irregularity(measured.lives, &values, erratic);
+        let irregular = self.irregularity(measured.lives, &values);
+        let erratic = IRREGULAR_SAFETY * erratic_bend(measured.lives, &values);
         let checkpoints = checkpoints.iter().zip(history);
         checkpoints
             .map(|(&life, value)| {
@@ -141,7 +141,7 @@ impl MotionEstimate {
                 MOTION_SAFETY * self.largest_near(life, |p| p.motion[k])
                     + (missed_peak + WORN_MOTION) * value.abs()
                     + (value - secant).abs()
-                    + self.irregularity_share(life, erratic) * irregular
+                    + (self.irregularity_share(life) * irregular).max(erratic)
                     + slope * behind
             })
             .collect()
@@ -211,11 +211,11 @@ impl MotionEstimate {
         largest
     }
 
-    /// Share of the irregularity of an output that counts at `life` [1]: [`IRREGULAR_SAFETY`] where it is erratic or the motion aperiodic,
-    /// since it shows what details of the bore do to the output; one where the quasi-static model drives the wear, since it shows how
-    /// far an output is from what is interpolated between a few lives; else zero.
-    fn irregularity_share(&self, life: u32, erratic: bool) -> f64 {
-        if erratic || self.is_aperiodic_near(life) {
+    /// Share of the irregularity that counts at `life` [1]: [`IRREGULAR_SAFETY`] where the motion is aperiodic, since it shows what
+    /// details of the bore do to an output; one where the quasi-static model drives the wear, since it shows how far an output is
+    /// from what is interpolated between a few lives; else zero.
+    fn irregularity_share(&self, life: u32) -> f64 {
+        if self.is_aperiodic_near(life) {
             IRREGULAR_SAFETY
         } else if self.quasi_static.is_some() {
             1.0
@@ -224,11 +224,10 @@ impl MotionEstimate {
         }
     }
 
-    /// Irregularity of an output, largest bend of its values over the `lives` `(k,)` [cycles] where it counts.
-    fn irregularity(&self, lives: &[u32], values: &[f64], erratic: bool) -> f64 {
-        let counted = |life| self.irregularity_share(life, erratic) > 0.0;
-        let inner = &lives[1.min(lives.len())..];
-        largest(bends(lives, values).zip(inner).filter(|(_, life)| counted(**life)).map(|(bend, _)| bend))
+    /// Irregularity of an output, its largest bend over the `lives` `(k,)` [cycles] where it counts.
+    fn irregularity(&self, lives: &[u32], values: &[f64]) -> f64 {
+        let inner = bends(lives, values).zip(lives.iter().skip(1));
+        largest(inner.filter(|(_, life)| self.irregularity_share(**life) > 0.0).map(|(bend, _)| bend))
     }
 }
 
@@ -246,13 +245,13 @@ pub(crate) fn largest_bend(lives: &[u32], values: &[f64]) -> f64 {
     largest(bends(lives, values))
 }
 
-/// True if an output with these values at the `lives` goes up and down from life to life by more than [`ERRATIC`]. Its zigzag is the largest
-/// of the smaller of two successive bends of unlike sign: a curve that the lives resolve has bends of like sign, or small ones.
-fn is_erratic(lives: &[u32], values: &[f64]) -> bool {
+/// Largest bend of an output that goes up and down from one of the `lives` `(k,)` [cycles] to the next: of two successive bends of unlike sign
+/// that both exceed [`ERRATIC`] of the largest value; zero without any. A curve that the lives resolve has bends of like sign, or small ones.
+fn erratic_bend(lives: &[u32], values: &[f64]) -> f64 {
+    let least = ERRATIC * largest(values.iter().copied());
     let bends: Vec<f64> = bends(lives, values).collect();
-    let unlike = bends.windows(2).filter(|pair| pair[0] * pair[1] < 0.0);
-    let zigzag = unlike.map(|pair| pair[0].abs().min(pair[1].abs())).fold(0.0, f64::max);
-    zigzag > ERRATIC * largest(values.iter().copied())
+    let is_zigzag = |pair: &&[f64]| pair[0] * pair[1] < 0.0 && pair.iter().all(|bend| bend.abs() > least);
+    largest(bends.windows(2).filter(is_zigzag).flatten().copied())
 }
 
 /// Largest magnitude of these `values`, zero without any.
@@ -293,8 +292,7 @@ mod tests {
         assert_eq!([10, 20, 21, 40].map(|life| estimate.is_aperiodic_near(life)), [false, false, true, true]);
         // Off the line by 4 at life 10, where the motion is periodic, and by 2 at life 30.
         let (lives, values) = ([0, 10, 20, 30, 40], [0.0, 4.0, 0.0, 2.0, 0.0]);
-        assert_eq!(estimate.irregularity(&lives, &values, false), 2.0);
-        assert_eq!(estimate.irregularity(&lives, &values, true), 4.0);
+        assert_eq!(estimate.irregularity(&lives, &values), 2.0);
     }
 
     #[test]
@@ -305,9 +303,10 @@ mod tests {
             let signs = [1.0, -1.0].into_iter().cycle();
             lives.iter().map(curve).zip(signs).map(|(value, sign)| value + sign * off).collect()
         };
-        // Its largest value is 480; the curve bends by 5 at life 10, where the values off by 3 to both sides bend by 6.
-        assert_eq!([0.0, 3.0, 100.0].map(|off| is_erratic(&lives, &of(off))), [false, true, true]);
-        assert!(!is_erratic(&lives[..3], &of(100.0)[..3]) && !is_erratic(&[], &[]));
+        // The curve bends by -5, -10 and -40, the values off by 3 to both sides by 6, -6 and 6; the largest is 483.
+        assert_eq!(erratic_bend(&lives, &of(0.0)), 0.0);
+        assert!((erratic_bend(&lives, &of(3.0)) - 16.0).abs() < 1e-12);
+        assert_eq!([&lives[..3], &[]].map(|lives| erratic_bend(lives, &of(3.0)[..lives.len()])), [0.0; 2]);
     }
 
     #[test]
