@@ -48,6 +48,12 @@ fn conditions() {
         fault.contains("the shares add up to 1.1, not to 1; shares that vary are written by a parameter p"),
         "{fault}"
     );
+    let overridden = source.overridden_variables();
+    let names = |(k, conditions): &(usize, Vec<&str>)| format!("{} {conditions:?}", scene.variables[*k].name);
+    assert_eq!(
+        overridden.iter().map(names).collect::<Vec<_>>(),
+        ["brake [\"full\"]", "friction_worn [\"full\"]"]
+    );
     // All conditions together are the whole text.
     let again = SceneSource::parse(source.text(), "again").unwrap();
     assert_eq!(again.nominal(), scene);

@@ -185,29 +185,40 @@ impl SceneSource {
 
     /// What is valid but most likely not meant, with the path of the key.
     pub fn warnings(&self) -> Vec<Warning> {
-        [warnings(&self.nominal), magnitudes(&self.nominal), self.overridden_variables()].concat()
-    }
-
-    /// Random variables without effect, since every operating condition sets what they change.
-    fn overridden_variables(&self) -> Vec<Warning> {
-        let (scene, means) = (&self.nominal, self.means());
-        let is_overridden = |k: &usize| {
-            let law = &scene.variables[*k].distribution;
-            let mut sample = means.clone();
-            sample[*k] = law.from_standard_normal(1.0);
-            !scene.conditions.is_empty()
-                && !law.is_constant()
-                && self.resolve_sample(&sample).is_ok_and(|moved| moved.conditions == scene.conditions)
-        };
-        let warning = |k: usize| {
+        let scene = &self.nominal;
+        let everywhere = |(_, conditions): &(usize, Vec<&str>)| conditions.len() == scene.conditions.len();
+        let warning = |(k, _): (usize, Vec<&str>)| {
             Warning {
             key: format!("variables.{}", scene.variables[k].name),
-            message: "has no effect: every condition sets what it changes; let the variable change a parameter that the \
-                      conditions multiply, as in \"1.5 * torque\""
+            message: "has no effect: every condition sets what it changes; let the variable change a parameter that the conditions \
+                      multiply, as in \"1.5 * torque\""
                 .to_owned(),
         }
         };
-        (0..means.len()).filter(is_overridden).map(warning).collect()
+        let without_effect =
+            self.overridden_variables().into_iter().filter(everywhere).map(warning).collect();
+        [warnings(scene), magnitudes(scene), without_effect].concat()
+    }
+
+    /// Random variables, by their number, without effect under the operating conditions of these names, which set what they change.
+    pub fn overridden_variables(&self) -> Vec<(usize, Vec<&str>)> {
+        let (scene, means) = (&self.nominal, self.means());
+        let mut found = Vec::new();
+        for (k, variable) in scene.variables.iter().enumerate().filter(|(_, v)| !v.distribution.is_constant())
+        {
+            let mut sample = means.clone();
+            sample[k] = variable.distribution.from_standard_normal(1.0);
+            let Ok(moved) = self.resolve_sample(&sample) else { continue };
+            let pairs = scene.conditions.iter().zip(&moved.conditions);
+            let same = pairs.filter(|(condition, moved)| condition.scene == moved.scene);
+            let names: Vec<&str> = same.map(|(condition, _)| &*condition.name).collect();
+            // One that changes shares, or a condition itself, changes nothing else.
+            let without_conditions = |scene: &Scene| Scene { conditions: vec![], ..scene.clone() };
+            if !names.is_empty() && without_conditions(&moved) != without_conditions(scene) {
+                found.push((k, names));
+            }
+        }
+        found
     }
 
     /// Value of the quantity at this key as the scene writes it [SI], whatever random variable changes it; `None` if there is no

@@ -60,17 +60,18 @@ pub fn explain(name: &str, accuracy: &AccuracyArguments, verbosity: Verbosity) -
     let lives = lives.iter().map(|life| format!("Nominal {}", life.line(scene.life.cycles)));
     let measured = measured.iter().map(MeasuredFinding::lines);
     let below: String = measured.chain(lives).chain(warnings).collect();
-    print(&format!("{}{below}", text(scene, &model)))
+    print(&format!("{}{below}", text(&source, &model)))
 }
 
-fn text(scene: &Scene, model: &Model) -> String {
+fn text(source: &SceneSource, model: &Model) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
-    let _ = explain_into(&mut out, scene, model);
+    let _ = explain_into(&mut out, source, model);
     out
 }
 
-fn explain_into(out: &mut String, scene: &Scene, model: &Model) -> std::fmt::Result {
+fn explain_into(out: &mut String, source: &SceneSource, model: &Model) -> std::fmt::Result {
+    let scene = source.nominal();
     writeln!(out, "{}: {}\n", scene.name, scene.title)?;
     motion(out, scene)?;
     joints(out, scene)?;
@@ -82,14 +83,20 @@ fn explain_into(out: &mut String, scene: &Scene, model: &Model) -> std::fmt::Res
     let cycles = |n: u32| count(n as usize, "cycle");
     let every = if life.checkpoint_every == 1 { "cycle".to_owned() } else { cycles(life.checkpoint_every) };
     writeln!(out, "Life: {} of {:.6} s, reported every {every}.", cycles(life.cycles), life.period)?;
-    conditions(out, scene)?;
+    conditions(out, source)?;
     study(out, scene)
 }
 
 /// The operating conditions with what is simulated under each.
-fn conditions(out: &mut String, scene: &Scene) -> std::fmt::Result {
-    for Condition { name, share, scene } in &scene.conditions {
-        writeln!(out, "  {name}: {:.4} % of the cycles, of {:.6} s each", share * 100.0, scene.life.period)?;
+fn conditions(out: &mut String, source: &SceneSource) -> std::fmt::Result {
+    let (variables, overridden) = (&source.nominal().variables, source.overridden_variables());
+    for Condition { name, share, scene } in &source.nominal().conditions {
+        write!(out, "  {name}: {:.4} % of the cycles, of {:.6} s each", share * 100.0, scene.life.period)?;
+        let here = overridden.iter().filter(|(_, conditions)| conditions.contains(&name.as_str()));
+        let here: Vec<&str> = here.map(|(k, _)| &*variables[*k].name).collect();
+        let sets =
+            if here.is_empty() { String::new() } else { format!("; sets what {} changes", here.join(", ")) };
+        writeln!(out, "{sets}")?;
     }
     Ok(())
 }
@@ -295,7 +302,7 @@ mod tests {
     fn every_part_of_a_scene_is_explained() {
         let source = include_str!("../../../common/tests/scenes/everything.toml");
         let source = SceneSource::parse(source, "everything").unwrap();
-        let found = text(source.nominal(), &Model::new(source.nominal(), &NamedAccuracy::default()));
+        let found = text(&source, &Model::new(source.nominal(), &NamedAccuracy::default()));
         for line in [
             "wheel: speed by a table over time, prescribed, no unknowns",
             "hinge: rod turns on crank, ideal, friction 0.1 on a pin of radius 5 mm, no wear",
@@ -316,6 +323,7 @@ mod tests {
             "all_wear: largest wear depth of 4 joints",
             "angle: largest difference of angle, rod against slider",
             "hinge_force: largest force in 2 joints",
+            "full: 30.0000 % of the cycles, of 0.100000 s each; without effect under it: brake, friction_worn",
             "error: largest distance of a point of slider from its position with ideal joints",
             "stroke_error: r.m.s. distance of a point of slider from its wanted position",
             "rod_error: largest difference of the angle of rod from that with ideal joints",
