@@ -43,7 +43,7 @@ impl Accuracy {
     pub const NAMES: [&str; 3] = ["draft", "balanced", "reference"];
 
     /// The preset for a first impression. For the flapping-wing drive at 201 points, `coordinator tradeoff` found errors of at most 0.04 %
-    /// of the limit for the wear and 5.2 % for the asymmetry, which displaces the life it ends by up to 630 of 66 000 cycles, in 0.57 of
+    /// of the limit for the wear and 5.2 % for the asymmetry, which displaces the life it ends by up to 630 of 66 000 cycles, in 0.55 of
     /// the time of `balanced` (`coordinator/doc/tradeoff/stated-errors.md`).
     pub const fn draft() -> Self {
         Accuracy {
