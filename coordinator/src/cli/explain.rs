@@ -94,9 +94,11 @@ fn conditions(out: &mut String, source: &SceneSource) -> std::fmt::Result {
         write!(out, "  {name}: {:.4} % of the cycles, of {:.6} s each", share * 100.0, scene.life.period)?;
         let here = overridden.iter().filter(|(_, conditions)| conditions.contains(&name.as_str()));
         let here: Vec<&str> = here.map(|(k, _)| &*variables[*k].name).collect();
-        let sets =
-            if here.is_empty() { String::new() } else { format!("; sets what {} changes", here.join(", ")) };
-        writeln!(out, "{sets}")?;
+        let without = match &here[..] {
+            [] => String::new(),
+            names => format!("; without effect under it: {}", names.join(", ")),
+        };
+        writeln!(out, "{without}")?;
     }
     Ok(())
 }
@@ -323,7 +325,6 @@ mod tests {
             "all_wear: largest wear depth of 4 joints",
             "angle: largest difference of angle, rod against slider",
             "hinge_force: largest force in 2 joints",
-            "full: 30.0000 % of the cycles, of 0.100000 s each; without effect under it: brake, friction_worn",
             "error: largest distance of a point of slider from its position with ideal joints",
             "stroke_error: r.m.s. distance of a point of slider from its wanted position",
             "rod_error: largest difference of the angle of rod from that with ideal joints",
@@ -343,7 +344,7 @@ mod tests {
             "triangular, mean 10.03333, std 0.06236096, from 9.9 to 10.2 mm",
             "constant, mean 0.5 N m",
             "correlation of brake and friction_worn, as normals: 0.4",
-            "full: 30.0000 % of the cycles, of 0.100000 s each",
+            "full: 30.0000 % of the cycles, of 0.100000 s each; without effect under it: brake, friction_worn",
         ] {
             assert!(found.contains(line), "no \"{line}\" in:\n{found}");
         }
