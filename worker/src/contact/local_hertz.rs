@@ -160,14 +160,14 @@ impl<R: Real> LocalHertz<R> {
             sliding,
         };
         s.add_film(motion, &mut out);
-        let mut slopes = ForceSlopes::none(nothing);
-        if JACOBIAN {
-            let polar = Polar { u, inverse, walls: Walls { bore, journal }, radius, wu, wt, turn, spin };
-            let normal = Normal { root, elastic, factor, normal, mu, mu_v, friction };
-            let (rows, to_turn) = self.slopes(&polar, &normal, [omega_journal, omega_bushing]);
-            slopes = ForceSlopes { u, rows, to_turn };
-            s.add_film_slopes(&mut slopes);
+        if !JACOBIAN {
+            return (out, ForceSlopes::none(nothing));
         }
+        let polar = Polar { u, inverse, walls: Walls { bore, journal }, radius, wu, wt, turn, spin };
+        let normal = Normal { root, elastic, factor, normal, mu, mu_v, friction };
+        let (rows, to_turn) = self.slopes(&polar, &normal, [omega_journal, omega_bushing]);
+        let mut slopes = ForceSlopes { u, rows, to_turn };
+        s.add_film_slopes(&mut slopes);
         (out, slopes)
     }
 
@@ -211,49 +211,55 @@ impl<R: Real> LocalHertz<R> {
         if let Some(journal) = journal {
             rate_t = rate_t.plus_product(journal.d2 * spin, inverse);
         }
-        let mut dn = [
+        // Arrays are written whole, and once: what is filled entry by entry goes through memory.
+        let to_omega = match journal {
+            None => nothing,
+            Some(journal) => -(ed * journal.d1),
+        };
+        let dn = [
             slope.plus_product(ed, bend * wt * inverse),
             (ed * rate_t).minus_product(slope, bend),
             ed,
             -(ed * bend),
-            nothing,
+            to_omega,
             ed * bore.d1,
         ];
-        if let Some(journal) = journal {
-            dn[4] = -(ed * journal.d1);
-        }
         // Friction. The sliding speed grows by -(wu + omega_j R' - omega_i R_j') / r with e along t, by 1 with w along t, by R_j with
         // omega_i and by -R with omega_j.
         let grip = mu_v * normal;
-        let mut df = [nothing; 6];
-        for c in 0..6 {
-            df[c] = mu * dn[c];
-        }
-        df[1] = df[1].minus_product(grip, wu.plus_product(omega_bushing, bore.d1) * inverse);
-        df[3] += grip;
-        df[4] = grip * radius;
+        let mut across = (mu * dn[1]).minus_product(grip, wu.plus_product(omega_bushing, bore.d1) * inverse);
+        let mut to_omega = grip * radius;
         if let Some(journal) = journal {
-            df[1] = df[1].plus_product(grip * omega_journal, journal.d1 * inverse);
-            df[4] = df[4].plus_product(mu, dn[4]);
+            across = across.plus_product(grip * omega_journal, journal.d1 * inverse);
+            to_omega = to_omega.plus_product(mu, dn[4]);
         }
-        df[5] = df[5].minus_product(grip, bore.r);
-        let mut rows = [[nothing; 6]; 4];
-        for c in 0..6 {
-            rows[0][c] = -dn[c];
-            rows[1][c] = -df[c];
-            rows[2][c] = -(radius * df[c]);
-            rows[3][c] = bore.r * df[c];
+        let to_bushing = (mu * dn[5]).minus_product(grip, bore.r);
+        let df = [mu * dn[0], across, mu * dn[2], mu * dn[3] + grip, to_omega, to_bushing];
+        // The unit vectors turn with the direction of e, du = t dpsi, dt = -u dpsi; the radii change.
+        let (mut on_journal, mut on_bushing) = (-(radius * df[1]), bore.r * df[1]);
+        match journal {
+            None => on_bushing = on_bushing.plus_product(bend, friction),
+            Some(journal) => {
+                on_journal = on_journal.minus_product(journal.d1 * inverse, friction);
+                on_bushing = on_bushing.plus_product(bore.d1 * inverse, friction);
+            }
         }
-        // The unit vectors turn with the direction of e, du = t dpsi, dt = -u dpsi; the bore's radius
-        // changes.
-        rows[0][1] = rows[0][1].plus_product(friction, inverse);
-        rows[1][1] = rows[1][1].minus_product(normal, inverse);
-        let Some(journal) = journal else {
-            rows[3][1] = rows[3][1].plus_product(bend, friction);
-            return (rows, None);
-        };
-        rows[2][1] = rows[2][1].minus_product(journal.d1 * inverse, friction);
-        rows[3][1] = rows[3][1].plus_product(bore.d1 * inverse, friction);
+        let along = (-dn[1]).plus_product(friction, inverse);
+        let across = (-df[1]).minus_product(normal, inverse);
+        let rows = [
+            [-dn[0], along, -dn[2], -dn[3], -dn[4], -dn[5]],
+            [-df[0], across, -df[2], -df[3], -df[4], -df[5]],
+            [
+                -(radius * df[0]),
+                on_journal,
+                -(radius * df[2]),
+                -(radius * df[3]),
+                -(radius * df[4]),
+                -(radius * df[5]),
+            ],
+            [bore.r * df[0], on_bushing, bore.r * df[2], bore.r * df[3], bore.r * df[4], bore.r * df[5]],
+        ];
+        let Some(journal) = journal else { return (rows, None) };
         // The place on the journal falls behind as alpha grows.
         let dn = -(slope * journal.d1).plus_product(ed * journal.d2, spin);
         let df = (mu * dn).minus_product(grip * omega_journal, journal.d1);

@@ -147,10 +147,10 @@ impl<R: Real> Rosenbrock<R> {
         let Start { h, q, v, .. } = *start;
         let n = layout.n();
         let [first, second] = A[stage - 1];
-        // The second weight of the first of these stages is zero, and so is what it weighs.
         let (first, second) = (h.like(first), h.like(second));
-        let ([uq0, uq1, ..], [uv0, uv1, ..]) = (&self.uq, &self.uv);
-        let (uq0, uq1, uv0, uv1) = (&uq0[..n], &uq1[..n], &uv0[..n], &uv1[..n]);
+        // The second weight of the first of these stages is zero: it takes the vector of the first stage, since there is no other yet.
+        let (uq0, uq1) = (&self.uq[0][..n], &self.uq[stage - 1][..n]);
+        let (uv0, uv1) = (&self.uv[0][..n], &self.uv[stage - 1][..n]);
         let (stage_q, stage_v, q, v) = (&mut self.q[..n], &mut self.v[..n], &q[..n], &v[..n]);
         for i in 0..n {
             stage_q[i] = q[i].plus_product(uq0[i], first).plus_product(uq1[i], second);
@@ -180,8 +180,10 @@ impl<R: Real> Rosenbrock<R> {
         for j in 0..BEFORE {
             c[j] = h.like(C[stage - 1][j]);
         }
-        let [uq0, uq1, uq2, _] = &self.uq;
-        let [uv0, uv1, uv2, _] = &self.uv;
+        // As in the state of the stage: where the second weight is zero it takes the vector of the first stage.
+        let second = if BEFORE == 2 { stage - 1 } else { 1 };
+        let (uq1, uv1) = (&self.uq[second], &self.uv[second]);
+        let ([uq0, _, uq2, _], [uv0, _, uv2, _]) = (&self.uq, &self.uv);
         let (uq, uv) = ([&uq0[..n], &uq1[..n], &uq2[..n]], [&uv0[..n], &uv1[..n], &uv2[..n]]);
         for i in 0..n {
             let (mut cq, mut cv) = (zero, zero);
@@ -198,10 +200,6 @@ impl<R: Real> Rosenbrock<R> {
         for i in 0..n {
             uq[i] = gh * (rq[i] + rhs[i]);
             uv[i] = rhs[i];
-        }
-        if BEFORE == 0 {
-            self.uq[1].fill(zero);
-            self.uv[1].fill(zero);
         }
     }
 

@@ -208,6 +208,11 @@ pub(super) fn check(
     let n = island.coordinates();
     let mut at = island.linearised();
     island.clone().linearise(*t, q, v, &mut at);
+    // Nothing of an earlier linearisation is left.
+    let mut again = at.clone();
+    [&mut again.k, &mut again.d].into_iter().for_each(|entries| entries.fill(f64::NAN));
+    island.clone().linearise(*t, q, v, &mut again);
+    assert_eq!((&again.k, &again.d), (&at.k, &at.d));
     let force = |t: f64, q: &[f64], v: &[f64]| {
         let mut f = vec![0.0; n];
         island.clone().force(t, q, v, &mut f);

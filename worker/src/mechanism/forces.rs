@@ -58,6 +58,59 @@ impl<R: Real, J: Touching<R>> Clone for JointSpace<R, J> {
     }
 }
 
+/// Blocks of the derivatives, of the force on one body to the motion of another, that a joint or load has written in this linearisation: the first one
+/// writes what those after it add to, so that the derivatives need not be set to zero before.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WrittenBlocks {
+    /// Bit 8 i + j: the block of bodies i and j. All bits are one if the bodies are more than [`Self::MOST_BODIES`].
+    bits: u64,
+}
+
+impl WrittenBlocks {
+    /// Number of bodies of which each pair has a bit.
+    const MOST_BODIES: usize = 8;
+
+    /// No block of this number of bodies.
+    #[inline(always)]
+    fn none(bodies: usize) -> Self {
+        WrittenBlocks { bits: if bodies > Self::MOST_BODIES { u64::MAX } else { 0 } }
+    }
+
+    /// Marks the block of bodies `i` and `j` as written. True if it was not before.
+    #[inline(always)]
+    fn mark(&mut self, i: usize, j: usize) -> bool {
+        let before = self.bits;
+        self.bits |= 1_u64.wrapping_shl((Self::MOST_BODIES * i + j) as u32);
+        before != self.bits
+    }
+
+    /// Sets the blocks of all other pairs of `bodies` to zero.
+    #[inline(always)]
+    fn clear_others<R: Real>(mut self, bodies: usize, at: &mut Linearised<R>) {
+        if bodies > Self::MOST_BODIES {
+            return;
+        }
+        for i in 0..bodies {
+            for j in 0..bodies {
+                if at.band.kept(3 * i).contains(&(3 * j)) && self.mark(i, j) {
+                    clear_block(i, j, at);
+                }
+            }
+        }
+    }
+}
+
+/// Sets the block of bodies `i` and `j` to zero.
+#[inline(always)]
+fn clear_block<R: Real>(i: usize, j: usize, at: &mut Linearised<R>) {
+    for r in 0..3 {
+        let first = at.band.index(3 * i + r, 3 * j);
+        for entry in first..first + 3 {
+            (at.k[entry], at.d[entry]) = (at.k[entry].zero(), at.d[entry].zero());
+        }
+    }
+}
+
 impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
     /// Forces of joints with clearance and of loads at time `t`, and with `JACOBIAN` their derivatives; `space`
     /// is that of the joints.
@@ -70,12 +123,16 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         at: &mut Linearised<R>,
     ) {
         f.copy_from_slice(self.weight);
+        let free = self.frames.len() - self.jets.len();
+        let mut written = WrittenBlocks::none(free);
         if JACOBIAN {
             let zero = t.zero();
-            at.k.fill(zero);
-            at.d.fill(zero);
             at.ft.fill(zero);
             at.prescribed.fill([zero; 3]);
+            if free > WrittenBlocks::MOST_BODIES {
+                at.k.fill(zero);
+                at.d.fill(zero);
+            }
         }
         let JointSpace { pairs, walls } = space;
         for (joint, pair) in self.joints.iter().zip(&mut *pairs) {
@@ -89,7 +146,7 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
             let [i, j] = joint.ends();
             let (fi, fj) = (&self.frames[i.frame], &self.frames[j.frame]);
             let pair = pair_force::<R, J, JACOBIAN>(joint, pair, wall, fi, fj);
-            self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.slopes, f, at);
+            self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.slopes, f, (at, &mut written));
             if JACOBIAN {
                 at.joints[index] = pair.joint;
                 at.e[index] = pair.e;
@@ -98,17 +155,20 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         }
         for (index, guide) in self.guides.iter().enumerate() {
             let (force, done) = guide.force::<JACOBIAN>(self.frames);
-            self.add::<JACOBIAN>(force.frames, &force.f, &force, f, at);
+            self.add::<JACOBIAN>(force.frames, &force.f, &force, f, (at, &mut written));
             if JACOBIAN {
                 at.guides[index] = done;
             }
         }
         for load in self.loads {
             let load = load.force(t, self.frames);
-            self.add::<JACOBIAN>(load.frames, &load.f, &load, f, at);
+            self.add::<JACOBIAN>(load.frames, &load.f, &load, f, (at, &mut written));
             if JACOBIAN {
-                self.add_sources(load.frames, &load.ft, load.third, at);
+                self.add_sources(load.frames, &load.ft, load.third, (at, &mut written));
             }
+        }
+        if JACOBIAN {
+            written.clear_others(free, at);
         }
     }
 
@@ -121,10 +181,10 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         force: &[R; 6],
         slopes: &impl Blocks<R>,
         f: &mut [R],
-        at: &mut Linearised<R>,
+        (at, written): (&mut Linearised<R>, &mut WrittenBlocks),
     ) {
-        self.add_to::<JACOBIAN, 0>(frames, force, slopes, f, at);
-        self.add_to::<JACOBIAN, 1>(frames, force, slopes, f, at);
+        self.add_to::<JACOBIAN, 0>(frames, force, slopes, f, (at, written));
+        self.add_to::<JACOBIAN, 1>(frames, force, slopes, f, (at, written));
     }
 
     /// The part of [`Self::add`] that acts on body `ON` of the pair.
@@ -135,7 +195,7 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         force: &[R; 6],
         slopes: &impl Blocks<R>,
         f: &mut [R],
-        at: &mut Linearised<R>,
+        (at, written): (&mut Linearised<R>, &mut WrittenBlocks),
     ) {
         let free = self.frames.len() - self.jets.len();
         let frame = frames[ON];
@@ -153,8 +213,8 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
             f[r] += force[3 * ON + r];
         }
         if JACOBIAN {
-            self.add_block::<ON, 0>(frames, slopes, at);
-            self.add_block::<ON, 1>(frames, slopes, at);
+            self.add_block::<ON, 0>(frames, slopes, at, written);
+            self.add_block::<ON, 1>(frames, slopes, at, written);
         }
     }
 
@@ -165,6 +225,7 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         frames: [usize; 2],
         slopes: &impl Blocks<R>,
         at: &mut Linearised<R>,
+        written: &mut WrittenBlocks,
     ) {
         let free = self.frames.len() - self.jets.len();
         let (row, to) = (3 * frames[ON], frames[TO]);
@@ -173,12 +234,13 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         }
         let [k, d] = slopes.block::<ON, TO>();
         if to < free {
+            let is_first = written.mark(frames[ON], to);
             for r in 0..3 {
                 let first = at.band.index(row + r, 3 * to);
                 let (at_k, at_d) = (&mut at.k[first..first + 3], &mut at.d[first..first + 3]);
                 for c in 0..3 {
-                    at_k[c] += k[r][c];
-                    at_d[c] += d[r][c];
+                    (at_k[c], at_d[c]) =
+                        if is_first { (k[r][c], d[r][c]) } else { (at_k[c] + k[r][c], at_d[c] + d[r][c]) };
                 }
             }
         } else {
@@ -198,10 +260,16 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         frames: [usize; 2],
         ft: &[R; 6],
         third: Option<(usize, [R; 6])>,
-        at: &mut Linearised<R>,
+        (at, written): (&mut Linearised<R>, &mut WrittenBlocks),
     ) {
         let free = self.frames.len() - self.jets.len();
         for (side, &frame) in frames.iter().enumerate().filter(|&(_, &frame)| frame < free) {
+            if let Some((other, _)) = third
+                && other < free
+                && written.mark(frame, other)
+            {
+                clear_block(frame, other, at);
+            }
             for r in 0..3 {
                 let row = 3 * frame + r;
                 at.ft[row] += ft[3 * side + r];
