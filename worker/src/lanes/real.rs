@@ -233,7 +233,7 @@ impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        // Of these, compilers join the sums and products that follow; of a changed sign bit they do not.
+        // -0 - x has the bits of -x, and compilers join it with the sum or product that follows; a flipped sign bit they do not.
         Lanes { simd: self.simd, value: self.simd.sub_f64s(self.simd.splat_f64s(-0.0), self.value) }
     }
 }
