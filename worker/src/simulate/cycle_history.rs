@@ -1,8 +1,8 @@
 //! Outputs of the cycle recorded last, and its history as it is displayed.
 
 use super::run::Run;
-use crate::mechanism::Prescribed;
-use crate::outputs::{FullRecording, RecordedCycle, motion_output, sample_times, sum_of_islands};
+use crate::mechanism::{Island, Prescribed};
+use crate::outputs::{FullRecording, RecordedCycle, Recorder, motion_output, sample_times, sum_of_islands};
 use common::outputs::{BodyMotion, BodyTrace, CycleHistory, EnergyBalance};
 use common::scene::Motion;
 
@@ -43,9 +43,15 @@ impl Run<'_> {
     /// Outputs of the scene that follow from the motion of the cycle recorded last, zero in the place of the others
     /// `(outputs,)` [SI].
     pub(crate) fn motion_outputs(&self) -> Vec<f64> {
-        let cycle = self.recorded_cycle();
-        let outputs = self.scene.outputs.iter().map(|output| motion_output(&output.kind));
-        outputs.map(|output| output.map_or(0.0, |output| output.value(&cycle))).collect()
+        outputs_of(&self.recorded_cycle())
+    }
+
+    /// The same, where the cycle consists of these recordings, one for each island `(outputs,)` [SI].
+    pub(crate) fn outputs_of_recordings<'r>(
+        &'r self,
+        islands: impl Iterator<Item = (&'r Island, &'r Recorder)>,
+    ) -> Vec<f64> {
+        outputs_of(&RecordedCycle { scene: self.scene, islands: islands.collect(), ideal: &self.ideal })
     }
 
     fn recorded_cycle(&self) -> RecordedCycle<'_> {
@@ -137,4 +143,10 @@ impl Run<'_> {
         all.sort_by_key(|(joint, _)| *joint);
         all.into_iter().map(|(joint, value)| (self.scene.joints[joint].name.clone(), value)).collect()
     }
+}
+
+/// Outputs that follow from the motion of a cycle, zero in the place of the others `(outputs,)` [SI].
+fn outputs_of(cycle: &RecordedCycle) -> Vec<f64> {
+    let outputs = cycle.scene.outputs.iter().map(|output| motion_output(&output.kind));
+    outputs.map(|output| output.map_or(0.0, |output| output.value(cycle))).collect()
 }

@@ -4,7 +4,7 @@ use super::blocks::block_ends;
 use super::conditions::condition_scenes;
 use super::contact_arcs::{ContactArc, contact_arcs};
 use super::control_points::with_control_points;
-use super::longer_steps::{is_long_enough, longer, makes_no_difference};
+use super::longer_steps::{difference, is_long_enough, longer};
 use super::probe::{FINER, is_probed};
 use super::quasi_static::is_measured;
 use super::run::Run;
@@ -201,11 +201,12 @@ async fn examine(
             let mut saved = 0.0;
             if let Some(steps) = longer(accuracy).filter(|_| !probe.aperiodic && is_long_enough(&lives)) {
                 let before = run.counts.steps;
-                let (trial, trying) = timed(run.compare_steps(0, &steps)).await?;
+                let (trial, trying) = timed(run.compare_next(0, &vec![steps; run.islands.len()])).await?;
                 let share = (run.counts.steps - before) as f64 / look.steps_per_cycle as f64;
                 look.dynamic_cycles += share;
                 look.expected += trying;
-                if makes_no_difference(&trial, &run.measured) {
+                let trial = run.changes(&trial, &vec![true; run.islands.len()]);
+                if difference(&trial, &run.measured) <= 1.0 {
                     if !run.depends_on_last_impact() {
                         // The trial takes the place of the probe on the unworn bores.
                         look.dynamic_cycles -= FINER * cycles;

@@ -73,17 +73,16 @@ pub(crate) async fn simulate_life<M: CycleModel>(
     let (mut life, mut longer) = LongerSteps::start(runs, &model, &ends).await?;
     let mut simulated = 0;
     while simulated + 1 < ends.len() {
-        match &mut longer {
-            Some(steps) => {
-                if let Some(lasted) = steps.add_block(runs, &mut life, &ends[simulated..]).await {
-                    simulated = ends.partition_point(|&end| end < lasted);
-                    longer = None;
-                    continue;
-                }
+        longer = longer.filter(LongerSteps::are_in_use);
+        let lasted = match &mut longer {
+            Some(steps) => steps.add_block(runs, &mut life, &ends[simulated..]).await,
+            None => {
+                let block = ends[simulated]..ends[simulated + 1];
+                life.add_block(runs, &model, &block).await?;
+                block.end
             }
-            None => life.add_block(runs, &model, &(ends[simulated]..ends[simulated + 1])).await?,
-        }
-        simulated += 1;
+        };
+        simulated = ends.partition_point(|&end| end < lasted);
     }
     mix_contacts(runs);
     runs[0].compare_bores();

@@ -5,17 +5,23 @@
 //! nor the outputs by a thousandth. Steps 2.5 times as long would be too long: with them the scheme itself feeds the vibration.
 //!
 //! A life starts with its own steps. On the unworn bores the cycle after the measured one has steps longer by [`FINER`], or as much longer
-//! as [`LARGEST_TOLERANCE`] permits (by 1.26 for `draft`). If no output y of the motion and no wear rate w changes by more than
+//! as [`LARGEST_TOLERANCE`] permits (by 1.26 for `draft`). An island whose longer steps change no output y of the motion and no wear rate w
+//! by more than
 //!
-//!   |dy| <= 0.002 |y|,   |dw| <= 0.005 w,
+//!   |dy| <= 0.002 |y|,   |dw| <= 0.005 w
 //!
-//! the cycles after it have the longer steps. Some of them are checked: the cycle after such a one, on the same bores, has steps of the life's
-//! own and is compared with it, as in a [`Probe`]. These are the ones that are probed otherwise, and those whose outputs of the motion have
-//! moved by more than 0.5 % since the last check. Where the two differ by more than the bounds above, or a cycle with longer steps
-//! fails, the life returns to the check before and goes on with its own steps to its end. (To keep the cycles in between, whose outputs have hardly moved,
-//! was tried: in two of three lives of the drive the last of them differs as well, though it does not show it.) So it does after two thirds of the life if fewer than
-//! [`FEWEST_BLOCKS_LEFT`] blocks are left, as with `draft`. What the checks find counts in the stated error as that of the probes. The
-//! comparison on the unworn bores takes the place of the probe there, which costs more, if it finds no difference.
+//! (`compared_islands.rs`) has the longer steps in the cycles after it: of the two wings of the drive one vibrates late in life, the other never.
+//! Some of the cycles are checked: the cycle after such a one, on the same bores, has steps of the life's own and is compared with it, as in
+//! a [`Probe`]. These are the ones that are probed otherwise, and those whose outputs of the motion have
+//! moved by more than 0.5 % since the last check on account of an island with longer steps. Where the two cycles differ by more than the bounds above, the life returns to
+//! the check before, and the islands that make the difference keep to their own steps to its end; all of them if a cycle
+//! fails. (To keep the cycles in between, whose outputs have hardly moved,
+//! was tried: in two of three lives of the drive the last of them differs as well, though it does not show it.)
+//!
+//! A check costs what longer steps save in one to two blocks. An island that moves the outputs therefore keeps to its own steps too from a check
+//! after a single block on, and from that at two thirds of the life on if [`FEWEST_BLOCKS`] or more would not lie between it and the check before or the
+//! end of life. What the checks find counts in the stated error as that of the probes; at the end of life islands with their own steps are
+//! probed in the same cycle. The comparison on the unworn bores takes the place of the probe there, which costs more, if it finds no difference.
 //!
 //! Not used if the motion does not repeat itself on the unworn bores, for [`Tier::Dynamic`], and where the steps of the accuracy are so long
 //! already that they could be longer by less than [`LEAST_FACTOR`]. Dynamic cycles beside the quasi-static model keep their steps
@@ -26,31 +32,37 @@
 //! Comparison of two step lengths: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4. Factor and
 //! bounds: measured here (`cargo bench -p worker --bench steps`).
 
-use super::partial_life::{CycleModel, PartialLife};
+use super::compared_islands::ComparedCycles;
+use super::motion_estimate::MeasuredLives;
+use super::partial_life::{ConditionLife, CycleModel, PartialLife};
 use super::probe::{FINER, Probe, is_probed};
 use super::run::Run;
 use super::side_by_side::join;
 use common::accuracy::{Accuracy, Tier};
-use common::scene::Life;
-use std::ops::Range;
 
 /// Largest tolerance of the local error of longer steps [1], some four steps a period of the contact vibration.
 const LARGEST_TOLERANCE: f64 = 5e-3;
 /// Least factor by which they are longer [1]: shorter ones save less than a fifth of the steps, and the checks cost some of it.
 const LEAST_FACTOR: f64 = 1.2;
-/// Fewest blocks of a life that are worth them, and fewest after the check at two thirds of it.
+/// Fewest blocks of a life that are worth them.
 const FEWEST_BLOCKS: usize = 8;
+/// Fewest blocks after the check at two thirds of a life that are worth further ones.
 const FEWEST_BLOCKS_LEFT: usize = 4;
 /// Largest relative change of an output of the motion, and of a wear rate, that is no difference [1].
 const SAME_MOTION: f64 = 2e-3;
 const SAME_WEAR: f64 = 5e-3;
 /// Relative change of an output since the last check after which there is another one [1].
 const MOVED: f64 = 5e-3;
+/// Relative change of an output in a single block after which there is one if the output moves [`ACCELERATED`] times as fast as up to that block [1].
+const FASTER: f64 = 1e-3;
+const ACCELERATED: f64 = 3.0;
 
 /// Longer time steps in use, and the life at the last check.
 pub struct LongerSteps<'a, M> {
     /// The model of the life, without probes.
     model: M,
+    /// True for an island with longer steps, the same under all operating conditions `(islands,)`.
+    islands: Vec<bool>,
     checked: Checked<'a>,
 }
 
@@ -64,7 +76,7 @@ struct Checked<'a> {
 
 impl<'a, M: CycleModel> LongerSteps<'a, M> {
     /// Starts a life under `model` in blocks between these `ends` [cycles] with the settled first cycles of the `runs`, which have been
-    /// measured, and tries longer steps on the unworn bores if it may have them. None if they make a difference.
+    /// measured, and tries longer steps on the unworn bores if it may have them. None if those of every island make a difference.
     ///
     /// # Errors
     /// The first error of a cycle, of a probe or of a check of the model.
@@ -77,12 +89,15 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         let Some((plain, accuracy)) = model.without_probes().zip(may_have_them) else {
             return Ok((PartialLife::start(runs, model).await?, None));
         };
+        let all = vec![true; runs[0].islands.len()];
+        let steps = vec![accuracy; all.len()];
         if model.is_probed(&runs[0], None) && !runs.iter().any(Run::depends_on_last_impact) {
             let before = runs.to_vec();
             let mut life = PartialLife::start(runs, &plain).await?;
-            let probes = compare(runs, 0, &accuracy).await;
-            if let Some(probes) = probes {
-                let steps = LongerSteps::taken(runs, plain, &mut life, probes, &accuracy);
+            let compared = compare(runs, 0, &steps, &all).await;
+            if let Some(compared) = compared.filter(|compared| !compared.differing.contains(&true)) {
+                note(&mut life, compared.changes(runs, &all));
+                let steps = LongerSteps::taken(runs, plain, &life, all);
                 return Ok((life, Some(steps)));
             }
             runs.iter_mut().zip(before).for_each(|(run, before)| return_to(run, before));
@@ -91,74 +106,131 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         if life.estimate.conditions.iter().any(|c| c.probes.iter().any(|p| p.aperiodic)) {
             return Ok((life, None));
         }
-        let probes = compare(runs, 0, &accuracy).await;
-        let steps = probes.map(|probes| LongerSteps::taken(runs, plain, &mut life, probes, &accuracy));
-        Ok((life, steps))
+        let Some(compared) = compare(runs, 0, &steps, &all).await else { return Ok((life, None)) };
+        let same: Vec<bool> = compared.differing.iter().map(|differs| !differs).collect();
+        if !same.contains(&true) {
+            return Ok((life, None));
+        }
+        note(&mut life, compared.changes(runs, &same));
+        let steps = LongerSteps::taken(runs, plain, &life, same);
+        Ok((life, Some(steps)))
     }
 
-    /// Longer steps, those of `accuracy`, from the unworn bores on, where `probes` have found no difference.
-    fn taken(
-        runs: &mut [Run<'a>],
-        model: M,
-        life: &mut PartialLife<'a>,
-        probes: Vec<Probe>,
-        accuracy: &Accuracy,
-    ) -> Self {
-        tracing::debug!("time steps are longer while they make no difference");
-        note(life, probes);
-        runs.iter_mut().for_each(|run| run.set_steps(accuracy));
+    /// Longer steps of these `islands` from the unworn bores on.
+    fn taken(runs: &mut [Run<'a>], model: M, life: &PartialLife<'a>, islands: Vec<bool>) -> Self {
+        tracing::debug!("islands whose time steps are longer while they make no difference: {islands:?}");
+        let steps = steps(runs[0].accuracy, &islands);
+        runs.iter_mut().for_each(|run| run.set_steps(&steps));
         let checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: 0 };
-        LongerSteps { model, checked }
+        LongerSteps { model, islands, checked }
     }
 
-    /// Adds the first of the blocks between these `ends` [cycles] with longer steps, and checks the cycles at its end if that is due. If the
-    /// steps are to have their own length from now on, the life [cycles] to go on from, which `runs` and `life` have then.
+    /// True if an island still has longer steps.
+    pub(crate) fn are_in_use(&self) -> bool {
+        self.islands.contains(&true)
+    }
+
+    /// Adds the first of the blocks between these `ends` [cycles], and checks the cycles at its end if that is due. Returns the life [cycles] to go
+    /// on from, which `runs` and `life` have then: the end of the block, or the last check that found no difference.
     pub(crate) async fn add_block(
         &mut self,
         runs: &mut [Run<'a>],
         life: &mut PartialLife<'a>,
         ends: &[u32],
-    ) -> Option<u32> {
+    ) -> u32 {
         let block = &(ends[0]..ends[1]);
-        let added = life.add_block(runs, &self.model, block).await;
-        if added.is_ok() && !self.is_due(life, block, &runs[0].scene.life) {
-            return None;
+        let all = vec![true; self.islands.len()];
+        if life.add_block(runs, &self.model, block).await.is_err() {
+            return self.go_back(runs, life, &all);
         }
-        let own = runs[0].accuracy;
-        let probes = if added.is_ok() { compare(runs, block.end, own).await } else { None };
-        let Some(probes) = probes else { return Some(self.go_back(runs, life)) };
-        note(life, probes);
-        let few_left = ends.len() - 2 < FEWEST_BLOCKS_LEFT && is_probed(block, &runs[0].scene.life);
-        if block.start == self.checked.cycles || few_left {
-            // A check after every block, or for a few last ones, would cost more than longer steps save.
-            runs.iter_mut().for_each(|run| run.set_steps(own));
-            return Some(block.end);
+        let is_probed = is_probed(block, &runs[0].scene.life);
+        let is_faster = !self.islands.contains(&false) && moves_faster(life);
+        let moved = self.moved(runs, life, if is_faster { FASTER } else { MOVED });
+        if !is_probed && !moved.contains(&true) {
+            return block.end;
+        }
+        let steps = self.steps_of_check(runs[0].accuracy, is_probed);
+        let Some(compared) = compare(runs, block.end, &steps, &self.islands).await else {
+            return self.go_back(runs, life, &all);
+        };
+        if compared.differing.contains(&true) {
+            return self.go_back(runs, life, &compared.differing);
+        }
+        if is_probed && self.islands.contains(&false) {
+            let probes = join(
+                runs.iter_mut().zip(&compared.cycles).map(|(run, cycles)| run.probe_from(cycles, &steps)),
+            );
+            let Ok(probes) = probes.await.into_iter().collect::<Result<Vec<Probe>, _>>() else {
+                return self.go_back(runs, life, &all);
+            };
+            note(life, probes);
+        } else {
+            note(life, compared.changes(runs, &self.islands));
+        }
+        if is_faster || block.start == self.checked.cycles {
+            self.give_up(runs, &moved);
+        } else if is_probed && ends.len() - 2 < FEWEST_BLOCKS_LEFT {
+            self.give_up(runs, &all);
         }
         self.checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: block.end };
-        None
+        block.end
     }
 
-    /// True if the cycles at the end of `block` are to be checked, of a scene with this life.
-    fn is_due(&self, life: &PartialLife, block: &Range<u32>, of: &Life) -> bool {
-        let conditions = life.conditions.iter().zip(&self.checked.life.conditions);
-        let moved = |(now, before): (&f64, &f64)| (now - before).abs() > MOVED * before.abs();
-        is_probed(block, of)
-            || conditions
-                .filter_map(|(now, before)| Some((now.outputs.last()?, before.outputs.last()?)))
-                .any(|(now, before)| now.iter().zip(before).any(moved))
+    /// Islands with longer steps that have moved an output since the last check by more than this `share` of it [1] `(islands,)`.
+    fn moved(&self, runs: &[Run], life: &PartialLife, share: f64) -> Vec<bool> {
+        let over_share = |now: &[f64], before: &[f64]| {
+            let changes =
+                now.iter().zip(before).map(|(now, before)| over((now - before).abs(), share * before.abs()));
+            changes.fold(0.0, f64::max)
+        };
+        let lives = life.conditions.iter().zip(&self.checked.life.conditions);
+        let conditions = runs.iter().zip(&self.checked.runs).zip(lives);
+        let moved = conditions.map(|((run, run_before), (now, before))| {
+            let (Some(now), Some(before)) = (now.outputs.last(), before.outputs.last()) else {
+                return vec![];
+            };
+            if over_share(now, before) <= 1.0 {
+                return vec![];
+            }
+            let before = run_before.motion_outputs();
+            responsible(&self.islands, |of| over_share(&run.outputs_with_islands(of, run_before), &before))
+        });
+        any_of(self.islands.len(), moved)
     }
 
-    /// Returns to the last check, with steps of the life's own length from there on; its cycles.
-    fn go_back(&self, runs: &mut [Run<'a>], life: &mut PartialLife<'a>) -> u32 {
+    /// Time steps of a cycle that is compared with the one just measured `(islands,)`: `own` for islands with longer ones, and if the others `are_probed` finer
+    /// ones for them.
+    fn steps_of_check(&self, own: &Accuracy, are_probed: bool) -> Vec<Accuracy> {
+        let others = if are_probed { own.refined(FINER) } else { *own };
+        self.islands.iter().map(|is_longer| if *is_longer { *own } else { others }).collect()
+    }
+
+    /// Returns to the last check, with steps of the life's own for these islands from there on; its cycles.
+    fn go_back(&mut self, runs: &mut [Run<'a>], life: &mut PartialLife<'a>, islands: &[bool]) -> u32 {
         let Checked { runs: before, life: checked, cycles } = &self.checked;
-        tracing::debug!("longer time steps make a difference: back to cycle {cycles}");
+        let cycles = *cycles;
+        tracing::debug!("longer time steps make a difference in islands {islands:?}: back to cycle {cycles}");
         for (run, before) in runs.iter_mut().zip(before) {
             return_to(run, before.clone());
-            run.set_steps(run.accuracy);
         }
         life.clone_from(checked);
-        *cycles
+        self.give_up(runs, islands);
+        cycles
     }
+
+    /// Gives these islands steps of the life's own.
+    fn give_up(&mut self, runs: &mut [Run<'a>], islands: &[bool]) {
+        self.islands.iter_mut().zip(islands).for_each(|(is_longer, gives_up)| *is_longer &= !gives_up);
+        tracing::debug!("longer time steps from now on in islands {:?}", self.islands);
+        let steps = steps(runs[0].accuracy, &self.islands);
+        runs.iter_mut().for_each(|run| run.set_steps(&steps));
+    }
+}
+
+/// Time steps where these `islands` have longer ones than `own` `(islands,)`.
+fn steps(own: &Accuracy, islands: &[bool]) -> Vec<Accuracy> {
+    let longer = longer(own).unwrap_or(*own);
+    islands.iter().map(|is_longer| if *is_longer { longer } else { *own }).collect()
 }
 
 /// `accuracy` with longer time steps, if they may be tried; the largest step stays.
@@ -180,28 +252,98 @@ fn return_to<'a>(run: &mut Run<'a>, mut before: Run<'a>) {
     *run = before;
 }
 
-/// Compares the cycles just measured with further ones that have the time steps of `accuracy`, on the bores of `cycles`. What was found if
-/// they make no difference.
-async fn compare(runs: &mut [Run<'_>], cycles: u32, accuracy: &Accuracy) -> Option<Vec<Probe>> {
-    let probes = join(runs.iter_mut().map(|run| run.compare_steps(cycles, accuracy))).await;
-    let probes = probes.into_iter().collect::<Result<Vec<Probe>, _>>().ok()?;
-    let is_same = probes.iter().zip(runs).all(|(probe, run)| makes_no_difference(probe, &run.measured));
-    is_same.then_some(probes)
+/// Measured cycles under all conditions, compared with further ones.
+struct Compared {
+    /// The two cycles of every condition.
+    cycles: Vec<ComparedCycles>,
+    /// True for an island that makes a difference under a condition `(islands,)`.
+    differing: Vec<bool>,
+}
+
+impl Compared {
+    /// What the further cycles change on account of these islands, under every condition.
+    fn changes(&self, runs: &[Run], of: &[bool]) -> Vec<Probe> {
+        // A change this small is that of the time steps.
+        let periodic = |probe| Probe { aperiodic: false, ..probe };
+        runs.iter().zip(&self.cycles).map(|(run, cycles)| periodic(run.changes(cycles, of))).collect()
+    }
+}
+
+/// Compares the cycles just measured with further ones that have these time `steps` `(islands,)`, on the bores of `life` [cycles]; which of these islands
+/// make a difference. None if a cycle fails.
+async fn compare(runs: &mut [Run<'_>], life: u32, steps: &[Accuracy], of: &[bool]) -> Option<Compared> {
+    let cycles = join(runs.iter_mut().map(|run| run.compare_next(life, steps))).await;
+    let cycles = cycles.into_iter().collect::<Result<Vec<ComparedCycles>, _>>().ok()?;
+    let differing = runs
+        .iter()
+        .zip(&cycles)
+        .map(|(run, cycles)| responsible(of, |of| difference(&run.changes(cycles, of), &run.measured)));
+    let differing = any_of(of.len(), differing);
+    Some(Compared { cycles, differing })
+}
+
+/// Those of the islands `of` that are responsible for a change, where `size` tells how large that of some islands is, relative to what is still none:
+/// as few as possible, those with the largest changes `(islands,)`.
+fn responsible(of: &[bool], size: impl Fn(&[bool]) -> f64) -> Vec<bool> {
+    let mut rest = of.to_vec();
+    let alone = |island: usize| size(&(0..of.len()).map(|k| k == island).collect::<Vec<bool>>());
+    let mut largest_first: Vec<usize> = vec![];
+    while rest.contains(&true) && !(size(&rest) <= 1.0) {
+        if largest_first.is_empty() {
+            let mut sizes: Vec<(usize, f64)> =
+                (0..of.len()).filter(|&k| of[k]).map(|k| (k, alone(k))).collect();
+            sizes.sort_by(|a, b| a.1.total_cmp(&b.1));
+            largest_first = sizes.into_iter().map(|(k, _)| k).collect();
+        }
+        if let Some(k) = largest_first.pop() {
+            rest[k] = false;
+        }
+    }
+    of.iter().zip(rest).map(|(of, rest)| *of && !rest).collect()
+}
+
+/// True if an output of the motion has moved in the last block by more than [`FASTER`] of it, and [`ACCELERATED`] times as fast as before.
+fn moves_faster(life: &PartialLife) -> bool {
+    life.conditions.iter().map(ConditionLife::measured).any(|MeasuredLives { lives, outputs }| {
+        let ([start, .., last, end], [first, .., before, now]) = (lives, outputs) else { return false };
+        let speed_before = |k: usize| (before[k] - first[k]).abs() / f64::from(last - start);
+        (0..now.len()).any(|k| {
+            let change = (now[k] - before[k]).abs();
+            change > FASTER * before[k].abs()
+                && change / f64::from(end - last) > ACCELERATED * speed_before(k)
+        })
+    })
+}
+
+/// True for an island that is in one of these sets `(islands,)`.
+fn any_of(islands: usize, sets: impl Iterator<Item = Vec<bool>>) -> Vec<bool> {
+    sets.fold(vec![false; islands], |mut any, set| {
+        any.iter_mut().zip(set).for_each(|(any, is_in)| *any |= is_in);
+        any
+    })
 }
 
 /// Adds what comparisons found, one for each condition, to the estimate of the error.
 fn note(life: &mut PartialLife, probes: Vec<Probe>) {
     for (probe, estimate) in probes.into_iter().zip(&mut life.estimate.conditions) {
-        // Its small change is that of the time steps.
-        estimate.add_probe(Probe { aperiodic: false, ..probe });
+        estimate.add_probe(probe);
     }
 }
 
-/// True if the changes that `probe` found are within the bounds, given the outputs `measured` `(outputs,)` [SI].
-pub(crate) fn makes_no_difference(probe: &Probe, measured: &[f64]) -> bool {
-    let mut motion = probe.motion.iter().zip(measured);
-    motion.all(|(change, value)| *change <= SAME_MOTION * value.abs())
-        && probe.wear.iter().all(|change| *change <= SAME_WEAR)
+/// Largest change that `probe` found, over the bound of what is no difference, given the outputs `measured` `(outputs,)` [SI].
+pub(crate) fn difference(probe: &Probe, measured: &[f64]) -> f64 {
+    let motion =
+        probe.motion.iter().zip(measured).map(|(change, value)| over(*change, SAME_MOTION * value.abs()));
+    motion.chain(probe.wear.iter().map(|change| over(*change, SAME_WEAR))).fold(0.0, f64::max)
+}
+
+/// A `change` over its `bound`; zero for none, infinity where it is not a number.
+fn over(change: f64, bound: f64) -> f64 {
+    if change == 0.0 {
+        return 0.0;
+    }
+    let share = change / bound;
+    if share.is_nan() { f64::INFINITY } else { share }
 }
 
 #[cfg(test)]
@@ -229,7 +371,7 @@ mod tests {
             aperiodic: false,
             rattles: false,
         };
-        let same = |motion, wear| makes_no_difference(&probe(motion, wear), &[-10.0, 0.0]);
+        let same = |motion, wear| difference(&probe(motion, wear), &[-10.0, 0.0]) <= 1.0;
         assert!(same([0.019, 0.0], 0.0049));
         assert!(!same([0.021, 0.0], 0.0) && !same([0.0, 1e-9], 0.0) && !same([0.0, 0.0], 0.0051));
         assert!(!same([f64::NAN, 0.0], 0.0));

@@ -18,7 +18,7 @@
 //! | `blocks.rs`, `life_history.rs` | the ends of the blocks; the outputs over a life |
 //! | `no_wear.rs`, `quasi_static.rs`, `quasi_static_island.rs` | lives without wear; wear by the quasi-static model |
 //! | `conditions.rs` | several operating conditions on the same bores |
-//! | `longer_steps.rs` | longer time steps while they make no difference |
+//! | `longer_steps.rs`, `compared_islands.rs` | longer time steps while they make no difference, and which islands make one |
 //! | `probe.rs`, `motion_estimate.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
 //! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
 //! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
@@ -30,6 +30,7 @@
 //! | `first_look.rs` | model and cost of an evaluation beforehand |
 
 mod blocks;
+mod compared_islands;
 mod conditions;
 mod contact_arcs;
 mod control_points;

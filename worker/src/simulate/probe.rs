@@ -51,67 +51,85 @@ pub struct Probe {
     pub rattles: bool,
 }
 
-/// Outputs of the motion `(outputs,)` [SI] and wear rates `(SURFACES joints, points)` [m per cycle] of one cycle.
-struct CycleValues {
-    motion: Vec<f64>,
-    wear: Vec<Vec<f64>>,
+/// Outputs of the motion and wear rates of one cycle.
+pub struct CycleValues {
+    /// Outputs of the motion `(outputs,)` [SI].
+    pub motion: Vec<f64>,
+    /// Wear rates of every surface of every joint of the scene `(SURFACES joints, points)` [m per cycle].
+    pub wear: Vec<Vec<f64>>,
 }
 
 impl Run<'_> {
-    /// Simulates the cycle after the one just measured, on the profile of `life` [cycles], and compares the two. The recording of
-    /// contacts of the measured cycle is kept, not that of its motion.
+    /// Simulates the cycle after the one just measured, on the profile of `life` [cycles], with time steps shorter by [`FINER`], and compares
+    /// the two. The recording of contacts of the measured cycle is kept, not that of its motion.
     ///
     /// # Errors
     /// [`SimulationFailure`] if the further cycle fails.
     pub(crate) async fn probe(&mut self, life: u32) -> Result<Probe, SimulationFailure> {
-        let measured = CycleValues { motion: self.measured.clone(), wear: self.wear_rates(life)? };
-        let mut tools = self.tools_for(&self.accuracy.refined(FINER));
+        self.probe_in_steps(life, &vec![self.accuracy.refined(FINER); self.islands.len()]).await
+    }
+
+    /// As [`Run::probe`], with the time steps of these accuracies `(islands,)`.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if the further cycle fails.
+    pub(crate) async fn probe_in_steps(
+        &mut self,
+        life: u32,
+        steps: &[Accuracy],
+    ) -> Result<Probe, SimulationFailure> {
+        let measured = self.measured_values(life)?;
+        let own = self.present_steps();
+        let mut tools = self.tools_for(steps);
         self.exchange_tools(&mut tools);
-        let found = self.compare_further_cycles(life, &measured).await;
+        let found = self.compare_further_cycles(life, &measured, &own).await;
         self.exchange_tools(&mut tools);
         found
     }
 
-    /// As [`Run::probe`] for one further cycle, with the time steps of `accuracy`.
+    /// Values of the cycle just measured, on the profile of `life` [cycles].
     ///
     /// # Errors
-    /// [`SimulationFailure`] if the further cycle fails.
-    pub(crate) async fn compare_steps(
-        &mut self,
-        life: u32,
-        accuracy: &Accuracy,
-    ) -> Result<Probe, SimulationFailure> {
-        let measured = CycleValues { motion: self.measured.clone(), wear: self.wear_rates(life)? };
-        let mut tools = self.tools_for(accuracy);
-        self.exchange_tools(&mut tools);
-        let next = self.measure_next(life).await;
-        self.exchange_tools(&mut tools);
-        let mut probe = Probe::unchanged(life, &measured);
-        probe.add_cycle(&measured, &next?);
-        Ok(probe)
+    /// [`SimulationFailure`] if a wear rate has no value.
+    pub(super) fn measured_values(&mut self, life: u32) -> Result<CycleValues, SimulationFailure> {
+        Ok(CycleValues { motion: self.measured.clone(), wear: self.wear_rates(life)? })
     }
 
     /// Values of the cycle after this one, on the profile of `life` [cycles].
-    async fn measure_next(&mut self, life: u32) -> Result<CycleValues, SimulationFailure> {
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if that cycle fails.
+    pub(super) async fn measure_next(&mut self, life: u32) -> Result<CycleValues, SimulationFailure> {
         self.further_cycle().await?;
         let motion = self.motion_outputs();
         Ok(CycleValues { motion, wear: self.wear_rates(life)? })
     }
 
-    fn tools_for(&self, accuracy: &Accuracy) -> Vec<CycleTools> {
-        self.islands.iter().map(|state| state.tools_for(self.scene.life.period, accuracy)).collect()
+    /// Accuracies of the time steps that the islands have now `(islands,)`.
+    pub(super) fn present_steps(&self) -> Vec<Accuracy> {
+        let tolerances = self.islands.iter().map(|state| state.stepper.control.tolerance);
+        tolerances.map(|step_tolerance| Accuracy { step_tolerance, ..*self.accuracy }).collect()
     }
 
-    fn exchange_tools(&mut self, tools: &mut [CycleTools]) {
+    /// Tools for a cycle with the time steps of these accuracies `(islands,)`.
+    pub(super) fn tools_for(&self, steps: &[Accuracy]) -> Vec<CycleTools> {
+        let islands = self.islands.iter().zip(steps);
+        islands.map(|(state, accuracy)| state.tools_for(self.scene.life.period, accuracy)).collect()
+    }
+
+    /// Exchanges the tools of all islands with these.
+    pub(super) fn exchange_tools(&mut self, tools: &mut [CycleTools]) {
         self.islands.iter_mut().zip(tools).for_each(|(state, tools)| state.exchange_tools(tools));
     }
 
     /// Simulates further cycles and keeps the largest changes: one of a motion that repeats itself, up to [`MOST_CYCLES`] of others, and
-    /// one for each damping factor. Of a motion seen once, the same cycle again, for each damping factor.
+    /// one for each damping factor. Of a motion seen once, the same cycle again, for each damping factor. The `measured` cycle had the time
+    /// steps of `own`.
     async fn compare_further_cycles(
         &mut self,
         life: u32,
         measured: &CycleValues,
+        own: &[Accuracy],
     ) -> Result<Probe, SimulationFailure> {
         let mut probe = Probe::unchanged(life, measured);
         let mut latest = measured.wear.clone();
@@ -132,7 +150,7 @@ impl Run<'_> {
             if probe.rattles || (once || aperiodic == 0) && !factors_left {
                 break;
             }
-            if cycle == 0 && !once && !remembers && self.repeats_itself(life, measured).await? {
+            if cycle == 0 && !once && !remembers && self.repeats_itself(life, measured, own).await? {
                 break;
             }
         }
@@ -140,10 +158,15 @@ impl Run<'_> {
         Ok(probe)
     }
 
-    /// True if a further cycle with the time steps of the `measured` one has its values: what shorter steps changed is then due to their
-    /// length, and more cycles with them would change the same.
-    async fn repeats_itself(&mut self, life: u32, measured: &CycleValues) -> Result<bool, SimulationFailure> {
-        let mut tools = self.tools_for(self.accuracy);
+    /// True if a further cycle with the time steps of the `measured` one, `own`, has its values: what shorter steps changed is then due to
+    /// their length, and more cycles with them would change the same.
+    pub(super) async fn repeats_itself(
+        &mut self,
+        life: u32,
+        measured: &CycleValues,
+        own: &[Accuracy],
+    ) -> Result<bool, SimulationFailure> {
+        let mut tools = self.tools_for(own);
         self.exchange_tools(&mut tools);
         let again = self.measure_next(life).await;
         self.exchange_tools(&mut tools);
@@ -197,13 +220,13 @@ impl Run<'_> {
 
 impl Probe {
     /// A probe of the `measured` cycle on the profile of `life` [cycles] that has found no change so far.
-    fn unchanged(life: u32, measured: &CycleValues) -> Self {
+    pub(super) fn unchanged(life: u32, measured: &CycleValues) -> Self {
         let (motion, wear) = (vec![0.0; measured.motion.len()], vec![0.0; measured.wear.len()]);
         Probe { life, motion, wear, aperiodic: false, rattles: false }
     }
 
     /// Adds the changes of a further cycle. Returns how many of them are above the thresholds of an aperiodic motion.
-    fn add_cycle(&mut self, measured: &CycleValues, further: &CycleValues) -> usize {
+    pub(super) fn add_cycle(&mut self, measured: &CycleValues, further: &CycleValues) -> usize {
         let mut above = 0;
         for ((largest, now), was) in self.motion.iter_mut().zip(&further.motion).zip(&measured.motion) {
             let change = (now - was).abs();

@@ -186,10 +186,10 @@ impl<'a> Run<'a> {
         self.integrate(-self.accuracy.warm_up * period..0.0, false).await
     }
 
-    /// Gives the following cycles the time steps of `accuracy`.
-    pub(crate) fn set_steps(&mut self, accuracy: &Accuracy) {
-        let tolerance = accuracy.step_tolerance;
-        self.islands.iter_mut().for_each(|state| state.stepper.control.tolerance = tolerance);
+    /// Gives the islands the time steps of these accuracies in the following cycles `(islands,)`.
+    pub(crate) fn set_steps(&mut self, steps: &[Accuracy]) {
+        let islands = self.islands.iter_mut().zip(steps);
+        islands.for_each(|(state, accuracy)| state.stepper.control.tolerance = accuracy.step_tolerance);
     }
 
     /// Returns to the start of the cycle just measured, with time steps of another accuracy.
