@@ -98,3 +98,95 @@ impl Run<'_> {
         }))
     }
 }
+
+/// Those of the islands `of` that are responsible for a change, where `size` tells how large that of some islands is, relative to what is still none:
+/// as few as possible, those with the largest changes `(islands,)`.
+pub(super) fn responsible(of: &[bool], size: impl Fn(&[bool]) -> f64) -> Vec<bool> {
+    let mut rest = of.to_vec();
+    let alone = |island: usize| size(&(0..of.len()).map(|k| k == island).collect::<Vec<bool>>());
+    let mut largest_first: Vec<usize> = vec![];
+    while rest.contains(&true) && !(size(&rest) <= 1.0) {
+        if largest_first.is_empty() {
+            let mut sizes: Vec<(usize, f64)> =
+                (0..of.len()).filter(|&k| of[k]).map(|k| (k, alone(k))).collect();
+            sizes.sort_by(|a, b| a.1.total_cmp(&b.1));
+            largest_first = sizes.into_iter().map(|(k, _)| k).collect();
+        }
+        if let Some(k) = largest_first.pop() {
+            rest[k] = false;
+        }
+    }
+    of.iter().zip(rest).map(|(of, rest)| *of && !rest).collect()
+}
+
+/// True for an island that is in one of these sets `(islands,)`.
+pub(super) fn any_of(islands: usize, sets: impl Iterator<Item = Vec<bool>>) -> Vec<bool> {
+    sets.fold(vec![false; islands], |mut any, set| {
+        any.iter_mut().zip(set).for_each(|(any, is_in)| *any |= is_in);
+        any
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulate::side_by_side::run_alone;
+    use common::scene::SceneSource;
+
+    #[test]
+    fn islands_change_their_own_wear_and_together_what_the_whole_cycle_changes() {
+        let scene = SceneSource::builtin("flapping-wing").expect("built in").nominal().clone();
+        let accuracy = Accuracy::draft();
+        run_alone(|queue| async {
+            let mut run = Run::assemble(queue, &scene, &accuracy).expect("assembled");
+            run.settle().await.expect("settled");
+            run.measure().await.expect("measured");
+            let (motion, wear) = (run.motion_outputs(), run.wear_rates(0).expect("rates"));
+            let compared = run.compare_next(0, &vec![accuracy.refined(3.0); 2]).await.expect("compared");
+            assert_eq!((run.motion_outputs(), run.wear_rates(0).expect("rates")), (motion, wear), "kept");
+            let [none, all, right, left] =
+                [[false; 2], [true; 2], [true, false], [false, true]].map(|of| run.changes(&compared, &of));
+            assert!(none.motion.iter().chain(&none.wear).all(|change| *change == 0.0), "{none:?}");
+            assert!(
+                all.motion[1] > 0.0 && all.motion[1] <= 1.01 * (right.motion[1] + left.motion[1]),
+                "{all:?}"
+            );
+            // Joints alternate between the wings, with a bore and a journal each.
+            for (k, change) in all.wear.iter().enumerate() {
+                let is_right = k / SURFACES % 2 == 0;
+                assert_eq!(
+                    [right.wear[k], left.wear[k]],
+                    if is_right { [*change, 0.0] } else { [0.0, *change] }
+                );
+            }
+            assert!(right.wear[0] > 0.0 && left.wear[SURFACES] > 0.0);
+        });
+    }
+
+    /// Islands responsible where the changes of single ones add up.
+    fn of_sums(of: &[bool], changes: &[f64]) -> Vec<bool> {
+        responsible(of, |set| {
+            set.iter().zip(changes).filter(|(is_in, _)| **is_in).map(|(_, change)| change).sum()
+        })
+    }
+
+    #[test]
+    fn as_few_islands_as_possible_are_responsible_for_a_change() {
+        let all = [true; 3];
+        assert_eq!(of_sums(&all, &[0.3, 0.3, 0.3]), [false; 3]);
+        assert_eq!(of_sums(&all, &[0.3, 2.0, 0.3]), [false, true, false]);
+        // No single one is above one, both together are.
+        assert_eq!(of_sums(&all, &[0.2, 0.3, 0.9]), [false, false, true]);
+        assert_eq!(of_sums(&all, &[3.0, 0.1, 2.0]), [true, false, true]);
+        assert_eq!(of_sums(&[true, false, true], &[0.5, 7.0, 0.4]), [false; 3]);
+        assert_eq!(of_sums(&[true, false, true], &[0.5, 7.0, 0.8]), [false, false, true]);
+        assert_eq!(of_sums(&all, &[0.1, f64::INFINITY, 0.1]), [false, true, false]);
+    }
+
+    #[test]
+    fn an_island_is_in_the_union_of_sets_that_contain_it() {
+        let sets = [vec![true, false, false], vec![], vec![false, false, true]];
+        assert_eq!(any_of(3, sets.into_iter()), [true, false, true]);
+        assert_eq!(any_of(2, std::iter::empty()), [false, false]);
+    }
+}

@@ -5,23 +5,27 @@
 //! nor the outputs by a thousandth. Steps 2.5 times as long would be too long: with them the scheme itself feeds the vibration.
 //!
 //! A life starts with its own steps. On the unworn bores the cycle after the measured one has steps longer by [`FINER`], or as much longer
-//! as [`LARGEST_TOLERANCE`] permits (by 1.26 for `draft`). An island whose longer steps change no output y of the motion and no wear rate w
+//! as [`LARGEST_TOLERANCE`] permits (by 1.26 for `draft`). The islands whose longer steps change no output y of the motion and no wear rate w
 //! by more than
 //!
 //!   |dy| <= 0.002 |y|,   |dw| <= 0.005 w
 //!
-//! (`compared_islands.rs`) has the longer steps in the cycles after it: of the two wings of the drive one vibrates late in life, the other never.
-//! Some of the cycles are checked: the cycle after such a one, on the same bores, has steps of the life's own and is compared with it, as in
-//! a [`Probe`]. These are the ones that are probed otherwise, and those whose outputs of the motion have
-//! moved by more than 0.5 % since the last check on account of an island with longer steps. Where the two cycles differ by more than the bounds above, the life returns to
-//! the check before, and the islands that make the difference keep to their own steps to its end; all of them if a cycle
-//! fails. (To keep the cycles in between, whose outputs have hardly moved,
-//! was tried: in two of three lives of the drive the last of them differs as well, though it does not show it.)
+//! have the longer steps in the cycles after it (`compared_islands.rs`): of the two wings of the drive one vibrates late in life, the other never.
+//! Some of these cycles are checked: the cycle after such a one, on the same bores, has steps of the life's own and is compared with it, as in
+//! a [`Probe`]. Checked are
 //!
-//! A check costs what longer steps save in one to two blocks. An island that moves the outputs therefore keeps to its own steps too from a check
-//! after a single block on, and from that at two thirds of the life on if [`FEWEST_BLOCKS`] or more would not lie between it and the check before or the
-//! end of life. What the checks find counts in the stated error as that of the probes; at the end of life islands with their own steps are
-//! probed in the same cycle. The comparison on the unworn bores takes the place of the probe there, which costs more, if it finds no difference.
+//! - the cycles that are probed otherwise, but for that at two thirds of the life if fewer than [`FEWEST_BLOCKS_LEFT`] blocks lie between it
+//!   and the check before. At the end of life islands with steps of their own are probed in the same cycle;
+//! - those whose outputs have moved by [`MOVED`] since the last check on account of an island with longer steps;
+//! - those whose outputs have moved by [`FASTER`] in the last block, [`ACCELERATED`] times as fast as up to it: a vibration grows.
+//!
+//! Where the two cycles differ by more than the bounds above, the life returns to the check before, and the islands that make the difference
+//! have their own steps from there to its end; all islands, if a cycle fails. (To keep the cycles in between, whose outputs have hardly moved,
+//! was tried: in two of three lives of the drive the last of them differs as well, though it does not show it.) A check costs what longer steps
+//! save in one to two blocks. An island therefore has its own steps also after a check that found no difference, if it has moved the outputs
+//! by [`MOVED`] in a single block or moves them ever faster, and after that at two thirds of the life if fewer than [`FEWEST_BLOCKS_LEFT`] blocks are
+//! left, as with `draft`. What the checks find counts in the stated error as that of the probes. The comparison on the unworn bores takes the place of
+//! the probe there, which costs more, if it finds no difference.
 //!
 //! Not used if the motion does not repeat itself on the unworn bores, for [`Tier::Dynamic`], and where the steps of the accuracy are so long
 //! already that they could be longer by less than [`LEAST_FACTOR`]. Dynamic cycles beside the quasi-static model keep their steps
@@ -32,7 +36,7 @@
 //! Comparison of two step lengths: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4. Factor and
 //! bounds: measured here (`cargo bench -p worker --bench steps`).
 
-use super::compared_islands::ComparedCycles;
+use super::compared_islands::{ComparedCycles, any_of, responsible};
 use super::motion_estimate::MeasuredLives;
 use super::partial_life::{ConditionLife, CycleModel, PartialLife};
 use super::probe::{FINER, Probe, is_probed};
@@ -46,14 +50,14 @@ const LARGEST_TOLERANCE: f64 = 5e-3;
 const LEAST_FACTOR: f64 = 1.2;
 /// Fewest blocks of a life that are worth them.
 const FEWEST_BLOCKS: usize = 8;
-/// Fewest blocks after the check at two thirds of a life that are worth further ones.
+/// Fewest blocks around a check at two thirds of a life that are worth another one.
 const FEWEST_BLOCKS_LEFT: usize = 4;
 /// Largest relative change of an output of the motion, and of a wear rate, that is no difference [1].
 const SAME_MOTION: f64 = 2e-3;
 const SAME_WEAR: f64 = 5e-3;
 /// Relative change of an output since the last check after which there is another one [1].
 const MOVED: f64 = 5e-3;
-/// Relative change of an output in a single block after which there is one if the output moves [`ACCELERATED`] times as fast as up to that block [1].
+/// The same in a single block, if the output moves [`ACCELERATED`] times as fast as on average before [1].
 const FASTER: f64 = 1e-3;
 const ACCELERATED: f64 = 3.0;
 
@@ -143,7 +147,8 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         if life.add_block(runs, &self.model, block).await.is_err() {
             return self.go_back(runs, life, &all);
         }
-        let is_probed = is_probed(block, &runs[0].scene.life);
+        let few_left = ends.len() - 2 < FEWEST_BLOCKS_LEFT;
+        let is_probed = is_probed(block, &runs[0].scene.life) && (few_left || !self.is_recent(life));
         let is_faster = !self.islands.contains(&false) && moves_faster(life);
         let moved = self.moved(runs, life, if is_faster { FASTER } else { MOVED });
         if !is_probed && !moved.contains(&true) {
@@ -169,11 +174,18 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         }
         if is_faster || block.start == self.checked.cycles {
             self.give_up(runs, &moved);
-        } else if is_probed && ends.len() - 2 < FEWEST_BLOCKS_LEFT {
+        } else if is_probed && few_left {
             self.give_up(runs, &all);
         }
         self.checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: block.end };
         block.end
+    }
+
+    /// True if the last check was a few blocks ago, and all islands have longer steps.
+    fn is_recent(&self, life: &PartialLife) -> bool {
+        let simulated = |life: &PartialLife| life.conditions[0].outputs.len();
+        let since = simulated(life) - simulated(&self.checked.life);
+        since < FEWEST_BLOCKS_LEFT && !self.islands.contains(&false)
     }
 
     /// Islands with longer steps that have moved an output since the last check by more than this `share` of it [1] `(islands,)`.
@@ -282,26 +294,6 @@ async fn compare(runs: &mut [Run<'_>], life: u32, steps: &[Accuracy], of: &[bool
     Some(Compared { cycles, differing })
 }
 
-/// Those of the islands `of` that are responsible for a change, where `size` tells how large that of some islands is, relative to what is still none:
-/// as few as possible, those with the largest changes `(islands,)`.
-fn responsible(of: &[bool], size: impl Fn(&[bool]) -> f64) -> Vec<bool> {
-    let mut rest = of.to_vec();
-    let alone = |island: usize| size(&(0..of.len()).map(|k| k == island).collect::<Vec<bool>>());
-    let mut largest_first: Vec<usize> = vec![];
-    while rest.contains(&true) && !(size(&rest) <= 1.0) {
-        if largest_first.is_empty() {
-            let mut sizes: Vec<(usize, f64)> =
-                (0..of.len()).filter(|&k| of[k]).map(|k| (k, alone(k))).collect();
-            sizes.sort_by(|a, b| a.1.total_cmp(&b.1));
-            largest_first = sizes.into_iter().map(|(k, _)| k).collect();
-        }
-        if let Some(k) = largest_first.pop() {
-            rest[k] = false;
-        }
-    }
-    of.iter().zip(rest).map(|(of, rest)| *of && !rest).collect()
-}
-
 /// True if an output of the motion has moved in the last block by more than [`FASTER`] of it, and [`ACCELERATED`] times as fast as before.
 fn moves_faster(life: &PartialLife) -> bool {
     life.conditions.iter().map(ConditionLife::measured).any(|MeasuredLives { lives, outputs }| {
@@ -312,14 +304,6 @@ fn moves_faster(life: &PartialLife) -> bool {
             change > FASTER * before[k].abs()
                 && change / f64::from(end - last) > ACCELERATED * speed_before(k)
         })
-    })
-}
-
-/// True for an island that is in one of these sets `(islands,)`.
-fn any_of(islands: usize, sets: impl Iterator<Item = Vec<bool>>) -> Vec<bool> {
-    sets.fold(vec![false; islands], |mut any, set| {
-        any.iter_mut().zip(set).for_each(|(any, is_in)| *any |= is_in);
-        any
     })
 }
 

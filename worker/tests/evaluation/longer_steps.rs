@@ -52,7 +52,8 @@ fn early_cycles_of_the_drive_take_longer_steps_and_late_ones_its_own() {
         let (plain, fine) = (evaluate(&scene, own), evaluate(&scene, own.refined(2.0)));
         let share = found.diagnostics.steps as f64 / plain.diagnostics.steps as f64;
         println!("steps {share:.2}");
-        assert!((0.4..0.75).contains(&share), "{share}");
+        // Of the two wings one keeps the longer steps to its end.
+        assert!((0.4..0.6).contains(&share), "{share}");
         // With longer steps to the end the asymmetry is off by a tenth of its limit there.
         for (k, life, bound) in [
             (WEAR, 72_000, 1e-3),
