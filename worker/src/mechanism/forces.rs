@@ -9,6 +9,7 @@ use super::guide::Guiding;
 use super::joint::{Blocks, PairMotion, Touching, pair_force};
 use super::load::{IslandLoad, NO_FRAME};
 use super::piecewise_cubic::Jet;
+use super::written_blocks::WrittenBlocks;
 use crate::integrate::Linearised;
 use crate::lanes::Real;
 
@@ -58,59 +59,6 @@ impl<R: Real, J: Touching<R>> Clone for JointSpace<R, J> {
     }
 }
 
-/// Blocks of the derivatives, of the force on one body to the motion of another, that a joint or load has written in this linearisation: the first one
-/// writes what those after it add to, so that the derivatives need not be set to zero before.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct WrittenBlocks {
-    /// Bit 8 i + j: the block of bodies i and j. All bits are one if the bodies are more than [`Self::MOST_BODIES`].
-    bits: u64,
-}
-
-impl WrittenBlocks {
-    /// Number of bodies of which each pair has a bit.
-    const MOST_BODIES: usize = 8;
-
-    /// No block of this number of bodies.
-    #[inline(always)]
-    fn none(bodies: usize) -> Self {
-        WrittenBlocks { bits: if bodies > Self::MOST_BODIES { u64::MAX } else { 0 } }
-    }
-
-    /// Marks the block of bodies `i` and `j` as written. True if it was not before.
-    #[inline(always)]
-    fn mark(&mut self, i: usize, j: usize) -> bool {
-        let before = self.bits;
-        self.bits |= 1_u64.wrapping_shl((Self::MOST_BODIES * i + j) as u32);
-        before != self.bits
-    }
-
-    /// Sets the blocks of all other pairs of `bodies` to zero.
-    #[inline(always)]
-    fn clear_others<R: Real>(mut self, bodies: usize, at: &mut Linearised<R>) {
-        if bodies > Self::MOST_BODIES {
-            return;
-        }
-        for i in 0..bodies {
-            for j in 0..bodies {
-                if at.band.kept(3 * i).contains(&(3 * j)) && self.mark(i, j) {
-                    clear_block(i, j, at);
-                }
-            }
-        }
-    }
-}
-
-/// Sets the block of bodies `i` and `j` to zero.
-#[inline(always)]
-fn clear_block<R: Real>(i: usize, j: usize, at: &mut Linearised<R>) {
-    for r in 0..3 {
-        let first = at.band.index(3 * i + r, 3 * j);
-        for entry in first..first + 3 {
-            (at.k[entry], at.d[entry]) = (at.k[entry].zero(), at.d[entry].zero());
-        }
-    }
-}
-
 impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
     /// Forces of joints with clearance and of loads at time `t`, and with `JACOBIAN` their derivatives; `space`
     /// is that of the joints.
@@ -124,15 +72,12 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
     ) {
         f.copy_from_slice(self.weight);
         let free = self.frames.len() - self.jets.len();
-        let mut written = WrittenBlocks::none(free);
+        let mut written = WrittenBlocks::default();
         if JACOBIAN {
             let zero = t.zero();
             at.ft.fill(zero);
             at.prescribed.fill([zero; 3]);
-            if free > WrittenBlocks::MOST_BODIES {
-                at.k.fill(zero);
-                at.d.fill(zero);
-            }
+            written = WrittenBlocks::begin(free, at);
         }
         let JointSpace { pairs, walls } = space;
         for (joint, pair) in self.joints.iter().zip(&mut *pairs) {
@@ -266,9 +211,8 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         for (side, &frame) in frames.iter().enumerate().filter(|&(_, &frame)| frame < free) {
             if let Some((other, _)) = third
                 && other < free
-                && written.mark(frame, other)
             {
-                clear_block(frame, other, at);
+                written.clear_unless_written(frame, other, at);
             }
             for r in 0..3 {
                 let row = 3 * frame + r;

@@ -52,6 +52,7 @@ mod wearing_pair;
 mod worn_guide;
 #[cfg(test)]
 mod worn_guide_tests;
+mod written_blocks;
 
 pub(crate) use assembly::ideal_accelerations;
 pub use assembly::{Pose, ideal_cycle};
