@@ -105,7 +105,7 @@ pub(super) fn responsible(of: &[bool], size: impl Fn(&[bool]) -> f64) -> Vec<boo
     let mut rest = of.to_vec();
     let alone = |island: usize| size(&(0..of.len()).map(|k| k == island).collect::<Vec<bool>>());
     let mut largest_first: Vec<usize> = vec![];
-    while rest.contains(&true) && !(size(&rest) <= 1.0) {
+    while rest.contains(&true) && size(&rest) > 1.0 {
         if largest_first.is_empty() {
             let mut sizes: Vec<(usize, f64)> =
                 (0..of.len()).filter(|&k| of[k]).map(|k| (k, alone(k))).collect();

@@ -262,7 +262,7 @@ fn relative_change(now: &[f64], was: &[f64]) -> f64 {
 }
 
 /// True if the cycle simulated at the end of this block of a life is probed: the first ones at or after two thirds of the life, and at
-/// its end. With the trials and checks of longer steps (`longer_steps.rs`) they take 15 to 21 % of the time steps of the drive at
+/// its end. With the trials and checks of longer steps (`longer_steps.rs`) they take 15 to 18 % of the time steps of the drive at
 /// `balanced+jump-2000`.
 pub(crate) fn is_probed(block: &Range<u32>, life: &Life) -> bool {
     let end = life.cycles;
