@@ -142,7 +142,7 @@ mod tests {
             run.settle().await.expect("settled");
             run.measure().await.expect("measured");
             let (motion, wear) = (run.motion_outputs(), run.wear_rates(0).expect("rates"));
-            let compared = run.compare_next(0, &vec![accuracy.refined(3.0); 2]).await.expect("compared");
+            let compared = run.compare_next(0, &[accuracy.refined(3.0); 2]).await.expect("compared");
             assert_eq!((run.motion_outputs(), run.wear_rates(0).expect("rates")), (motion, wear), "kept");
             let [none, all, right, left] =
                 [[false; 2], [true; 2], [true, false], [false, true]].map(|of| run.changes(&compared, &of));
@@ -153,7 +153,7 @@ mod tests {
             );
             // Joints alternate between the wings, with a bore and a journal each.
             for (k, change) in all.wear.iter().enumerate() {
-                let is_right = k / SURFACES % 2 == 0;
+                let is_right = (k / SURFACES).is_multiple_of(2);
                 assert_eq!(
                     [right.wear[k], left.wear[k]],
                     if is_right { [*change, 0.0] } else { [0.0, *change] }
