@@ -57,8 +57,9 @@ const SAME_MOTION: f64 = 2e-3;
 const SAME_WEAR: f64 = 5e-3;
 /// Relative change of an output since the last check after which there is another one [1].
 const MOVED: f64 = 5e-3;
-/// The same in a single block, if the output moves [`ACCELERATED`] times as fast as on average before [1].
+/// Relative change of an output in a single block after which there is one, if it moves [`ACCELERATED`] times as fast as before [1].
 const FASTER: f64 = 1e-3;
+/// Speed of such an output in the last block, over its mean speed from the unworn bores to that block [1].
 const ACCELERATED: f64 = 3.0;
 
 /// Longer time steps in use, and the life at the last check.
@@ -265,14 +266,14 @@ fn return_to<'a>(run: &mut Run<'a>, mut before: Run<'a>) {
 }
 
 /// Measured cycles under all conditions, compared with further ones.
-struct Compared {
+struct StepComparison {
     /// The two cycles of every condition.
     cycles: Vec<ComparedCycles>,
     /// True for an island that makes a difference under a condition `(islands,)`.
     differing: Vec<bool>,
 }
 
-impl Compared {
+impl StepComparison {
     /// What the further cycles change on account of these islands, under every condition.
     fn changes(&self, runs: &[Run], of: &[bool]) -> Vec<Probe> {
         // A change this small is that of the time steps.
@@ -283,7 +284,7 @@ impl Compared {
 
 /// Compares the cycles just measured with further ones that have these time `steps` `(islands,)`, on the bores of `life` [cycles]; which of these islands
 /// make a difference. None if a cycle fails.
-async fn compare(runs: &mut [Run<'_>], life: u32, steps: &[Accuracy], of: &[bool]) -> Option<Compared> {
+async fn compare(runs: &mut [Run<'_>], life: u32, steps: &[Accuracy], of: &[bool]) -> Option<StepComparison> {
     let cycles = join(runs.iter_mut().map(|run| run.compare_next(life, steps))).await;
     let cycles = cycles.into_iter().collect::<Result<Vec<ComparedCycles>, _>>().ok()?;
     let differing = runs
@@ -291,7 +292,7 @@ async fn compare(runs: &mut [Run<'_>], life: u32, steps: &[Accuracy], of: &[bool
         .zip(&cycles)
         .map(|(run, cycles)| responsible(of, |of| difference(&run.changes(cycles, of), &run.measured)));
     let differing = any_of(of.len(), differing);
-    Some(Compared { cycles, differing })
+    Some(StepComparison { cycles, differing })
 }
 
 /// True if an output of the motion has moved in the last block by more than [`FASTER`] of it, and [`ACCELERATED`] times as fast as before.
