@@ -57,6 +57,7 @@ mod outputs;
 mod parameters;
 pub mod quantity;
 mod quantity_list;
+mod reading;
 mod reference;
 mod resolve;
 mod section;

@@ -3,8 +3,7 @@
 
 use super::builtin;
 use super::conditioned::conditions;
-use super::context::{Context, Overrides};
-use super::correlations::correlations;
+use super::context::Overrides;
 use super::expression::{ExpressionError, evaluate, read_unit};
 use super::extends::{flatten, read, unknown_scene};
 use super::faults::{Fault, FaultKind, Faults, in_unit, nearest};
@@ -14,10 +13,10 @@ use super::magnitudes::magnitudes;
 use super::measured::MeasuredVariable;
 use super::model::Scene;
 use super::quantity::{AngleUnit, Dimension, Kind, Quantity};
+use super::reading::Reading;
 use super::resolve::resolve;
 use super::simulator::settle_folder;
 use super::unit_advice::advised;
-use super::variables::{measured, variables};
 use super::warnings::{Warning, warnings};
 use crate::random::RandomVariable;
 use std::collections::BTreeMap;
@@ -101,20 +100,9 @@ impl SceneSource {
         };
 
         // Values as written, then the variables, then the nominal scene with every variable at its mean.
-        let none = Overrides::new();
-        let base = resolve(origin, &document, &none).map_err(Faults)?;
-        let cx = Context::new(origin, &none);
+        let Reading { base, variables, correlations, used } =
+            Reading::of(origin, &document, &Overrides::new())?;
         let parameters = document.get("parameters").and_then(toml::Value::as_table);
-        if let Some(parameters) = parameters {
-            cx.read_parameters(parameters);
-        }
-        let variables = variables(&cx, &base.variables, &base.seen);
-        let names: Vec<&str> = base.variables.iter().map(|row| row.name.as_str()).collect();
-        let correlations = correlations(&cx, &base.correlations, &names, &variables);
-        if cx.fault_count() > 0 {
-            return Err(Faults(cx.take_faults()));
-        }
-        let used = cx.used_parameters();
         let mut unused_parameters: Vec<String> =
             parameters.into_iter().flat_map(Table::keys).cloned().collect();
         unused_parameters.retain(|name| !base.used.contains(name) && !used.contains(name));
@@ -174,13 +162,7 @@ impl SceneSource {
     /// # Errors
     /// None at present, since a source is checked when it is read.
     pub fn measured(&self) -> Result<Vec<MeasuredVariable>, Faults> {
-        let none = Overrides::new();
-        let base = resolve(&self.origin, &self.document, &none).map_err(Faults)?;
-        let cx = Context::new(&self.origin, &none);
-        if let Some(parameters) = self.document.get("parameters").and_then(toml::Value::as_table) {
-            cx.read_parameters(parameters);
-        }
-        Ok(measured(&cx, &base.variables, &base.seen))
+        Reading::measured(&self.origin, &self.document)
     }
 
     /// What is valid but most likely not meant, with the path of the key.
@@ -219,6 +201,11 @@ impl SceneSource {
             }
         }
         found
+    }
+
+    /// The quantities that the scene writes, by the path of their key.
+    pub fn quantities(&self) -> &BTreeMap<String, Quantity> {
+        &self.seen
     }
 
     /// Value of the quantity at this key as the scene writes it [SI], whatever random variable changes it; `None` if there is no
@@ -262,26 +249,39 @@ impl SceneSource {
     }
 
     /// The nominal scene with some values changed: `(name, SI value)`, where the name is a random variable or the
-    /// path of a key, e.g. `parameters.rod_length`. A key takes precedence over a variable that changes it too.
+    /// path of a key, e.g. `parameters.rod_length`. It is the nominal scene that its author would have written with these
+    /// values: means of random variables follow the keys. A key takes precedence over a variable that changes it too.
     ///
     /// # Errors
     /// An unknown name, or values that give an invalid scene.
     pub fn resolve_with(&self, settings: &[(String, f64)]) -> Result<Scene, Faults> {
-        let mut sample = self.means();
-        let mut keys = Vec::new();
-        for (name, value) in settings {
-            match self.variables().iter().position(|variable| variable.name == *name) {
-                Some(i) => sample[i] = *value,
-                None if self.seen.contains_key(name) => keys.push((name.clone(), *value)),
-                None => return Err(self.unknown_setting(name)),
-            }
-        }
+        let is_variable = |name: &str| self.variables().iter().any(|variable| variable.name == name);
+        let (of_variables, keys): (Vec<_>, Vec<_>) =
+            settings.iter().cloned().partition(|(name, _)| is_variable(name));
+        let variables = self.variables_with(&keys)?;
         let mut overrides = Overrides::new();
-        for (variable, value) in self.variables().iter().zip(sample) {
+        for variable in &variables {
+            let set = of_variables.iter().rev().find(|(name, _)| *name == variable.name);
+            let value = set.map_or_else(|| variable.distribution.parent_mean(), |(_, value)| *value);
             overrides.extend(variable.changes.iter().map(|key| (key.clone(), value)));
         }
         overrides.extend(keys);
-        self.resolve_overridden(&overrides)
+        Ok(Scene { variables, ..self.resolve_overridden(&overrides)? })
+    }
+
+    /// The random variables with the quantities at some keys set to other values `(key, SI value)`: a variable without a mean
+    /// of its own has the value of the keys that it changes, which may follow from a parameter.
+    ///
+    /// # Errors
+    /// An unknown key, or values that give an invalid scene.
+    pub fn variables_with(&self, keys: &[(String, f64)]) -> Result<Vec<RandomVariable>, Faults> {
+        if let Some((key, _)) = keys.iter().find(|(key, _)| !self.seen.contains_key(key)) {
+            return Err(self.unknown_setting(key));
+        }
+        if keys.is_empty() {
+            return Ok(self.variables().to_vec());
+        }
+        Ok(Reading::of(&self.origin, &self.document, &keys.iter().cloned().collect())?.variables)
     }
 
     /// The means `(d,)` with some variables set to other values, SI: the inputs of an external simulator, whose scene has

@@ -64,10 +64,10 @@ pub fn calibrate(
     let mut round = 0;
     loop {
         let count = if round == 0 { first } else { first.div_ceil(3) };
-        let samples = design(space, &window, count, settings.seed.wrapping_add(round as u64));
-        let requests = requests(&samples, requested as u64, settings.accuracy);
-        requested += samples.len();
-        simulated.extend(simulate(evaluator, &requests, &mut |done, all| {
+        let points = design(space, &window, count, settings.seed.wrapping_add(round as u64));
+        let first_id = requested as u64;
+        requested += points.len();
+        simulated.extend(simulate(evaluator, points, first_id, settings.accuracy, &mut |done, all| {
             progress(CalibrationProgress { round, done, all });
         })?);
         if simulated.len() < least {
@@ -111,9 +111,17 @@ fn window_around(fit: &Fit) -> Vec<(f64, f64)> {
     fit.best.iter().enumerate().map(place).collect()
 }
 
-/// Samples `(count)(d + keyed,)` over the window of the parameters and the random variables together, by a Latin hypercube.
-/// Factors of the spread are at their upper bound, so that every narrower spread is interpolated.
-fn design(space: &Space, window: &[(f64, f64)], count: usize, seed: u64) -> Vec<Vec<f64>> {
+/// A point to be simulated.
+struct DesignPoint {
+    /// The sample `(d + keyed,)` [SI].
+    sample: Vec<f64>,
+    /// Its coordinates for the surrogates `(d + keyed,)` [1].
+    features: Vec<f64>,
+}
+
+/// Points over the window of the parameters and the random variables together, by a Latin hypercube. Factors of the spread are
+/// at their upper bound, so that every narrower spread is interpolated.
+fn design(space: &Space, window: &[(f64, f64)], count: usize, seed: u64) -> Vec<DesignPoint> {
     let d = space.inputs.dimension();
     let mut laws = space.inputs.variables().to_vec();
     for (low, high) in window {
@@ -122,7 +130,7 @@ fn design(space: &Space, window: &[(f64, f64)], count: usize, seed: u64) -> Vec<
     }
     let independent = GaussianCopula::new(laws.len(), &[]).expect("no correlations");
     let all = Population::latin_hypercube(&InputModel::new(laws, independent), count, seed);
-    let sample = |j: usize| {
+    let point = |j: usize| {
         let x = all.physical(j);
         let z = space.inputs.standardise(&x[..d]);
         let mut values = space.parameters(&x[d..]);
@@ -131,32 +139,31 @@ fn design(space: &Space, window: &[(f64, f64)], count: usize, seed: u64) -> Vec<
                 *value = free.upper;
             }
         }
-        space.sample(&z, &values)
+        let placed = space.placed(&values);
+        let sample = placed.sample(&z);
+        DesignPoint { features: placed.features(&sample), sample }
     };
-    (0..count).map(sample).collect()
+    (0..count).map(point).collect()
 }
 
-/// Requests of the samples, numbered from `first_id`.
-fn requests(samples: &[Vec<f64>], first_id: u64, accuracy: Accuracy) -> Vec<Request> {
-    let request = |(id, sample): (u64, &Vec<f64>)| Request {
+/// Simulates points, numbered from `first_id`; failed simulations are left out.
+fn simulate(
+    evaluator: &mut dyn Evaluator,
+    points: Vec<DesignPoint>,
+    first_id: u64,
+    accuracy: Accuracy,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Result<Vec<CalibrationPoint>, EvaluateError> {
+    let request = |(id, point): (u64, &DesignPoint)| Request {
         id,
-        sample: sample.clone(),
+        sample: point.sample.clone(),
         with_first_cycle: false,
         accuracy: Some(accuracy),
     };
-    (first_id..).zip(samples).map(request).collect()
-}
-
-/// Simulates requests of consecutive numbers; failed simulations are left out.
-fn simulate(
-    evaluator: &mut dyn Evaluator,
-    requests: &[Request],
-    progress: &mut dyn FnMut(usize, usize),
-) -> Result<Vec<CalibrationPoint>, EvaluateError> {
-    let first_id = requests.first().map_or(0, |request| request.id);
+    let requests: Vec<Request> = (first_id..).zip(&points).map(request).collect();
     let mut outcomes = vec![None; requests.len()];
     let mut done = 0;
-    evaluator.evaluate(requests, &mut |finished: Finished| {
+    evaluator.evaluate(&requests, &mut |finished: Finished| {
         let index = usize::try_from(finished.id.wrapping_sub(first_id)).ok();
         let Some(outcome) = index.and_then(|index| outcomes.get_mut(index)) else {
             return Err(EvaluateError::UnrequestedOutcome { id: finished.id });
@@ -166,8 +173,8 @@ fn simulate(
         progress(done, requests.len());
         Ok(())
     })?;
-    let points = requests.iter().zip(outcomes).filter_map(|(request, evaluation)| {
-        Some(CalibrationPoint { sample: request.sample.clone(), evaluation: evaluation? })
+    let simulated = points.into_iter().zip(outcomes).filter_map(|(point, evaluation)| {
+        Some(CalibrationPoint { features: point.features, evaluation: evaluation? })
     });
-    Ok(points.collect())
+    Ok(simulated.collect())
 }

@@ -39,9 +39,10 @@ enum Column {
     Angle(f64),
 }
 
-/// A sample and its evaluation.
+/// A simulated point and its evaluation.
 pub(super) struct CalibrationPoint {
-    pub sample: Vec<f64>,
+    /// Coordinates for the surrogates `(d + keyed,)` [1].
+    pub features: Vec<f64>,
     pub evaluation: Evaluation,
 }
 
@@ -72,9 +73,8 @@ impl<'a> ResponseSurrogates<'a> {
                 all.push(column);
             }
         }
-        let features: Vec<Vec<f64>> = simulated.iter().map(|point| space.features(&point.sample)).collect();
-        let d = features.first().map_or(0, Vec::len);
-        let points = Mat::from_fn(d, features.len(), |k, i| features[i][k]);
+        let d = simulated.first().map_or(0, |point| point.features.len());
+        let points = Mat::from_fn(d, simulated.len(), |k, i| simulated[i].features[k]);
         let fitted = columns
             .into_par_iter()
             .map(|(group, columns)| {
@@ -100,8 +100,8 @@ impl<'a> ResponseSurrogates<'a> {
     pub fn target_values(&self, parameters: &[f64]) -> Vec<f64> {
         let nominal = vec![0.0; self.space.inputs.dimension()];
         let samples = (0..POPULATION).map(|j| self.population.standardised(j)).chain([nominal.as_slice()]);
-        let features: Vec<Vec<f64>> =
-            samples.map(|z| self.space.features(&self.space.sample(z, parameters))).collect();
+        let placed = self.space.placed(parameters);
+        let features: Vec<Vec<f64>> = samples.map(|z| placed.features(&placed.sample(z))).collect();
         let points = Mat::from_fn(features[0].len(), features.len(), |k, j| features[j][k]);
         let predictions: BTreeMap<Group, Prediction> = self
             .surrogates

@@ -6,9 +6,10 @@
 //!
 //! `x_k = f_mean mean_k + f_spread std_k z_k`
 //!
-//! with `x_k` the variable [SI], `z_k` the standardised variable [1], and the factors `f_mean`, `f_spread` [1]. Lognormal
-//! and Weibull variables, whose shape depends on both, are those of the new mean and standard deviation at the same
-//! probability, and so remain positive.
+//! with `x_k` the variable [SI], `z_k` the standardised variable [1], and the factors `f_mean`, `f_spread` [1]; mean and
+//! standard deviation are those at the values of the parameters, since a variable without a mean of its own follows the keys
+//! that it changes. Lognormal and Weibull variables, whose shape depends on both, are those of the new mean and standard
+//! deviation at the same probability, and so remain positive.
 
 use super::CalibrationError;
 use crate::statistics::design::InputModel;
@@ -51,6 +52,8 @@ pub struct Space {
     pub source: SceneSource,
     /// The scene's own variables.
     pub inputs: InputModel,
+    /// The scene as its author wrote it.
+    own: SceneSource,
     /// Free parameters, bounds in SI.
     pub free: Vec<FreeParameter>,
 }
@@ -63,15 +66,15 @@ impl Space {
     pub fn new(source: &SceneSource, free: &[FreeParameter]) -> Result<Self, CalibrationError> {
         let scene = source.nominal();
         let own = scene.variables.len();
-        let source = with_parameters(source, free)?;
+        let extended = with_parameters(source, free)?;
         let mut free = free.to_vec();
-        let added = source.nominal().variables[own..].to_vec();
+        let added = extended.nominal().variables[own..].to_vec();
         let keyed = free.iter_mut().filter(|free| matches!(free.kind, ParameterKind::Keys(_)));
         for (free, variable) in keyed.zip(added) {
             (free.lower, free.upper) = variable.distribution.support();
             free.unit = variable.unit;
         }
-        Ok(Self { inputs: InputModel::from_scene(scene), source, free })
+        Ok(Self { inputs: InputModel::from_scene(scene), own: source.clone(), source: extended, free })
     }
 
     /// The nominal scene.
@@ -84,35 +87,21 @@ impl Space {
         self.inputs.dimension() + self.free.len()
     }
 
-    /// The sample for the scene [`Space::source`] `(d + keyed,)` [SI], of the standardised variables z `(d,)` and the
-    /// parameters `(p,)`.
-    pub fn sample(&self, z: &[f64], parameters: &[f64]) -> Vec<f64> {
-        let (mut mean_by, mut spread_by) = (vec![1.0; z.len()], vec![1.0; z.len()]);
-        let mut keyed = Vec::new();
-        for (free, value) in self.free.iter().zip(parameters) {
-            match &free.kind {
-                ParameterKind::Keys(_) => keyed.push(*value),
-                ParameterKind::Mean(variables) => variables.iter().for_each(|k| mean_by[*k] *= value),
-                ParameterKind::Spread(variables) => variables.iter().for_each(|k| spread_by[*k] *= value),
-            }
-        }
-        let variables = self.inputs.variables().iter().zip(z).enumerate();
-        let x = variables.map(|(k, (law, z))| transformed(law, *z, mean_by[k], spread_by[k]));
-        x.chain(keyed).collect()
-    }
-
-    /// Coordinates of a sample for surrogates `(d + keyed,)` [1]: deviations from the scene's means in its standard
-    /// deviations, and parameters from -1 to 1 over their bounds.
-    pub fn features(&self, sample: &[f64]) -> Vec<f64> {
-        let d = self.inputs.dimension();
-        let mut features = self.inputs.standardise(&sample[..d]);
-        let keyed = self.free.iter().filter(|free| matches!(free.kind, ParameterKind::Keys(_)));
-        features.extend(
-            keyed
-                .zip(&sample[d..])
-                .map(|(free, x)| (2.0 * x - free.lower - free.upper) / (free.upper - free.lower)),
+    /// The random variables at these parameters `(p,)`.
+    pub fn placed<'s>(&'s self, parameters: &'s [f64]) -> PlacedSpace<'s> {
+        let keyed = self.free.iter().zip(parameters).flat_map(|(free, value)| match &free.kind {
+            ParameterKind::Keys(keys) => keys.iter().map(|key| (key.clone(), *value)).collect(),
+            ParameterKind::Mean(_) | ParameterKind::Spread(_) => Vec::new(),
+        });
+        // With values that give no valid scene nothing follows, and the simulations fail.
+        let inputs = self.own.variables_with(&keyed.collect::<Vec<_>>()).map_or_else(
+            |_| self.inputs.clone(),
+            |variables| {
+                let laws = variables.into_iter().map(|variable| variable.distribution).collect();
+                InputModel::new(laws, self.inputs.copula().clone())
+            },
         );
-        features
+        PlacedSpace { space: self, parameters, inputs }
     }
 
     /// Parameters `(p,)` of the places between their bounds `(p,)` [1].
@@ -131,16 +120,59 @@ impl Space {
     }
 }
 
-/// Value [SI] of a variable of standardised value z [1] with factors on its mean and standard deviation [1].
-fn transformed(law: &Distribution, z: f64, mean_by: f64, spread_by: f64) -> f64 {
+/// The random variables of a [`Space`] at values of its parameters.
+#[derive(Debug)]
+pub struct PlacedSpace<'s> {
+    space: &'s Space,
+    parameters: &'s [f64],
+    /// The scene's own variables, without factors.
+    inputs: InputModel,
+}
+
+impl PlacedSpace<'_> {
+    /// The sample for the scene [`Space::source`] `(d + keyed,)` [SI], of the standardised variables z `(d,)`.
+    pub fn sample(&self, z: &[f64]) -> Vec<f64> {
+        let (mut mean_by, mut spread_by) = (vec![1.0; z.len()], vec![1.0; z.len()]);
+        let mut keyed = Vec::new();
+        for (free, value) in self.space.free.iter().zip(self.parameters) {
+            match &free.kind {
+                ParameterKind::Keys(_) => keyed.push(*value),
+                ParameterKind::Mean(variables) => variables.iter().for_each(|k| mean_by[*k] *= value),
+                ParameterKind::Spread(variables) => variables.iter().for_each(|k| spread_by[*k] *= value),
+            }
+        }
+        let written = self.space.inputs.variables();
+        let laws = written.iter().zip(self.inputs.variables()).zip(z).enumerate();
+        let value = |(k, ((written, law), z))| transformed(written, law, *z, mean_by[k], spread_by[k]);
+        laws.map(value).chain(keyed).collect()
+    }
+
+    /// Coordinates of a sample for surrogates `(d + keyed,)` [1]: deviations from the means at these parameters in standard
+    /// deviations, and parameters from -1 to 1 over their bounds.
+    pub fn features(&self, sample: &[f64]) -> Vec<f64> {
+        let d = self.inputs.dimension();
+        let mut features = self.inputs.standardise(&sample[..d]);
+        let keyed = self.space.free.iter().filter(|free| matches!(free.kind, ParameterKind::Keys(_)));
+        features.extend(
+            keyed
+                .zip(&sample[d..])
+                .map(|(free, x)| (2.0 * x - free.lower - free.upper) / (free.upper - free.lower)),
+        );
+        features
+    }
+}
+
+/// Value [SI] of a variable of standardised value z [1], with the distribution `law` at values of the parameters in the place of
+/// that written, and factors on its mean and standard deviation [1].
+fn transformed(written: &Distribution, law: &Distribution, z: f64, mean_by: f64, spread_by: f64) -> f64 {
     let (mean, std) = (mean_by * law.parent_mean(), spread_by * law.parent_std());
-    let same = [mean_by, spread_by] == [1.0, 1.0];
+    let same = [mean_by, spread_by] == [1.0, 1.0] && written == law;
     let changed = match law {
         Distribution::Lognormal(_) if !same => Distribution::lognormal(mean, std),
         Distribution::Weibull(_) if !same => Distribution::weibull(mean, std),
         _ => return mean + std * z,
     };
-    let normal = law.to_standard_normal(law.parent_mean() + law.parent_std() * z);
+    let normal = written.to_standard_normal(written.parent_mean() + written.parent_std() * z);
     changed.map_or(mean + std * z, |law| law.from_standard_normal(normal))
 }
 
@@ -177,19 +209,47 @@ mod tests {
     use super::*;
 
     #[test]
+    fn issue_means_follow_a_free_parameter() {
+        let source = SceneSource::builtin("four-bar").unwrap();
+        let free = FreeParameter {
+            name: "play".into(),
+            kind: ParameterKind::Keys(vec!["parameters.clearance".into()]),
+            lower: 0.0,
+            upper: 0.0,
+            unit: String::new(),
+            bounds: ["20 um".into(), "40 um".into()],
+        };
+        let space = Space::new(&source, &[free]).unwrap();
+        let names: Vec<&str> = source.variables().iter().map(|variable| variable.name.as_str()).collect();
+        let crank = names.iter().position(|name| *name == "clearance_crank").unwrap();
+        for clearance in [20e-6, 30e-6, 40e-6] {
+            let parameters = [clearance];
+            let placed = space.placed(&parameters);
+            let nominal = placed.sample(&vec![0.0; names.len()]);
+            assert_eq!([nominal[crank], nominal[names.len()]], [clearance; 2]);
+            // The crank's standard deviation is given in um and stays.
+            let above = placed.sample(&vec![1.0; names.len()]);
+            assert!((above[crank] - nominal[crank] - 2e-6).abs() < 1e-7, "{above:?}");
+            let features = placed.features(&above);
+            assert!((features[crank] - 1.0).abs() < 0.05, "{features:?}");
+            assert!((features[names.len()] - (clearance - 30e-6) / 10e-6).abs() < 1e-9, "{features:?}");
+        }
+    }
+
+    #[test]
     fn issue_factors_keep_a_lognormal_and_a_weibull_variable_what_they_are() {
         for law in [Distribution::lognormal(2.0, 1.0).unwrap(), Distribution::weibull(2.0, 1.0).unwrap()] {
             let n = 20_000_u32;
             let probability = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
             let z = |i: u32| (law.quantile(probability(i)) - 2.0) / 1.0;
-            let x: Vec<f64> = (0..n).map(|i| transformed(&law, z(i), 0.5, 1.5)).collect();
+            let x: Vec<f64> = (0..n).map(|i| transformed(&law, &law, z(i), 0.5, 1.5)).collect();
             assert!(x.iter().all(|x| *x > 0.0), "a shift would make a third of them negative");
             let mean = x.iter().sum::<f64>() / f64::from(n);
             let std = (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / f64::from(n)).sqrt();
             assert!((mean - 1.0).abs() < 5e-3 && (std - 1.5).abs() < 3e-2, "{mean} {std}");
-            assert_eq!(transformed(&law, 0.7, 1.0, 1.0), 2.7);
+            assert_eq!(transformed(&law, &law, 0.7, 1.0, 1.0), 2.7);
         }
         let normal = Distribution::normal(2.0, 1.0).unwrap();
-        assert_eq!(transformed(&normal, -2.0, 0.5, 1.0), -1.0);
+        assert_eq!(transformed(&normal, &normal, -2.0, 0.5, 1.0), -1.0);
     }
 }
