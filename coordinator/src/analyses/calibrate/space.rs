@@ -142,9 +142,10 @@ impl PlacedSpace<'_> {
             }
         }
         let written = self.space.inputs.variables();
-        let laws = written.iter().zip(self.inputs.variables()).zip(z).enumerate();
-        let value = |(k, ((written, law), z))| transformed(written, law, *z, mean_by[k], spread_by[k]);
-        laws.map(value).chain(keyed).collect()
+        let value = |(k, z): (usize, &f64)| {
+            transformed(&written[k], &self.inputs.variables()[k], *z, mean_by[k], spread_by[k])
+        };
+        z.iter().enumerate().map(value).chain(keyed).collect()
     }
 
     /// Coordinates of a sample for surrogates `(d + keyed,)` [1]: deviations from the means at these parameters in standard
