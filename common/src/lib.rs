@@ -7,6 +7,7 @@
 //! | | [`accuracy`] | numerical settings of a simulation, by name |
 //! | | [`scene`] | scenes: read from TOML, checked, resolved for a sample |
 //! | result | [`failure`], [`outputs`] | results of an evaluation, or the reason why there is none |
+//! | | [`evaluation_shape`] | whether a result fits its scene |
 //! | | [`external`] | evaluations by a user's program or an UM-Bridge server |
 //! | transport | [`umbridge`], [`wire`] | the UM-Bridge protocol; the messages between coordinator and worker |
 //!
@@ -47,6 +48,7 @@
 //! ```
 
 pub mod accuracy;
+pub mod evaluation_shape;
 pub mod external;
 pub mod failure;
 pub mod outputs;

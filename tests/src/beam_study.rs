@@ -3,6 +3,7 @@
 use crate::process::Process;
 use crate::{Outcomes, program};
 use common::accuracy::Accuracy;
+use common::evaluation_shape::EvaluationShape;
 use common::external::SimulatorId;
 use common::scene::SceneSource;
 use coordinator::farm::dispatch::{CampaignSimulator, CampaignSpec, Listen, ZenohEvaluator};
@@ -68,6 +69,7 @@ impl BeamStudy {
             scene: self.source.text().to_owned(),
             accuracy: Accuracy::balanced(),
             accuracy_name: "balanced".into(),
+            shape: Some(EvaluationShape::of(self.source.nominal())),
             simulator: Some(CampaignSimulator { id: self.id(), timeout: 60.0, licences }),
             resumed: false,
         };

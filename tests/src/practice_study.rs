@@ -71,6 +71,11 @@ impl PracticeStudy {
         study
     }
 
+    /// The sample of the nominal mechanism.
+    pub fn means(&self) -> Vec<f64> {
+        self.source.means()
+    }
+
     /// The campaign as sent to its workers.
     pub fn campaign(&self, resumed: bool) -> CampaignSpec {
         let accuracy = self.settings.accuracy.setting.accuracy;
@@ -79,6 +84,7 @@ impl PracticeStudy {
             scene: self.source.text().to_owned(),
             accuracy,
             accuracy_name: "balanced".into(),
+            shape: Some(EvaluationShape::of(&self.scene)),
             simulator: None,
             resumed,
         }

@@ -1,6 +1,7 @@
 //! Converts the reply of an external simulator into an evaluation; checks names, shapes and numbers against the scene.
 
 use super::slot::SampleResult;
+use crate::evaluation_shape::LARGEST;
 use crate::failure::SimulationFailure;
 use crate::outputs::{Diagnostics, Evaluation};
 use crate::scene::{OutputKind, Scene};
@@ -69,15 +70,13 @@ impl Expected {
             })?;
             match self.history(&format!("output \"{name}\""), value, *single)? {
                 Ok(history) => histories.push(history),
-                Err((at, value)) => {
-                    let (output, cycles) = (name.clone(), self.cycles[at]);
-                    return Ok(Err(SimulationFailure::NoNumber { output, cycles, value }));
-                }
+                Err((at, value)) => return Ok(Err(self.no_number(name.clone(), at, value))),
             }
         }
-        let errors = match errors {
+        let errors = match errors.map(|errors| self.errors(errors)).transpose()? {
             None => vec![],
-            Some(errors) => self.errors(errors)?,
+            Some(Ok(errors)) => errors,
+            Some(Err(failure)) => return Ok(Err(failure)),
         };
         Ok(Ok(Evaluation {
             cycles: self.cycles.clone(),
@@ -101,7 +100,7 @@ impl Expected {
             .and_then(|given| given.get(name))
         {
             Some(value) => match value.as_f64() {
-                Some(number) if number.is_finite() => Ok(Some(number)),
+                Some(number) if number.abs() <= LARGEST => Ok(Some(number)),
                 _ => Err(format!("the start of output \"{name}\" is {value} instead of a number")),
             },
             None => Ok(single.then(|| history[0])),
@@ -112,20 +111,31 @@ impl Expected {
     }
 
     /// Stated errors of all outputs `(outputs, m)`; zero for an output without stated errors.
-    fn errors(&self, errors: &Map<String, Value>) -> Result<Vec<Vec<f64>>, String> {
-        let errors_of_output = |(name, single): &(String, bool)| {
-            let Some(value) = errors.get(name) else { return Ok(vec![0.0; self.cycles.len()]) };
+    fn errors(
+        &self,
+        errors: &Map<String, Value>,
+    ) -> Result<Result<Vec<Vec<f64>>, SimulationFailure>, String> {
+        let mut found = Vec::new();
+        for (name, single) in &self.outputs {
+            let Some(value) = errors.get(name) else {
+                found.push(vec![0.0; self.cycles.len()]);
+                continue;
+            };
             let what = format!("the error of output \"{name}\"");
             match self.history(&what, value, *single)? {
-                Ok(errors) if errors.iter().all(|error| *error >= 0.0) => Ok(errors),
-                Ok(_) => Err(format!("{what} is below 0")),
-                Err((_, value)) => Err(format!("{what} is {value}")),
+                Ok(errors) if errors.iter().all(|error| *error >= 0.0) => found.push(errors),
+                Ok(_) => return Err(format!("{what} is below 0")),
+                Err((at, value)) => return Ok(Err(self.no_number(format!("{name} (its error)"), at, value))),
             }
-        };
-        self.outputs.iter().map(errors_of_output).collect()
+        }
+        Ok(Ok(found))
     }
 
-    /// Values `(m,)` of an output, or index and text of the first one that is not a finite number.
+    fn no_number(&self, output: String, at: usize, value: String) -> SimulationFailure {
+        SimulationFailure::NoNumber { output, cycles: self.cycles[at], value }
+    }
+
+    /// Values `(m,)` of an output, or index and text of the first one that is not a finite number up to [`LARGEST`].
     fn history(
         &self,
         what: &str,
@@ -143,7 +153,8 @@ impl Expected {
         let mut values = Vec::new();
         for (at, value) in list.iter().enumerate() {
             match value.as_f64() {
-                Some(number) if number.is_finite() => values.push(number),
+                Some(number) if number.abs() <= LARGEST => values.push(number),
+                Some(number) => return Ok(Err((at, format!("{number:e}")))),
                 _ if is_non_finite(value) => return Ok(Err((at, plain(value)))),
                 _ => return Err(format!("{what} has {value} instead of a number")),
             }

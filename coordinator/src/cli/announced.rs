@@ -1,6 +1,7 @@
 //! The campaign of a study as its workers receive it.
 
 use super::error::CommandError;
+use common::evaluation_shape::EvaluationShape;
 use common::external::SimulatorId;
 use common::scene::SceneSource;
 use coordinator::farm::dispatch::{CampaignSimulator, CampaignSpec};
@@ -25,6 +26,7 @@ pub fn announced(
         scene: source.text().to_owned(),
         accuracy: accuracy.accuracy,
         accuracy_name: accuracy.name,
+        shape: Some(EvaluationShape::of(scene)),
         simulator: scene.simulator.as_ref().map(|simulator| CampaignSimulator {
             id: SimulatorId::new(simulator, scene),
             timeout: simulator.timeout,

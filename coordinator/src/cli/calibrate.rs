@@ -7,6 +7,7 @@ use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive, seed, whole};
 use clap::Args;
+use common::evaluation_shape::EvaluationShape;
 use common::scene::SceneSource;
 use coordinator::analyses::calibrate::{
     CalibrationProgress, CalibrationSettings, Space, calibrate as fit, markdown, read_targets,
@@ -71,6 +72,7 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
         scene: space.source.text().to_owned(),
         accuracy: accuracy.accuracy,
         accuracy_name: accuracy.name,
+        shape: Some(EvaluationShape::of(scene)),
         simulator: None,
         resumed: false,
     };

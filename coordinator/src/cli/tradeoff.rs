@@ -7,6 +7,7 @@ use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive};
 use clap::{Args, ValueEnum};
 use common::accuracy::NamedAccuracy;
+use common::evaluation_shape::EvaluationShape;
 use common::scene::SceneSource;
 use coordinator::analyses::tradeoff::{
     Measurement, QUICK, TradeoffPlan, TradeoffProgress, compare, csv, figures, full, reference_row, settings,
@@ -110,6 +111,7 @@ fn announced(source: &SceneSource, plan: &TradeoffPlan) -> CampaignSpec {
         scene: source.text().to_owned(),
         accuracy,
         accuracy_name: "tradeoff".into(),
+        shape: Some(EvaluationShape::of(source.nominal())),
         simulator: None,
         resumed: false,
     }

@@ -31,6 +31,12 @@ pub trait Journal {
         outcomes.iter().try_for_each(|(request, finished)| self.record(request, finished))
     }
 
+    /// Sets a recorded outcome that cannot be used aside, for this reason: the request has no outcome from then on.
+    ///
+    /// # Errors
+    /// [`EvaluateError::Record`] if it cannot be written.
+    fn set_aside(&mut self, id: u64, reason: &str) -> Result<(), EvaluateError>;
+
     /// Notes that the study has ended after this number of requests: recorded evaluations beyond it are no part of its
     /// result.
     ///
@@ -99,6 +105,11 @@ impl Journal for InMemoryJournal {
                 format!("evaluation {} was recorded before", request.id).into(),
             ));
         }
+        Ok(())
+    }
+
+    fn set_aside(&mut self, id: u64, _reason: &str) -> Result<(), EvaluateError> {
+        self.outcomes.remove(&id);
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use super::interim::InterimResult;
 use super::learner::Learner;
 use super::learner_thread::{LearnerStep, run_learner};
 use super::observations::ObservedOutcome;
-use super::outcome_check::checked;
+use super::outcome_check::{check, observed, recalled};
 use super::response_layout::ResponseLayout;
 use super::result;
 use super::run_times::RunTimes;
@@ -16,6 +16,7 @@ use crate::results::progress::{Observer, Progress};
 use crate::results::summary::Round;
 use crate::results::timing::{Timing, WorkerShare};
 use common::accuracy::Accuracy;
+use common::evaluation_shape::EvaluationShape;
 use common::scene::Scene;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
@@ -36,6 +37,7 @@ pub(super) struct Dispatcher<'a> {
     /// Names of the limit states and, last, of the system.
     names: Vec<String>,
     checkpoints: Vec<u32>,
+    shape: EvaluationShape,
     /// Accuracy for the repetition of failed samples; `None` if nothing is repeated.
     stricter: Option<Accuracy>,
     /// Bound on the evaluations, for the observer.
@@ -76,6 +78,7 @@ impl<'a> Dispatcher<'a> {
             responses: ResponseLayout::from_scene(scene),
             names: result::curve_names(scene),
             checkpoints: scene.life.checkpoints(),
+            shape: EvaluationShape::of(scene),
             stricter,
             budget,
             evaluator,
@@ -102,7 +105,7 @@ impl<'a> Dispatcher<'a> {
     }
 
     fn answer(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
-        let Self { scene, responses, names, checkpoints, stricter, budget, evaluator, record } = self;
+        let Self { scene, responses, names, checkpoints, shape, stricter, budget, evaluator, record } = self;
         let (outcomes, recorded) = channel();
         let (sender, steps) = channel();
         std::thread::scope(|scope| {
@@ -112,6 +115,7 @@ impl<'a> Dispatcher<'a> {
                 responses,
                 names,
                 checkpoints,
+                shape,
                 stricter: *stricter,
                 budget: *budget,
                 record,
@@ -218,6 +222,7 @@ struct StudyRequests<'s, 'a> {
     responses: &'s ResponseLayout,
     names: &'s [String],
     checkpoints: &'s [u32],
+    shape: &'s EvaluationShape,
     stricter: Option<Accuracy>,
     budget: usize,
     record: &'s mut Record<'a>,
@@ -258,10 +263,12 @@ impl RequestSource for StudyRequests<'_, '_> {
             };
             outcomes.push((request, finished));
         }
+        let checked = outcomes.iter().try_for_each(|(_, finished)| check(finished, self.shape));
+        checked.map_err(|error| self.fail(error))?;
         self.record.store(&outcomes)?;
         self.polled = Instant::now();
-        let settled = outcomes.into_iter().try_for_each(|(_, finished)| self.settle(finished));
-        settled.map_err(|error| self.fail(error))
+        outcomes.into_iter().for_each(|(_, finished)| self.settle(finished));
+        Ok(())
     }
 }
 
@@ -315,18 +322,16 @@ impl StudyRequests<'_, '_> {
         }
     }
 
-    /// Checks an outcome and stores it in its chunk.
-    fn settle(&mut self, finished: Finished) -> Result<(), StudyError> {
+    /// Stores an outcome in its chunk.
+    fn settle(&mut self, finished: Finished) {
         let share = self.record.shares.entry(finished.worker.clone()).or_default();
         share.0 += 1;
         share.1 += finished.wall;
         let id = finished.id;
-        let observed = checked(finished, self.scene, self.checkpoints)?;
-        let outcome = observed.map(|observed| self.responses.complete(observed));
+        let outcome = observed(finished).map(|observed| self.responses.complete(observed));
         let chunk = self.chunks.iter_mut().rev().find(|chunk| chunk.first <= id);
         let chunk = chunk.expect("every request has a chunk");
         chunk.outcomes[(id - chunk.first) as usize] = Some(outcome);
-        Ok(())
     }
 
     /// Numbers the samples of a chunk, takes the finished ones from the campaign file, and returns the
@@ -341,11 +346,11 @@ impl StudyRequests<'_, '_> {
             let accuracy = self.stricter.filter(|_| wanted.stricter);
             let with_first_cycle = id == 0 || (id == 1 && wanted.stricter); // The nominal point, or its repetition.
             let request = Request { id, sample: wanted.sample, with_first_cycle, accuracy };
-            match self.record.journal.finished(&request)? {
+            match recalled(self.record.journal, &request, self.shape)? {
                 Some(finished) => {
                     self.record.done += 1;
                     notice(self.record.observer, self.record.done, &finished, true);
-                    self.settle(finished)?;
+                    self.settle(finished);
                 }
                 None => {
                     self.requests.insert(id, request.clone());

@@ -1,12 +1,13 @@
 //! Simulation of samples that no campaign of a study has requested: each is looked up in the journal first, and recorded there.
 
 use super::observations::ObservedOutcome;
-use super::outcome_check::checked;
+use super::outcome_check::{check, observed, recalled};
 use super::response_layout::ResponseLayout;
 use super::step::SampleRequest;
 use super::{Settings, StudyError};
-use crate::farm::evaluate::{Evaluator, Finished, Request};
+use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use crate::results::journal::Journal;
+use common::evaluation_shape::EvaluationShape;
 use common::scene::Scene;
 use std::collections::BTreeMap;
 
@@ -31,26 +32,33 @@ pub fn simulate_samples(
         accuracy: stricter.filter(|_| wanted.stricter),
     };
     let requests: Vec<Request> = (first..).zip(requests).map(numbered).collect();
-    let mut found: BTreeMap<u64, Finished> = BTreeMap::new();
+    let shape = EvaluationShape::of(scene);
+    let (mut found, mut misfit): (BTreeMap<u64, Finished>, _) = (BTreeMap::new(), None);
     let mut missing = Vec::new();
     for request in &requests {
-        match journal.finished(request)? {
+        match recalled(journal, request, &shape)? {
             Some(finished) => drop(found.insert(request.id, finished)),
             None => missing.push(request.clone()),
         }
     }
-    evaluator.evaluate(&missing, &mut |finished| {
+    let evaluated = evaluator.evaluate(&missing, &mut |finished| {
+        if let Err(error) = check(&finished, &shape) {
+            misfit = Some(error);
+            return Err(EvaluateError::Interrupted);
+        }
         let request = missing.iter().find(|request| request.id == finished.id);
         if let Some(request) = request {
             journal.record(request, &finished)?;
         }
         found.insert(finished.id, finished);
         Ok(())
-    })?;
-    let (responses, checkpoints) = (ResponseLayout::from_scene(scene), scene.life.checkpoints());
+    });
+    misfit.map_or(Ok(()), Err)?;
+    evaluated?;
+    let responses = ResponseLayout::from_scene(scene);
     let outcome = |request: &Request| {
         let finished = found.remove(&request.id).ok_or(StudyError::Unanswered { id: request.id })?;
-        Ok(checked(finished, scene, &checkpoints)?.map(|observed| responses.complete(observed)))
+        Ok(observed(finished).map(|observed| responses.complete(observed)))
     };
     requests.iter().map(outcome).collect()
 }

@@ -42,6 +42,10 @@ impl Journal for SlowJournal {
         Ok(())
     }
 
+    fn set_aside(&mut self, id: u64, reason: &str) -> Result<(), EvaluateError> {
+        self.file.set_aside(id, reason)
+    }
+
     fn ended(&mut self, requests: u64) -> Result<(), EvaluateError> {
         self.file.ended(requests)
     }

@@ -8,7 +8,9 @@ use super::throughput::Throughput;
 use super::transport::{Incoming, IncomingQuery, Transport};
 use super::warn::warn;
 use crate::farm::evaluate::{Finished, Request};
-use common::wire::{self, Claim, Next, Notice, Reply, Status, WireError, WorkOrder, WorkerId};
+use common::evaluation_shape::EvaluationShape;
+use common::failure::SimulationFailure;
+use common::wire::{self, Claim, Next, Notice, Outcome, Reply, Status, WireError, WorkOrder, WorkerId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -97,6 +99,8 @@ pub(super) struct DispatchLoop {
     campaign: u64,
     /// Scene and settings sent with the tasks.
     order: WorkOrder,
+    /// Shape of the outcomes; `None`: any.
+    shape: Option<EvaluationShape>,
     transport: Transport,
     connected: Arc<ConnectedWorkers>,
     board: StatusBoard,
@@ -119,6 +123,7 @@ impl DispatchLoop {
     pub fn new(
         settings: SchedulerSettings,
         order: WorkOrder,
+        shape: Option<EvaluationShape>,
         transport: Transport,
         connected: Arc<ConnectedWorkers>,
         board: StatusBoard,
@@ -128,6 +133,7 @@ impl DispatchLoop {
             campaign: settings.campaign,
             scheduler: Scheduler::new(settings),
             order,
+            shape,
             transport,
             connected,
             board,
@@ -220,7 +226,8 @@ impl DispatchLoop {
 
     fn handle_claim(&mut self, query: IncomingQuery) {
         match wire::decode::<Claim>(&query.frame()) {
-            Ok(claim) => {
+            Ok(mut claim) => {
+                claim.finished.iter_mut().for_each(|outcome| self.refuse_misfit(outcome));
                 let token = self.next_token;
                 self.next_token += 1;
                 self.unanswered.insert(token, query);
@@ -246,6 +253,19 @@ impl DispatchLoop {
                 }
                 self.transport.refuse(query, error.to_string());
             }
+        }
+    }
+
+    /// Replaces an outcome of the campaign that does not fit its scene by the statement that its worker cannot be used.
+    fn refuse_misfit(&self, outcome: &mut Outcome) {
+        let Outcome { task, result, .. } = outcome;
+        if let (Some(shape), Ok(evaluation)) = (&self.shape, &*result)
+            && task.key.campaign == self.campaign
+            && let Some(misfit) = shape.misfit(evaluation)
+        {
+            let reason =
+                format!("its outcome of evaluation {} does not fit the scene: {misfit}", task.key.task);
+            *result = Err(SimulationFailure::SimulatorUnusable { reason });
         }
     }
 

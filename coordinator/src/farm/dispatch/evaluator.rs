@@ -8,6 +8,7 @@ use super::status_board::StatusBoard;
 use super::transport::{Listen, Transport};
 use crate::farm::evaluate::{EvaluateError, Evaluator, POLL_INTERVAL, PendingRequests, RequestSource};
 use common::accuracy::Accuracy;
+use common::evaluation_shape::EvaluationShape;
 use common::external::SimulatorId;
 use common::wire::{self, Message, Next, Reply, Status, Subject, WorkOrder};
 use std::collections::BTreeSet;
@@ -42,6 +43,8 @@ pub struct CampaignSpec {
     pub accuracy: Accuracy,
     /// Name of the numerical settings, for display.
     pub accuracy_name: String,
+    /// The shape of its outcomes: workers whose outcomes have another one get no more tasks. `None`: any.
+    pub shape: Option<EvaluationShape>,
     /// The external simulator of the scene, if it names one. Workers then get its identity instead of the scene.
     pub simulator: Option<CampaignSimulator>,
     /// Whether an earlier coordinator began the campaign. Its workers may reconnect with running tasks, so new leases wait
@@ -91,7 +94,7 @@ impl ZenohEvaluator {
             (true, None) if fixed_endpoint => SETTLE,
             _ => Duration::ZERO,
         };
-        let CampaignSpec { id, scene, accuracy, accuracy_name, simulator, .. } = campaign;
+        let CampaignSpec { id, scene, accuracy, accuracy_name, shape, simulator, .. } = campaign;
         let settings = SchedulerSettings { settle, ..settings(id, simulator.as_ref()) };
         if scene.len() > MAX_SCENE {
             return Err(DispatchError::SceneTooLarge { bytes: scene.len(), limit: MAX_SCENE });
@@ -117,6 +120,7 @@ impl ZenohEvaluator {
         let dispatch_loop = DispatchLoop::new(
             settings,
             order,
+            shape,
             transport,
             Arc::clone(&connected),
             board.clone(),

@@ -32,6 +32,10 @@ impl Journal for FurtherEvaluations<'_> {
         Ok(self.campaign.insert_further(request, finished)?)
     }
 
+    fn set_aside(&mut self, id: u64, reason: &str) -> Result<(), EvaluateError> {
+        self.campaign.set_aside(id, reason)
+    }
+
     fn ended(&mut self, _requests: u64) -> Result<(), EvaluateError> {
         Ok(())
     }
@@ -51,7 +55,7 @@ impl CampaignFile {
         &self,
         mut visit: impl FnMut(Vec<f64>, EvaluationResult),
     ) -> Result<(), StoreError> {
-        let sql = "SELECT id, sample, outcome FROM evaluation ORDER BY id < 0, abs(id)";
+        let sql = "SELECT id, sample, outcome FROM evaluation WHERE stricter < 2 ORDER BY id < 0, abs(id)";
         let mut statement = self.connection.prepare(sql).map_err(|source| self.database(source))?;
         let rows = statement
             .query_map([], |row| {

@@ -24,6 +24,10 @@ impl Journal for CampaignFile {
         Ok(self.insert(outcomes.iter().map(|(request, finished)| (request, finished)))?)
     }
 
+    fn set_aside(&mut self, id: u64, reason: &str) -> Result<(), EvaluateError> {
+        Ok(self.set_misfit_aside(to_key(id), reason)?)
+    }
+
     fn ended(&mut self, requests: u64) -> Result<(), EvaluateError> {
         Ok(self.set_aside_from(to_key(requests))?)
     }

@@ -122,6 +122,23 @@ impl CampaignFile {
         set_aside(&self.connection).map_err(|source| self.database(source))
     }
 
+    /// Takes an evaluation whose outcome does not fit the scene out of the study for good, with the reason in the place of a
+    /// failure.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub(super) fn set_misfit_aside(&mut self, id: i64, reason: &str) -> Result<(), StoreError> {
+        let set_aside = |connection: &Connection| -> rusqlite::Result<()> {
+            let transaction = begin_renumbering(connection)?;
+            let number = free_number(&transaction)?;
+            renumber(&transaction, id, number)?;
+            let sql = "UPDATE evaluation SET failure = ?2, stricter = 2 WHERE id = ?1";
+            transaction.execute(sql, params![number, reason])?;
+            transaction.commit()
+        };
+        set_aside(&self.connection).map_err(|source| self.database(source))
+    }
+
     /// Gives number `id` to the recorded evaluation of this sample, if there is one; an evaluation of another sample that
     /// has the number is set aside.
     ///

@@ -3,7 +3,7 @@
 //! `output_error` (the numerical error that an evaluation states of each value of `output`, same columns and units),
 //! `learning_round`, `document` (results as JSON), `leg` (settings, command and version of every leg; those of the first
 //! leg but for its settings are also in `campaign`, whose settings are those of the last leg). `evaluation.stricter` is 1
-//! for the repetition of a failed simulation with finer time steps. Numbers below zero are evaluations that are no part of
+//! for the repetition of a failed simulation with finer time steps, and 2 for an outcome that does not fit the scene. Numbers below zero are evaluations that are no part of
 //! the result, see [`super::leg`] and [`super::further`].
 //!
 //! The columns `sample` and `outcome` of `evaluation` are what the program reads back: little-endian f64 and
