@@ -27,7 +27,7 @@ impl EvaluationShape {
     /// square is one, a stated error that is none or negative. `None` if it fits. An evaluation that states no errors counts as
     /// exact.
     pub fn misfit(&self, evaluation: &Evaluation) -> Option<String> {
-        let Self { outputs, checkpoints } = self;
+        let checkpoints = &self.checkpoints;
         if evaluation.cycles != *checkpoints {
             let differs =
                 evaluation.cycles.iter().zip(checkpoints).find(|(found, expected)| found != expected);

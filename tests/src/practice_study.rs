@@ -1,6 +1,7 @@
 //! A complete study whose simulations are a formula: learning, campaign file, messages and processes are those of every
 //! study, and their cost is not hidden by the simulations.
 
+use common::evaluation_shape::EvaluationShape;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use common::scene::{Scene, SceneSource};
