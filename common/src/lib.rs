@@ -9,6 +9,7 @@
 //! | result | [`failure`], [`outputs`] | results of an evaluation, or the reason why there is none |
 //! | | [`evaluation_shape`] | whether a result fits its scene |
 //! | | [`external`] | evaluations by a user's program or an UM-Bridge server |
+//! | process | [`panics`] | panics of simulations, and of anything else |
 //! | transport | [`umbridge`], [`wire`] | the UM-Bridge protocol; the messages between coordinator and worker |
 //!
 //! A built-in scene, read and changed:
@@ -52,6 +53,7 @@ pub mod evaluation_shape;
 pub mod external;
 pub mod failure;
 pub mod outputs;
+pub mod panics;
 pub mod random;
 pub mod scene;
 pub mod umbridge;

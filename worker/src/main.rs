@@ -6,6 +6,7 @@ mod signals;
 use clap::{CommandFactory, Parser};
 use clap_complete::Shell;
 use common::accuracy::NamedAccuracy;
+use common::panics::end_process_on_panic;
 use common::scene::{Faults, SceneSource};
 use signals::{INTERRUPTED, Signals};
 use std::path::PathBuf;
@@ -123,6 +124,10 @@ Examples:
 Exit codes: 0 the campaign ended or the worker was stopped (SIGTERM), 1 failure, 2 bad input, 130 Ctrl-C.";
 
 fn main() -> ExitCode {
+    end_process_on_panic(
+        "This is a defect of the program or of its messaging library, or the system is out of files or memory. The \
+         coordinator gives the unfinished evaluations to other workers.",
+    );
     let arguments = Arguments::parse();
     let printed = match arguments.completions {
         Some(shell) => Some(shell::print_completions(Arguments::command(), shell)),

@@ -48,6 +48,7 @@ mod verify;
 mod what_if;
 
 use command::{CommandArguments, CommandLine};
+use common::panics::end_process_on_panic;
 use coordinator::presentation::terminal::print_message;
 use error::CommandError;
 use shared::Verbosity;
@@ -60,6 +61,10 @@ const LOG_VARIABLE: &str = "HINGEWISE_LOG";
 
 /// Reads the command line and runs the command; the exit code of the process.
 pub fn main() -> ExitCode {
+    end_process_on_panic(
+        "This is a defect of the program or of its messaging library, or the system is out of files or memory. Every \
+         evaluation recorded so far is saved: continue a study with `coordinator resume DIR`.",
+    );
     let arguments = CommandLine::read();
     start_log(arguments.verbosity);
     let done = run_command(arguments);

@@ -5,8 +5,8 @@ use crate::simulate::{CountedEvaluation, SimulateOptions, simulate_counted};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
+use common::panics::caught;
 use common::scene::{ContactLaw, Scene};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -127,12 +127,9 @@ pub fn run_all(cases: &[Case], threads: usize, done: impl Fn(&Row) + Sync) -> Ve
 /// Simulates with panics as failures: a panic is a defect of the program, but the other rows are kept.
 fn simulate_guarded(scene: &Scene, accuracy: &Accuracy) -> CountedEvaluation {
     let counted = || simulate_counted(scene, accuracy, SimulateOptions::default());
-    catch_unwind(AssertUnwindSafe(counted)).unwrap_or_else(|panic| {
-        let text = panic.downcast_ref::<String>().cloned();
-        let message = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
-        let failure = SimulationFailure::Panicked { message: message.unwrap_or_default() };
-        CountedEvaluation { result: Err(failure), steps_tried: 0 }
-    })
+    let failed = |message| SimulationFailure::Panicked { message };
+    caught(counted)
+        .unwrap_or_else(|message| CountedEvaluation { result: Err(failed(message)), steps_tried: 0 })
 }
 
 /// Every output at the checkpoint where the two runs differ most, relative to the stated error.

@@ -3,11 +3,10 @@
 use super::{Job, Simulator};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
+use common::panics::caught;
 use common::wire::{self, Outcome};
-use std::any::Any;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
 /// Largest encoded outcome [bytes]; a message carries several.
@@ -24,7 +23,7 @@ pub(super) fn evaluate(
 ) {
     let under_way: RefCell<BTreeMap<usize, Job>> = RefCell::default();
     let (mut first, mut begun) = (Some(first), 0);
-    let together = catch_unwind(AssertUnwindSafe(|| {
+    let together = caught(|| {
         let mut next = || {
             let job = first.take().or_else(|| more(under_way.borrow().len()))?;
             under_way.borrow_mut().insert(begun, job.clone());
@@ -37,11 +36,11 @@ pub(super) fn evaluate(
                 done(job.coordinator, outcome_of(job, worker, took, result));
             }
         });
-    }));
+    });
     let mut left: Vec<Job> = first.into_iter().chain(under_way.into_inner().into_values()).collect();
     match (together, left.len()) {
-        (Err(panic), 1) => {
-            let failure = SimulationFailure::Panicked { message: panic_message(&*panic) };
+        (Err(message), 1) => {
+            let failure = SimulationFailure::Panicked { message };
             left.drain(..).for_each(|job| {
                 done(job.coordinator, outcome_of(job, worker, Duration::ZERO, Err(failure.clone())))
             });
@@ -53,9 +52,8 @@ pub(super) fn evaluate(
 
 fn evaluate_alone(simulator: &dyn Simulator, worker: &str, job: Job) -> Outcome {
     let begun = Instant::now();
-    let result = catch_unwind(AssertUnwindSafe(|| simulator.simulate(&job)));
-    let failed =
-        |panic: Box<dyn Any + Send>| Err(SimulationFailure::Panicked { message: panic_message(&*panic) });
+    let result = caught(|| simulator.simulate(&job));
+    let failed = |message| Err(SimulationFailure::Panicked { message });
     outcome_of(job, worker, begun.elapsed(), result.unwrap_or_else(failed))
 }
 
@@ -95,11 +93,6 @@ fn within_size(outcome: Outcome) -> Outcome {
             Outcome { result: Err(SimulationFailure::NotModelled { what }), ..outcome }
         }
     }
-}
-
-fn panic_message(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
-    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".into())
 }
 
 #[cfg(test)]
