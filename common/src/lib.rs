@@ -9,7 +9,8 @@
 //! | result | [`failure`], [`outputs`] | results of an evaluation, or the reason why there is none |
 //! | | [`evaluation_shape`] | whether a result fits its scene |
 //! | | [`external`] | evaluations by a user's program or an UM-Bridge server |
-//! | process | [`panics`] | panics of simulations, and of anything else |
+//! | process | [`build`] | the build of the program that determines the bits of results |
+//! | | [`panics`] | panics of simulations, and of anything else |
 //! | transport | [`umbridge`], [`wire`] | the UM-Bridge protocol; the messages between coordinator and worker |
 //!
 //! A built-in scene, read and changed:
@@ -49,6 +50,7 @@
 //! ```
 
 pub mod accuracy;
+pub mod build;
 pub mod evaluation_shape;
 pub mod external;
 pub mod failure;

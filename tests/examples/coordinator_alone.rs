@@ -56,7 +56,7 @@ impl Hand {
         Claim {
             worker: self.id.clone(),
             sequence: self.sequence,
-            offers: Offers::Scenes,
+            offers: Offers::Scenes(worker::BUILD),
             slots: 1,
             credits,
             holding: finished.iter().map(|outcome| outcome.task.key).collect(),

@@ -25,6 +25,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         scene,
         accuracy: Accuracy::balanced(),
         accuracy_name,
+        build: None,
+        shape: None,
         simulator: None,
         resumed: false,
     };

@@ -69,6 +69,7 @@ impl BeamStudy {
             scene: self.source.text().to_owned(),
             accuracy: Accuracy::balanced(),
             accuracy_name: "balanced".into(),
+            build: Some(worker::BUILD),
             shape: Some(EvaluationShape::of(self.source.nominal())),
             simulator: Some(CampaignSimulator { id: self.id(), timeout: 60.0, licences }),
             resumed: false,

@@ -93,6 +93,7 @@ pub fn campaign() -> CampaignSpec {
         scene: "name = \"practice\"".into(),
         accuracy,
         accuracy_name: "draft".into(),
+        build: Some(worker::BUILD),
         shape: None,
         simulator: None,
         resumed: false,

@@ -85,6 +85,7 @@ impl PracticeStudy {
             scene: self.source.text().to_owned(),
             accuracy,
             accuracy_name: "balanced".into(),
+            build: Some(worker::BUILD),
             shape: Some(EvaluationShape::of(&self.scene)),
             simulator: None,
             resumed,

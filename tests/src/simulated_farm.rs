@@ -272,7 +272,7 @@ impl World {
         let claim = Claim {
             worker: hand.id.clone(),
             sequence: hand.sequence,
-            offers: Offers::Scenes,
+            offers: Offers::Scenes(worker::BUILD),
             slots: 1,
             credits: u32::from(hand.running.is_none()),
             holding: held.map(|task| task.key).collect(),

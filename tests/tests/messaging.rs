@@ -28,7 +28,7 @@ fn claim_of(name: &str) -> Claim {
     Claim {
         worker: WorkerId { name: name.into(), epoch: 1 },
         sequence: 1,
-        offers: Offers::Scenes,
+        offers: Offers::Scenes(worker::BUILD),
         slots: 1,
         credits: 1,
         holding: vec![],

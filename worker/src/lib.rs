@@ -39,6 +39,9 @@
 //! | [`simulator`] | the simulator that the worker offers |
 //! | [`umbridge`] | a scene as a model for UM-Bridge clients |
 
+/// The build of the simulation in this program.
+pub const BUILD: common::build::Build = common::build::Build::from_digits(env!("HINGEWISE_BUILD"));
+
 pub mod bore;
 pub mod contact;
 pub mod extremes;

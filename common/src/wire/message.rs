@@ -3,6 +3,7 @@
 use super::codec::{Message, WireError};
 use super::numbers;
 use crate::accuracy::Accuracy;
+use crate::build::Build;
 use crate::external::SimulatorId;
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
@@ -75,8 +76,8 @@ impl Outcome {
 /// What a worker can evaluate.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Offers {
-    /// Scenes, by their text.
-    Scenes,
+    /// Scenes, by their text, simulated by a build of the program.
+    Scenes(Build),
     /// External simulators that the worker has itself, and nothing else.
     Simulators(Vec<SimulatorId>),
 }
@@ -85,7 +86,7 @@ impl Offers {
     /// True if tasks of `subject` may go to the worker.
     pub fn cover(&self, subject: &Subject) -> bool {
         match (self, subject) {
-            (Self::Scenes, Subject::Scene(_)) => true,
+            (Self::Scenes(_), Subject::Scene(_)) => true,
             (Self::Simulators(offered), Subject::Simulator(wanted)) => offered.contains(wanted),
             _ => false,
         }

@@ -26,6 +26,7 @@ pub fn announced(
         scene: source.text().to_owned(),
         accuracy: accuracy.accuracy,
         accuracy_name: accuracy.name,
+        build: Some(worker::BUILD),
         shape: Some(EvaluationShape::of(scene)),
         simulator: scene.simulator.as_ref().map(|simulator| CampaignSimulator {
             id: SimulatorId::new(simulator, scene),

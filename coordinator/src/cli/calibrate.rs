@@ -72,6 +72,7 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
         scene: space.source.text().to_owned(),
         accuracy: accuracy.accuracy,
         accuracy_name: accuracy.name,
+        build: Some(worker::BUILD),
         shape: Some(EvaluationShape::of(scene)),
         simulator: None,
         resumed: false,

@@ -164,7 +164,7 @@ fn claim(session: &ClientSession, worker: &WorkerId) -> Result<((), String), Str
     let claim = Claim {
         worker: worker.clone(),
         sequence: 1,
-        offers: Offers::Scenes,
+        offers: Offers::Scenes(worker::BUILD),
         slots: 0,
         credits: 0,
         holding: vec![],

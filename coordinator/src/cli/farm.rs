@@ -137,7 +137,8 @@ impl WorkerFarm {
     /// # Errors
     /// [`CommandError::Signals`], [`CommandError::Dispatch`], [`CommandError::NoLicences`].
     pub fn listen(mut campaign: CampaignSpec, arguments: &FarmArguments) -> Result<Self, CommandError> {
-        let FarmArguments { listen, config, insecure, licences, .. } = arguments.clone();
+        let FarmArguments { listen, config, insecure, licences, mixed_builds, .. } = arguments.clone();
+        campaign.build = campaign.build.filter(|_| !mixed_builds);
         match &mut campaign.simulator {
             Some(simulator) => simulator.licences = licences,
             None if licences.is_some() => return Err(CommandError::NoLicences),

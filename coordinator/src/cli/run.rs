@@ -73,7 +73,7 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
         scene_source: source.text().to_owned(),
         settings: serde_json::to_value(&settings)?,
         command: command_line(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
+        version: program(),
     };
     // Listen first: an address that cannot be used must not leave a folder behind.
     let campaign = || announced(&source, &settings, false);
@@ -122,18 +122,28 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
     let watched = WatchedStudy { dir, scene: study.scene(), settings: &study.settings };
     let monitor = Monitor::open(monitor, farm.insecure, &evaluator, &watched)?;
     study.campaign.forget_failed_start()?;
-    if begins_leg {
+    // Another build computes what follows: from which evaluation on, the legs say.
+    let by_another = study.campaign.legs()?.last().is_none_or(|leg| leg.version != program());
+    if begins_leg || by_another {
         let settings = serde_json::to_value(&study.settings)?;
-        study.campaign.begin_leg(settings, &command_line(), env!("CARGO_PKG_VERSION"))?;
+        study.campaign.begin_leg(settings, &command_line(), &program())?;
     }
     finish(study, evaluator, monitor, verbosity)
+}
+
+/// Version and build of this program.
+fn program() -> String {
+    format!("{} (build {})", env!("CARGO_PKG_VERSION"), worker::BUILD)
 }
 
 /// Says on standard error what a study goes on from.
 fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Result<(), CommandError> {
     print_message(format_args!("{} evaluations are done already", study.campaign.count()?));
-    let (before, ours) = (&study.campaign.meta().version, env!("CARGO_PKG_VERSION"));
-    if before != ours {
+    let legs = study.campaign.legs()?;
+    let begun = &study.campaign.meta().version;
+    let before = legs.iter().skip(1).last().map_or(begun, |leg| &leg.version);
+    let ours = program();
+    if *before != ours {
         print_message(format_args!(
             "they are by version {before} of the program, and those that follow by version {ours}: where the two compute \
              other digits, the study has both"

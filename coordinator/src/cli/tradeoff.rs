@@ -111,6 +111,7 @@ fn announced(source: &SceneSource, plan: &TradeoffPlan) -> CampaignSpec {
         scene: source.text().to_owned(),
         accuracy,
         accuracy_name: "tradeoff".into(),
+        build: Some(worker::BUILD),
         shape: Some(EvaluationShape::of(source.nominal())),
         simulator: None,
         resumed: false,

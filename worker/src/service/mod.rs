@@ -116,7 +116,7 @@ impl Job {
 pub trait Simulator: Send + Sync {
     /// What the worker announces to coordinators: it gets no tasks of anything else.
     fn offers(&self) -> Offers {
-        Offers::Scenes
+        Offers::Scenes(crate::BUILD)
     }
 
     /// Evaluates the sample of one job.

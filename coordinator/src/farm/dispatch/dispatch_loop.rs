@@ -8,6 +8,7 @@ use super::throughput::Throughput;
 use super::transport::{Incoming, IncomingQuery, Transport};
 use super::warn::warn;
 use crate::farm::evaluate::{Finished, Request};
+use common::build::Build;
 use common::evaluation_shape::EvaluationShape;
 use common::failure::SimulationFailure;
 use common::wire::{self, Claim, Next, Notice, Outcome, Reply, Status, WireError, WorkOrder, WorkerId};
@@ -97,6 +98,8 @@ impl ConnectedWorkers {
 pub(super) struct DispatchLoop {
     scheduler: Scheduler,
     campaign: u64,
+    /// The only build whose results are used; `None`: any.
+    build: Option<Build>,
     /// Scene and settings sent with the tasks.
     order: WorkOrder,
     /// Shape of the outcomes; `None`: any.
@@ -131,6 +134,7 @@ impl DispatchLoop {
     ) -> Self {
         Self {
             campaign: settings.campaign,
+            build: settings.build,
             scheduler: Scheduler::new(settings),
             order,
             shape,
@@ -293,7 +297,7 @@ impl DispatchLoop {
             }
             Action::Announce(points) => self.announcements.add(points),
             Action::AnnounceEnd => self.publish(&Notice::Ended { campaign: self.campaign }),
-            Action::Warn(warning) => warn(&warning, &self.order.subject),
+            Action::Warn(warning) => warn(&warning, &self.order.subject, self.build),
         }
     }
 

@@ -8,6 +8,7 @@ use super::status_board::StatusBoard;
 use super::transport::{Listen, Transport};
 use crate::farm::evaluate::{EvaluateError, Evaluator, POLL_INTERVAL, PendingRequests, RequestSource};
 use common::accuracy::Accuracy;
+use common::build::Build;
 use common::evaluation_shape::EvaluationShape;
 use common::external::SimulatorId;
 use common::wire::{self, Message, Next, Reply, Status, Subject, WorkOrder};
@@ -43,6 +44,9 @@ pub struct CampaignSpec {
     pub accuracy: Accuracy,
     /// Name of the numerical settings, for display.
     pub accuracy_name: String,
+    /// The build of the program whose simulations the study uses; workers of another build get no tasks. `None`: all builds are
+    /// admitted, and that of each result is recorded with its worker.
+    pub build: Option<Build>,
     /// The shape of its outcomes: workers whose outcomes have another one get no more tasks. `None`: any.
     pub shape: Option<EvaluationShape>,
     /// The external simulator of the scene, if it names one. Workers then get its identity instead of the scene.
@@ -94,8 +98,8 @@ impl ZenohEvaluator {
             (true, None) if fixed_endpoint => SETTLE,
             _ => Duration::ZERO,
         };
-        let CampaignSpec { id, scene, accuracy, accuracy_name, shape, simulator, .. } = campaign;
-        let settings = SchedulerSettings { settle, ..settings(id, simulator.as_ref()) };
+        let CampaignSpec { id, scene, accuracy, accuracy_name, build, shape, simulator, .. } = campaign;
+        let settings = SchedulerSettings { settle, build, ..settings(id, simulator.as_ref()) };
         if scene.len() > MAX_SCENE {
             return Err(DispatchError::SceneTooLarge { bytes: scene.len(), limit: MAX_SCENE });
         }

@@ -1,14 +1,25 @@
 //! Texts of the scheduler's warnings.
 
 use super::scheduler::Warning;
+use common::build::Build;
 use common::wire::{Offers, Subject};
 
 /// Simulators of a worker that are listed.
 const SHOWN: usize = 5;
 
-/// Logs a warning of a campaign on `subject`.
-pub(super) fn warn(warning: &Warning, subject: &Subject) {
+/// Logs a warning of a campaign on `subject` that uses results of one `build` of the program only, or of any.
+pub(super) fn warn(warning: &Warning, subject: &Subject, build: Option<Build>) {
     match warning {
+        Warning::NotOffered { worker, offers: Offers::Scenes(theirs) }
+            if build.is_some_and(|ours| ours != *theirs) && matches!(subject, Subject::Scene(_)) =>
+        {
+            tracing::warn!(
+                "worker {} gets no evaluations: its program is build {theirs}, that of the coordinator build {}, and their \
+                 results may differ; start the worker with the program of the coordinator, or the study with --mixed-builds",
+                worker.name,
+                build.unwrap_or_default()
+            );
+        }
         Warning::NotOffered { worker, offers } => tracing::warn!(
             "worker {} gets no evaluations: the study is of {}, the worker offers {}",
             worker.name,
@@ -53,7 +64,7 @@ fn wanted(subject: &Subject) -> String {
 /// What a worker offers, in words.
 fn offered(offers: &Offers) -> String {
     match offers {
-        Offers::Scenes => "simulations of mechanisms".to_owned(),
+        Offers::Scenes(_) => "simulations of mechanisms".to_owned(),
         Offers::Simulators(all) => {
             let shown: Vec<String> = all.iter().take(SHOWN).map(ToString::to_string).collect();
             let more = if all.len() > SHOWN { ", ..." } else { "" };

@@ -50,7 +50,7 @@ pub use snapshot::FarmSnapshot;
 
 use crate::farm::evaluate::{Finished, Request};
 use common::failure::SimulationFailure;
-use common::wire::{Claim, Outcome, TaskKey, WorkerId};
+use common::wire::{Claim, Offers, Outcome, TaskKey, WorkerId};
 use licences::HeldLicences;
 use pending_replies::{PendingReplies, PendingReply};
 use std::collections::BTreeSet;
@@ -174,7 +174,7 @@ impl Scheduler {
 
     fn on_claim(&mut self, now: Duration, token: Token, claim: Claim, actions: &mut Vec<Action>) {
         let Claim { worker: id, sequence, offers, slots, credits, holding, finished, leaving } = claim;
-        let offered = offers.cover(&self.settings.subject);
+        let offered = self.settings.admits(&offers);
         let campaign = self.settings.campaign;
         let of_campaign = |key: TaskKey| (key.campaign == campaign).then_some(key.task);
         let returned: BTreeSet<u64> =
@@ -186,7 +186,10 @@ impl Scheduler {
         // Outcomes first: they count whichever worker returns them.
         let mut pending =
             PendingReply { worker: id.clone(), credits, acknowledged: Vec::new(), waiting: BTreeSet::new() };
-        for outcome in finished {
+        for mut outcome in finished {
+            if let (None, Offers::Scenes(build)) = (self.settings.build, &offers) {
+                outcome.worker = format!("{} (build {build})", outcome.worker);
+            }
             self.on_outcome(now, outcome, &mut pending, actions);
         }
 

@@ -1,6 +1,7 @@
 //! Deadlines and limits of the scheduler.
 
-use common::wire::Subject;
+use common::build::Build;
+use common::wire::{Offers, Subject};
 use std::time::Duration;
 
 /// Deadlines and limits of the scheduler.
@@ -10,6 +11,8 @@ pub struct SchedulerSettings {
     pub campaign: u64,
     /// Scene or simulator of the tasks: workers that do not offer it get none.
     pub subject: Subject,
+    /// The build of the program that simulates scenes: workers of another one get none. `None`: any.
+    pub build: Option<Build>,
     /// Bound on the evaluations at once, if there is one.
     pub licences: Option<u32>,
     /// Losses (of a worker, or by a deadline) after which a task is given up; the last loss counts at a worker that has
@@ -39,11 +42,20 @@ pub struct SchedulerSettings {
 }
 
 impl SchedulerSettings {
+    /// True if a worker that offers this gets tasks.
+    pub(super) fn admits(&self, offers: &Offers) -> bool {
+        match (self.build, offers) {
+            (Some(ours), Offers::Scenes(theirs)) if ours != *theirs => false,
+            _ => offers.cover(&self.subject),
+        }
+    }
+
     /// The default settings for a campaign.
     pub fn new(campaign: u64) -> Self {
         Self {
             campaign,
             subject: Subject::Scene(String::new()),
+            build: Some(Build::default()),
             licences: None,
             losses_allowed: 3,
             first_deadline: Duration::from_secs(3600),

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::farm::evaluate::Request;
+use common::build::Build;
 use common::failure::SimulationFailure;
 use common::wire::{Offers, Task};
 
@@ -25,7 +26,7 @@ pub(super) fn claim(
     holding: &[u64],
 ) -> Claim {
     let holding = holding.iter().map(|&task| TaskKey { campaign: CAMPAIGN, task }).collect();
-    let (worker, offers) = (who.clone(), Offers::Scenes);
+    let (worker, offers) = (who.clone(), Offers::Scenes(Build::default()));
     Claim { worker, sequence, offers, slots: credits, credits, holding, finished, leaving: false }
 }
 
