@@ -52,5 +52,6 @@ pub mod failure;
 pub mod outputs;
 pub mod random;
 pub mod scene;
+pub mod text_file;
 pub mod umbridge;
 pub mod wire;

@@ -54,23 +54,23 @@ pub fn scene_with(source: &SceneSource, settings: &[String]) -> Result<SceneSour
     if quantities.is_empty() {
         return others_alone;
     }
-    let mut document: Table = source.text().parse().expect("the scene was read from this text");
-    for (key, value) in quantities {
-        let parts: Vec<&str> = key.split('.').collect();
-        let written = value.parse::<f64>().map_or_else(|_| Value::String(value.to_owned()), Value::Float);
-        if insert(&mut document, &parts, written).is_none() {
-            let setting = format!("{key}={value}");
-            faults.push(setting_fault(
-                &setting,
-                "this key cannot be set; write a scene that `extends` this one",
-            ));
+    let changed = source.edited("--set", |document| {
+        for (key, value) in quantities {
+            let parts: Vec<&str> = key.split('.').collect();
+            let written = value.parse::<f64>().map_or_else(|_| Value::String(value.to_owned()), Value::Float);
+            if insert(document, &parts, written).is_none() {
+                let setting = format!("{key}={value}");
+                faults.push(setting_fault(
+                    &setting,
+                    "this key cannot be set; write a scene that `extends` this one",
+                ));
+            }
         }
-    }
+    });
     if !faults.is_empty() {
         return Err(Faults(faults));
     }
-    let text = toml::to_string(&document).expect("a scene is a table of TOML");
-    redistributed(&SceneSource::parse(&text, "--set").map_err(Faults::without_places)?, &others)
+    redistributed(&changed?, &others)
 }
 
 /// Whether a key is a quantity of the scene itself: no random variable, distribution, threshold or correlation.
