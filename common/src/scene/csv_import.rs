@@ -11,8 +11,12 @@ use std::path::Path;
 use toml::{Table, Value};
 
 /// Lists of a scene and the keys of their rows that may name a CSV file.
-const PLACES: [(&str, &[&str]); 3] =
-    [("loads", &["size", "torque"]), ("bodies", &["speed", "angle"]), ("variables", &["samples"])];
+const PLACES: [(&str, &[&str]); 4] = [
+    ("loads", &["size", "torque", "factor"]),
+    ("bodies", &["speed", "angle"]),
+    ("outputs", &["wanted", "wanted_x", "wanted_y"]),
+    ("variables", &["samples"]),
+];
 
 /// Key of a curve or of samples with the file that they are from, and the hash of its content.
 pub(super) const SOURCE: &str = "source";

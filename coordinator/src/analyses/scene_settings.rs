@@ -100,6 +100,8 @@ fn is_distribution(key: &str) -> bool {
 /// path leads nowhere.
 fn insert(table: &mut Table, path: &[&str], value: Value) -> Option<()> {
     let (first, rest) = path.split_first()?;
+    // What a file gave is another value then.
+    table.remove("source");
     if rest.is_empty() {
         table.insert((*first).to_owned(), value);
         return Some(());

@@ -152,6 +152,16 @@ fn drawn(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use resvg::tiny_skia::Pixmap;
+
+    /// The colours of all pixels of a PNG file, as 0xRRGGBB.
+    fn colours_of_png(png: &[u8]) -> Vec<u32> {
+        let picture = Pixmap::decode_png(png).expect("a PNG file");
+        let colour = |pixel: &resvg::tiny_skia::PremultipliedColorU8| {
+            u32::from_be_bytes([0, pixel.red(), pixel.green(), pixel.blue()])
+        };
+        picture.pixels().iter().map(colour).collect()
+    }
 
     fn of(name: &str) -> (DrawnMechanism, Mechanism) {
         let source = SceneSource::builtin(name).expect("built in");

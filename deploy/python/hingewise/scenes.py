@@ -31,7 +31,7 @@ def _with_absolute_paths(table, folder):
         if isinstance(value, str):
             below[key] = str(folder / value)
 
-    rows = [row for key in ("bodies", "loads", "variables") for row in _rows(table, key)]
+    rows = [row for key in ("bodies", "loads", "outputs", "variables") for row in _rows(table, key)]
     for row in rows:
         for value in row.values():
             settle(value, "csv")
