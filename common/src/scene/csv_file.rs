@@ -81,12 +81,11 @@ impl<'t> CsvFile<'t> {
             return None;
         }
         let is_comma_file = self.separator == ',' && found > expected;
-        let advice =
-            if is_comma_file {
-                "; if these are decimal commas, write decimal points: 0.5; if they separate thousands, leave them out: 9000"
-            } else {
-                ""
-            };
+        let advice = if is_comma_file {
+            "; if these are decimal commas, write decimal points: 0.5; if they separate thousands, leave them out: 9000"
+        } else {
+            ""
+        };
         let message = format!("has {found} values, the head has {expected} columns{advice}");
         let span = row.first().map_or(0, |cell| cell.span.start)..row.last().map_or(0, |cell| cell.span.end);
         Some(self.fault(span, key, message))

@@ -55,11 +55,16 @@ fn duplicate(text: &str, origin: &str, span: Range<usize>) -> Faults {
     let head = location.text.trim();
     let names_list = |list: &&str| {
         let inside = head.trim_start_matches('[').trim_start();
-        head.starts_with('[') && inside.strip_prefix(**list).is_some_and(|rest| rest.starts_with([']', '.', ' ']))
+        head.starts_with('[')
+            && inside.strip_prefix(**list).is_some_and(|rest| rest.starts_with([']', '.', ' ']))
     };
     let single = LISTS.iter().find(names_list).and_then(|list| {
-        let is_single = |line: &str| line.strip_prefix('[').is_some_and(|rest| rest.trim_start().starts_with(&format!("{list}]")));
-        lines_before(location_end(text, span.start)).find(|(_, line)| is_single(line)).map(|(at, line)| (list, at, line))
+        let is_single = |line: &str| {
+            line.strip_prefix('[').is_some_and(|rest| rest.trim_start().starts_with(&format!("{list}]")))
+        };
+        lines_before(location_end(text, span.start))
+            .find(|(_, line)| is_single(line))
+            .map(|(at, line)| (list, at, line))
     });
     if let Some((list, at, line)) = single {
         let indent = text[at..].len() - text[at..].trim_start().len();

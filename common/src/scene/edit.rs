@@ -30,9 +30,7 @@ pub(super) fn rewritten(texts: &[&str], document: &Table) -> String {
         text.to_string()
     });
     let is_right = |text: &String| text.parse::<Table>().is_ok_and(|found| found == *document);
-    edited
-        .filter(is_right)
-        .unwrap_or_else(|| toml::to_string(document).expect("a scene is a table of TOML"))
+    edited.filter(is_right).unwrap_or_else(|| toml::to_string(document).expect("a scene is a table of TOML"))
 }
 
 /// Gives a table these contents; `others` are the same table in other texts.
@@ -93,10 +91,14 @@ fn fit(item: &mut Item, others: &[&Item], value: &Value) {
 fn fit_rows(old: Vec<Item>, others: &[&Item], values: &[Value]) -> Vec<(Item, bool)> {
     let mut old: Vec<Option<Item>> = old.into_iter().map(Some).collect();
     let others: Vec<Vec<Item>> = others.iter().map(|other| rows_of(other)).collect();
-    let is_row = |item: &Item, value: &Value| name(value).is_some() && read(item).as_ref().and_then(name) == name(value);
+    let is_row = |item: &Item, value: &Value| {
+        name(value).is_some() && read(item).as_ref().and_then(name) == name(value)
+    };
     let fitted = values.iter().enumerate().map(|(k, value)| {
-        let others: Vec<&Item> = others.iter().filter_map(|rows| rows.iter().find(|row| is_row(row, value))).collect();
-        let find = |is_asked: &dyn Fn(&Item) -> bool| old.iter().position(|row| row.as_ref().is_some_and(is_asked));
+        let others: Vec<&Item> =
+            others.iter().filter_map(|rows| rows.iter().find(|row| is_row(row, value))).collect();
+        let find =
+            |is_asked: &dyn Fn(&Item) -> bool| old.iter().position(|row| row.as_ref().is_some_and(is_asked));
         let place = match value {
             // Entries of a list of values have their places; rows have names, or are the same.
             Value::Table(_) => find(&|row| read(row).as_ref() == Some(value))
@@ -275,7 +277,8 @@ rows = [
             document.insert("study".into(), Value::Table("seed = 3".parse().unwrap()));
             document.insert("gravity".into(), vec![0, 1].into());
         });
-        let added = ["inertia = 3\n", "\n[[bodies]]\nname = \"rod\"\n", "  { x = 3 }", "\n[study]\nseed = 3\n"];
+        let added =
+            ["inertia = 3\n", "\n[[bodies]]\nname = \"rod\"\n", "  { x = 3 }", "\n[study]\nseed = 3\n"];
         for line in TEXT.lines().chain(added) {
             assert!(more.contains(line), "{line}\n{more}");
         }

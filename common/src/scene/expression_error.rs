@@ -112,8 +112,9 @@ pub(super) fn instead_of_comma(before: &str, after: &str) -> String {
     let digits = after.split(|c: char| !(c.is_ascii_digit() || c == ',')).next().unwrap_or_default();
     let groups: Vec<&str> = digits.split(',').collect();
     let first = before.trim_start_matches(['+', '-']);
-    let in_thousands =
-        (1..=3).contains(&first.len()) && !first.starts_with('0') && groups.iter().all(|group| group.len() == 3);
+    let in_thousands = (1..=3).contains(&first.len())
+        && !first.starts_with('0')
+        && groups.iter().all(|group| group.len() == 3);
     match groups.as_slice() {
         [one] if in_thousands && !after[one.len()..].starts_with('.') => {
             format!("write {before}{one} if it separates thousands, {before}.{one} if it is a decimal comma")

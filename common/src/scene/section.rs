@@ -163,7 +163,10 @@ impl<'s> Section<'s> {
         let list = value.as_array().map(Vec::as_slice);
         if let Some(entries) = list.filter(|entries| entries.len() != 2) {
             let (count, are) = (entries.len(), if entries.len() == 1 { "entry" } else { "entries" });
-            self.inconsistent(key, format!("has {count} {are}, expected a pair [x, y]: everything is planar"));
+            self.inconsistent(
+                key,
+                format!("has {count} {are}, expected a pair [x, y]: everything is planar"),
+            );
             return None;
         }
         let Some([x, y]) = list else {

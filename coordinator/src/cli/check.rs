@@ -121,7 +121,8 @@ pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), Com
     let scene = source.nominal();
     let unused = source.unused_parameters();
     let mut warnings = source.warnings();
-    let last = evaluation.as_ref().and_then(|found| found.cycles.last().copied()).unwrap_or(scene.life.cycles);
+    let last =
+        evaluation.as_ref().and_then(|found| found.cycles.last().copied()).unwrap_or(scene.life.cycles);
     let (lives, of_limits) = evaluation.map(|found| nominal_check(scene, &found)).unwrap_or_default();
     warnings.extend(of_limits);
     let measured = measured_findings(&source)?;

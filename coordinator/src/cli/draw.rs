@@ -181,10 +181,17 @@ mod tests {
             let file = folder.path().join("drawing.PNG");
             write_picture(&file, &drawing::figure(&drawn, &mechanism)).expect("written");
             let colours = colours_of_png(&std::fs::read(&file).expect("a picture"));
-            let share = |hex: u32| colours.iter().filter(|colour| **colour == hex).count() as f64 / colours.len() as f64;
+            let share = |hex: u32| {
+                colours.iter().filter(|colour| **colour == hex).count() as f64 / colours.len() as f64
+            };
             // The light shades of paper and ink.
             assert!(share(0x00FF_FFFF) > 0.5, "{name}: {}", share(0x00FF_FFFF));
-            assert!(share(0x001B_1F24) > 1e-3 && share(0) < 1e-3, "{name}: {} {}", share(0x001B_1F24), share(0));
+            assert!(
+                share(0x001B_1F24) > 1e-3 && share(0) < 1e-3,
+                "{name}: {} {}",
+                share(0x001B_1F24),
+                share(0)
+            );
         }
     }
 

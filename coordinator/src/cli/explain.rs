@@ -45,7 +45,8 @@ pub fn explain(name: &str, accuracy: &AccuracyArguments, verbosity: Verbosity) -
     let doing = "simulating the nominal mechanism until every limit is passed".to_owned();
     let mut last = scene.life.cycles;
     let given = is_given.then_some(&accuracy.setting.accuracy);
-    let (lives, of_limits) = match while_waiting(verbosity.quiet, doing, || nominal_evaluation(scene, given)) {
+    let (lives, of_limits) = match while_waiting(verbosity.quiet, doing, || nominal_evaluation(scene, given))
+    {
         Ok(evaluation) => {
             let found = evaluation.inspect(|found| last = found.cycles.last().copied().unwrap_or(last));
             found.map(|found| nominal_check(scene, &found)).unwrap_or_default()

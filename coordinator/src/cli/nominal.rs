@@ -48,7 +48,9 @@ pub fn nominal_evaluation(
     let at = |accuracy: &Accuracy, block: f64| until_failed(scene, accuracy, block);
     let found = match accuracy {
         Some(accuracy) => at(accuracy, 0.0),
-        None => at(&Accuracy::draft(), 1.0 / f64::from(BLOCKS)).or_else(|_| at(&scene.accuracy.accuracy, 0.0)),
+        None => {
+            at(&Accuracy::draft(), 1.0 / f64::from(BLOCKS)).or_else(|_| at(&scene.accuracy.accuracy, 0.0))
+        }
     };
     found.map(Some)
 }
@@ -58,7 +60,8 @@ fn until_failed(scene: &Scene, accuracy: &Accuracy, block: f64) -> Result<Evalua
     let life = &scene.life;
     let simulated = |cycles: u32| {
         let longest = (block * f64::from(cycles)) as u32;
-        let accuracy = Accuracy { cycle_jump: accuracy.cycle_jump.max(longest.min(LONGEST_BLOCK)), ..*accuracy };
+        let accuracy =
+            Accuracy { cycle_jump: accuracy.cycle_jump.max(longest.min(LONGEST_BLOCK)), ..*accuracy };
         simulate(&with_life(scene, cycles), &accuracy, SimulateOptions::WITH_FIRST_CYCLE)
     };
     let whole_checkpoints = |cycles: f64| {
@@ -71,7 +74,8 @@ fn until_failed(scene: &Scene, accuracy: &Accuracy, block: f64) -> Result<Evalua
     let mut cycles = whole_checkpoints(FIRST_PART * f64::from(life.cycles));
     loop {
         let evaluation = simulated(cycles)?;
-        let expected = nominal_lives(scene, &evaluation).iter().map(|life| life.reached.expected()).fold(0.0, f64::max);
+        let expected =
+            nominal_lives(scene, &evaluation).iter().map(|life| life.reached.expected()).fold(0.0, f64::max);
         if cycles == life.cycles || expected <= f64::from(cycles) {
             return Ok(evaluation);
         }
@@ -225,7 +229,10 @@ mod tests {
         scene.life.checkpoint_every = 2000;
         let evaluation = nominal_evaluation(&scene, None).expect("simulated").expect("by the worker");
         let lives = nominal_lives(&scene, &evaluation);
-        assert!(matches!(lives[0].reached, Reached::After(life) if (5000.0..7000.0).contains(&life)), "{lives:?}");
+        assert!(
+            matches!(lives[0].reached, Reached::After(life) if (5000.0..7000.0).contains(&life)),
+            "{lives:?}"
+        );
         let last = *evaluation.cycles.last().expect("checkpoints");
         assert!(last <= 126_000, "{last}");
         assert!(evaluation.diagnostics.simulated_cycles < 200, "{:?}", evaluation.diagnostics);

@@ -56,9 +56,11 @@ impl DesignSpace {
         self.base.edited("--design", |document| {
             let rows = document.entry("variables").or_insert_with(|| Value::Array(vec![]));
             let rows = rows.as_array_mut().expect("the variables of a scene are a list");
-            for (variable, envelope) in self.base.variables().iter().zip(&envelopes).filter(|(_, e)| !e.is_fixed)
+            for (variable, envelope) in
+                self.base.variables().iter().zip(&envelopes).filter(|(_, e)| !e.is_fixed)
             {
-                let is_own = |row: &&mut Table| row.get("name").and_then(Value::as_str) == Some(&variable.name);
+                let is_own =
+                    |row: &&mut Table| row.get("name").and_then(Value::as_str) == Some(&variable.name);
                 if let Some(row) = rows.iter_mut().filter_map(Value::as_table_mut).find(is_own) {
                     write_envelope(row, variable, envelope);
                 }

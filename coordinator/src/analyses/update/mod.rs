@@ -59,7 +59,9 @@ impl fmt::Display for UnitFaults {
 #[derive(Debug, Error)]
 pub enum UpdateError {
     /// The file cannot be read.
-    #[error("{file} cannot be read: {why}; expected is a CSV file of observations, see `coordinator update --help`")]
+    #[error(
+        "{file} cannot be read: {why}; expected is a CSV file of observations, see `coordinator update --help`"
+    )]
     Read {
         /// Path of the file.
         file: String,

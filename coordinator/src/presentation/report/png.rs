@@ -82,8 +82,8 @@ impl PngMaker {
         let name = || figure.name.clone();
         let options =
             Options { fontdb: self.fonts.clone(), font_family: self.family.clone(), ..Options::default() };
-        let tree =
-            Tree::from_str(&figure.svg, &options).map_err(|error| PngError::Drawing { figure: name(), error })?;
+        let tree = Tree::from_str(&figure.svg, &options)
+            .map_err(|error| PngError::Drawing { figure: name(), error })?;
         let scale = WIDTH / tree.size().width();
         let height = (scale * tree.size().height()).ceil() as u32;
         let mut picture =

@@ -91,9 +91,7 @@ fn cycles(life_at_level: LifeAt) -> String {
             format!("more than the {} cycles studied", whole(end))
         }
         LifeAt::Beyond { lower, .. } => format!("more than {} cycles", whole(lower.floor())),
-        LifeAt::Unworn { .. } => {
-            "no cycle: more than the others exceed a limit unworn".to_owned()
-        }
+        LifeAt::Unworn { .. } => "no cycle: more than the others exceed a limit unworn".to_owned(),
         LifeAt::Between { lower, upper: Some(upper) } if lower <= 0.0 => {
             format!("an age that is not resolved, before {} cycles", whole(upper.ceil()))
         }

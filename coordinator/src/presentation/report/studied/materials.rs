@@ -10,8 +10,12 @@ use common::scene::{Joint, JointKind, Material, Scene};
 use maud::{Markup, html};
 
 /// Parts of joints with a material: the word of its key, and that of the column of its joints.
-const PARTS: [(&str, &str); 4] =
-    [("journal", "journals of"), ("bushing", "bushings of"), ("slider", "sliders of"), ("guide", "guides of")];
+const PARTS: [(&str, &str); 4] = [
+    ("journal", "journals of"),
+    ("bushing", "bushings of"),
+    ("slider", "sliders of"),
+    ("guide", "guides of"),
+];
 
 /// A material: its name where that is known, its values, and the joints of each of [`PARTS`] that are made of it.
 struct MaterialUse {

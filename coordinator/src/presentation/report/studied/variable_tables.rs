@@ -25,7 +25,9 @@ pub fn variables(scene: &Scene, summary: &StudySummary, written: &WrittenScene) 
     let measured: Vec<(&str, &str)> = scene
         .variables
         .iter()
-        .filter_map(|v| Some((v.name.as_str(), written.name(&format!("variables.{}.samples.source", v.name))?)))
+        .filter_map(|v| {
+            Some((v.name.as_str(), written.name(&format!("variables.{}.samples.source", v.name))?))
+        })
         .collect();
     html! {
         (captioned(
