@@ -1,11 +1,11 @@
-//! Tables of loads, gravity, and the curves by which loads and drives vary.
+//! Tables of loads, gravity, and the curves by which loads and drives vary and that outputs should follow.
 
 use super::exact::{ExactTexts, exact, exact_number};
 use super::mechanism_tables::{cells, place};
 use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::table_of_text;
 use crate::presentation::report::written::WrittenScene;
-use common::scene::{Curve, Drive, Load, Motion, Over, Scene, Table};
+use common::scene::{Curve, Drive, Load, Motion, OutputUnit, Over, Scene, Table};
 use maud::{Markup, html};
 
 /// Loads with all their values, and every curve with its points.
@@ -30,7 +30,7 @@ pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
         @if !curves.is_empty() {
             (captioned(
                 "curves",
-                "Curves of loads and drives: values at arguments, smooth between them",
+                "Curves of loads and drives, and of what outputs should be: values at arguments, smooth between them",
                 table_of_text(&["curve of", "over", "repeated", "points", "from"], curves.into_iter()),
             ))
         }
@@ -169,14 +169,28 @@ fn curves(scene: &Scene, written: &WrittenScene) -> Vec<Vec<Markup>> {
         }
         _ => None,
     });
-    let of_load = |name: &str, key: &str, curve: &Curve, unit: &'static str| {
+    let of_curve = |of: String, key: String, curve: &Curve, unit: &'static str| {
         let (over, argument) = match curve.over {
             Over::Time => ("time".to_owned(), "s"),
             Over::Angle(body) => (format!("angle of {}", scene.bodies[body].name), "deg"),
         };
-        row(name.to_owned(), format!("loads.{name}.{key}"), over, &curve.table, [argument, unit])
+        row(of, key, over, &curve.table, [argument, unit])
     };
-    let loads = scene.loads.iter().filter_map(Load::curve);
-    let loads = loads.map(|(name, key, curve, unit)| of_load(name, key, curve, unit));
-    drives.chain(loads).collect()
+    let loads = scene.loads.iter().filter_map(Load::curve).map(|(name, key, curve, unit)| {
+        of_curve(name.to_owned(), format!("loads.{name}.{key}"), curve, unit)
+    });
+    let wanted = scene.outputs.iter().flat_map(|output| {
+        let unit = if output.kind.unit() == OutputUnit::Angle { "deg" } else { "mm" };
+        let of = |key: &str| {
+            [format!("{}, {}", output.name, key.replace('_', " ")), format!("outputs.{}.{key}", output.name)]
+        };
+        let curves = output.kind.curves().into_iter();
+        curves
+            .map(|(key, curve)| {
+                let [of, key] = of(key);
+                of_curve(of, key, curve, unit)
+            })
+            .collect::<Vec<_>>()
+    });
+    drives.chain(loads).chain(wanted).collect()
 }
