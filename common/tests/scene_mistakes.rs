@@ -57,7 +57,8 @@ fn issue_a_name_given_twice_had_faults_of_its_followers() {
 
 #[test]
 fn issue_a_mean_outside_of_the_bounds_pointed_to_the_name() {
-    let found = said(|text| text.replacen("std = \"5 %\"", "std = \"5 %\"\nlower = 0.5\nupper = 0.6", 1));
+    let changes = "changes = [\"parameters.friction\"]";
+    let found = said(|text| text.replacen(changes, &format!("{changes}\nlower = 0.5\nupper = 0.6"), 1));
     assert!(found.contains("lower = 0.5") || found.contains("upper = 0.6"), "{found}");
     assert!(
         found.contains("do not enclose the mean") && found.contains(": move them, or the mean"),

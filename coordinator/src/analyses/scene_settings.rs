@@ -175,6 +175,15 @@ mod tests {
     }
 
     #[test]
+    fn issue_a_set_scene_lost_its_comments() {
+        let source = SceneSource::builtin("four-bar").unwrap();
+        let found = set(&["parameters.width=11 mm", "friction.std=4 %", "wear.threshold=9 um"]).unwrap();
+        let differ = found.text().lines().zip(source.text().lines()).filter(|(a, b)| a != b);
+        assert_eq!(differ.count(), 3, "{}", found.text());
+        assert_eq!(set(&["parameters.width=10 mm"]).unwrap().digest(), source.digest());
+    }
+
+    #[test]
     fn variables_and_thresholds_are_set_by_their_names() {
         let found =
             set(&["friction=0.06", "wear.threshold=9 um", "load_torque.std=5 %", "parameters.width=11 mm"])
