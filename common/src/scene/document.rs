@@ -1,10 +1,10 @@
 //! Parses a text as TOML; a fault of syntax names line and column, and for what is often mistyped the remedy.
 
+use super::duplicate_key::duplicate_key;
 use super::expression_error::instead_of_comma;
 use super::faults::{Fault, FaultKind, Faults};
 use super::location::Location;
 use super::quantity::unit;
-use std::ops::Range;
 use toml::Table;
 
 /// Parses a text as TOML; `origin` names it in the fault.
@@ -12,7 +12,7 @@ pub(super) fn document(text: &str, origin: &str) -> Result<Table, Faults> {
     text.parse::<Table>().map_err(|error| {
         let span = error.span().unwrap_or(0..0);
         if error.message().starts_with("duplicate key") {
-            return duplicate(text, origin, span);
+            return duplicate_key(text, origin, span);
         }
         let location = Location::new(origin, text, span);
         let advice = advice(&location).map(|advice| format!("; {advice}")).unwrap_or_default();
@@ -21,80 +21,10 @@ pub(super) fn document(text: &str, origin: &str) -> Result<Table, Faults> {
             column: location.column,
             message: format!("{}{advice}", error.message().trim_end()),
         };
-        at(location, origin, kind)
+        let mut fault = Fault::new(origin, "", kind);
+        fault.location = Some(Box::new(location));
+        Faults(vec![fault])
     })
-}
-
-fn at(location: Location, origin: &str, kind: FaultKind) -> Faults {
-    let mut fault = Fault::new(origin, "", kind);
-    fault.location = Some(Box::new(location));
-    Faults(vec![fault])
-}
-
-/// Parts of a scene that are lists of tables.
-const LISTS: [&str; 8] =
-    ["bodies", "joints", "loads", "outputs", "limit_states", "conditions", "variables", "correlations"];
-
-/// The fault of a key or the head of a table at `span` that the text has twice, with its first place; where the first head of a list
-/// has one bracket instead of two, that is the fault.
-fn duplicate(text: &str, origin: &str, span: Range<usize>) -> Faults {
-    let line_start = |at: usize| text[..at].rfind('\n').map_or(0, |end| end + 1);
-    let lines_before = |end: usize| {
-        let mut at = 0;
-        text[..end].split_inclusive('\n').map(move |line| {
-            at += line.len();
-            (at - line.len(), line.trim())
-        })
-    };
-    let syntax = |location: Location, message: String| {
-        let (line, column) = (location.line, location.column);
-        at(location, origin, FaultKind::Syntax { line, column, message })
-    };
-    let location = Location::new(origin, text, span.clone());
-    let start = line_start(span.start);
-    let head = location.text.trim();
-    let names_list = |list: &&str| {
-        let inside = head.trim_start_matches('[').trim_start();
-        head.starts_with('[')
-            && inside.strip_prefix(**list).is_some_and(|rest| rest.starts_with([']', '.', ' ']))
-    };
-    let single = LISTS.iter().find(names_list).and_then(|list| {
-        let is_single = |line: &str| {
-            line.strip_prefix('[').is_some_and(|rest| rest.trim_start().starts_with(&format!("{list}]")))
-        };
-        lines_before(location_end(text, span.start))
-            .find(|(_, line)| is_single(line))
-            .map(|(at, line)| (list, at, line))
-    });
-    if let Some((list, at, line)) = single {
-        let indent = text[at..].len() - text[at..].trim_start().len();
-        let message = format!("each row of the list `{list}` begins with [[{list}]], in two brackets");
-        return syntax(Location::new(origin, text, at + indent..at + indent + line.len()), message);
-    }
-    // The lines of the same table, or for a head all lines.
-    let key = text[span.clone()].trim();
-    let mut before: Vec<(usize, &str)> = lines_before(start).collect();
-    let is_head = head.starts_with('[');
-    if !is_head && let Some(own) = before.iter().rposition(|(_, line)| line.starts_with('[')) {
-        before.drain(..own);
-    }
-    let is_first = |line: &str| match is_head {
-        true => line.starts_with(head),
-        false => line.strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('=')),
-    };
-    let name = if is_head { head } else { key };
-    let mut faults = syntax(location, format!("`{name}` is given twice; remove one of the two"));
-    if let Some((at, line)) = before.into_iter().find(|(_, line)| is_first(line)) {
-        let indent = text[at..].len() - text[at..].trim_start().len();
-        let first = Location::new(origin, text, at + indent..at + indent + line.len());
-        faults.0[0].used_at = Some(Box::new(first));
-    }
-    faults
-}
-
-/// End of the line at a byte.
-fn location_end(text: &str, at: usize) -> usize {
-    text[at..].find('\n').map_or(text.len(), |end| at + end)
 }
 
 /// What was meant, if a number stands before the fault: a decimal comma, or a unit outside of quotes.

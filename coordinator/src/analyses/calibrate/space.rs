@@ -14,7 +14,7 @@
 use super::CalibrationError;
 use crate::statistics::design::InputModel;
 use common::random::Distribution;
-use common::scene::{FaultKind, Faults, Scene, SceneSource};
+use common::scene::{Scene, SceneSource};
 use toml::{Table, Value};
 
 /// Effect of a free parameter.

@@ -4,10 +4,10 @@
 use super::exact::ExactTexts;
 use crate::presentation::report::format::UNKNOWN;
 use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::table_of_text;
+use crate::presentation::report::tables::{table, table_of_text};
 use crate::presentation::report::written::WrittenScene;
 use common::scene::{
-    Attachment, Clearance, ContactDamping, ControlPoints, Drive, Joint, JointKind, Material, Motion,
+    Attachment, Clearance, ContactDamping, ControlPoints, Drive, Joint, JointKind, Motion,
     RestitutionLaw, Scene, WearingSurfaces,
 };
 use maud::{Markup, Render, html};
