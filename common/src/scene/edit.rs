@@ -67,12 +67,16 @@ fn fit(item: &mut Item, others: &[&Item], value: &Value) {
         }
         (Item::Value(toml_edit::Value::Array(list)), Value::Array(values)) => {
             let old: Vec<Item> = list.iter().cloned().map(Item::Value).collect();
-            let between = list.iter().last().map(|value| value.decor().clone());
+            // The space before an entry, without a comment that belongs to the one before it.
+            let before =
+                list.iter().last().and_then(|entry| entry.decor().prefix()?.as_str().map(str::to_owned));
+            let space = before.map(|text| text[text.rfind('\n').unwrap_or(0)..].to_owned());
             list.clear();
             for (row, is_new) in fit_rows(old, others, values) {
                 let Ok(mut value) = row.into_value() else { continue };
-                if let Some(decor) = between.as_ref().filter(|_| is_new) {
-                    *value.decor_mut() = decor.clone();
+                if let Some(space) = space.as_ref().filter(|_| is_new) {
+                    value.decor_mut().set_prefix(space);
+                    value.decor_mut().set_suffix("");
                 }
                 list.push_formatted(value);
             }
@@ -288,7 +292,7 @@ rows = [
             document.remove("parameters");
         });
         assert!(less.contains("[[bodies]] # turns\nname = \"crank\"\nmass = \"2_000 g\"\n"), "{less}");
-        assert!(!less.contains("frame") && less.contains("# the first"), "{less}");
+        assert!(!less.contains("frame") && less.contains("{ name = \"one\", value = 1 }"), "{less}");
     }
 
     #[test]
