@@ -58,5 +58,6 @@ pub mod outputs;
 pub mod panics;
 pub mod random;
 pub mod scene;
+pub mod text_file;
 pub mod umbridge;
 pub mod wire;

@@ -8,6 +8,7 @@ const SCENE: &str = include_str!("scenes/measured.toml");
 const TORQUE: &str = include_str!("scenes/measured-torque.csv");
 const CLEARANCES: &str = include_str!("scenes/measured-clearances.csv");
 const FRICTION: &str = include_str!("scenes/measured-friction.csv");
+const SHA256_OF_TORQUE: &str = "bf9f1b8f84ff71b304d9a3be8a8dde53c0e6fd97dad781406dde8878a2a8aa2d";
 
 fn measured() -> SceneSource {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes/measured.toml");
@@ -66,13 +67,57 @@ fn columns_become_curves_and_distributions() {
 fn the_text_needs_no_csv_file() {
     let source = measured();
     let alone = SceneSource::parse(source.text(), "sent").unwrap();
-    assert!(!source.text().contains("csv"));
+    assert!(!source.text().contains("csv ="));
     assert_eq!(alone.nominal(), source.nominal());
     assert_eq!((alone.text(), alone.digest()), (source.text(), source.digest()));
     assert_eq!(alone.measured().unwrap(), source.measured().unwrap());
     // Another value in a file is another scene.
     let other = changed("30,-0.125", "30,-0.126").unwrap();
     assert_ne!(other.digest(), source.digest());
+}
+
+#[test]
+fn issue_values_of_a_csv_file_did_not_say_where_they_are_from() {
+    let source = measured();
+    let document = source.document();
+    let row = |list: &str, name: &str| {
+        let rows = document[list].as_array().unwrap();
+        rows.iter().find(|row| row["name"].as_str() == Some(name)).unwrap().clone()
+    };
+    // By `sha256sum`.
+    let load = row("loads", "bench")["torque"]["source"].as_str().unwrap().to_owned();
+    assert_eq!(load, format!("measured-torque.csv, SHA-256 {SHA256_OF_TORQUE}"));
+    let samples = row("variables", "clearance_crank")["samples"]["source"].as_str().unwrap().to_owned();
+    assert!(samples.starts_with("measured-clearances.csv, SHA-256 "), "{samples}");
+    // Other values in their place are not of that file.
+    let text = "[scene]\nname = \"other\"\nextends = \"measured.toml\"\n[[loads]]\nname = \"bench\"\n[loads.torque]\n\
+                at = [\"0 deg\", \"360 deg\"]\nvalue = [\"1 N mm\", \"1 N mm\"]\n";
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [
+        ("measured.toml", SCENE),
+        ("measured-torque.csv", TORQUE),
+        ("measured-clearances.csv", CLEARANCES),
+        ("measured-friction.csv", FRICTION),
+        ("other.toml", text),
+    ] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let other = SceneSource::load(folder.path().join("other.toml").to_str().unwrap()).unwrap();
+    assert!(
+        !other.text().contains("measured-torque.csv") && other.text().contains("measured-clearances.csv")
+    );
+}
+
+#[test]
+fn issue_a_scene_with_a_csv_file_lost_its_comments() {
+    let source = measured();
+    for line in SCENE.lines().filter(|line| line.starts_with('#') || line.starts_with('[')) {
+        assert!(source.text().contains(line), "{line}\n{}", source.text());
+    }
+    // The order of the tables is that of the file.
+    let heads =
+        |text: &str| text.lines().filter(|l| l.starts_with('[')).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(heads(source.text()), heads(SCENE));
 }
 
 #[test]

@@ -327,7 +327,7 @@ fn folders_that_hold_no_finished_study() {
     let folder = tempfile::tempdir().unwrap();
     let dir = folder.path().to_str().unwrap();
     for command in ["resume", "report", "sensitivity"] {
-        one_message(&refused(&[command, dir], 2), &[dir, "holds no campaign"]);
+        one_message(&refused(&[command, dir], 2), &[dir, "holds no study"]);
     }
 }
 
@@ -390,7 +390,7 @@ fn an_output_folder_in_use() {
     assert_eq!(waiting.0.wait().unwrap().code(), Some(130));
     for workers in ["0", "1"] {
         let again = ["run", "--scene", "four-bar", "--workers", workers, "--out", dir];
-        one_message(&refused(&again, 2), &[dir, "already holds a campaign", "coordinator resume"]);
+        one_message(&refused(&again, 2), &[dir, "already holds a study", "coordinator resume"]);
     }
     one_message(&refused(&["report", dir], 2), &[dir, "not finished"]);
 }

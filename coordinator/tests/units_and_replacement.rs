@@ -32,6 +32,9 @@ fn a_study_answers_for_units_and_replacement() {
     let run = "run --scene four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 24 --quiet --out";
     assert!(coordinator(&run.split(' ').chain([study.as_str()]).collect::<Vec<_>>()).status.success());
 
+    let missing = refused(&["update", &study, "--measured", &at("no.csv")]);
+    assert!(missing.contains("no.csv cannot be read: there is no such file"), "{missing}");
+
     // Of two units the one that has worn more has the shorter remaining life.
     let observed = "unit,cycles,quantity,value,error\nA,3000,max_wear_depth,4.4 um,0.1 um\n\
         B,3000,max_wear_depth,5 um,0.1 um\nB,3000,survived\nB,,load_torque,-0.81 N m,0.01 N m\n";

@@ -32,13 +32,13 @@ impl Default for NamedAccuracy {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum AccuracyNameError {
     /// Neither a preset nor a knob.
-    #[error("{part:?} is neither a preset (draft, balanced, reference) nor a knob ({KNOBS})")]
+    #[error("{part:?} is neither a preset (draft, balanced, reference) nor a change of one ({KNOBS})")]
     Unknown {
         /// The unknown part between two `+`.
         part: String,
     },
     /// A preset that is not the first part.
-    #[error("the preset {part:?} stands in front, knobs after it")]
+    #[error("the preset {part:?} stands in front, changes of it after it")]
     Misplaced {
         /// Name of the preset.
         part: String,
@@ -54,7 +54,7 @@ pub enum AccuracyNameError {
         allowed: &'static str,
     },
     /// The knobs together lead a setting out of its range.
-    #[error("{name:?}: the knobs together lead {setting} out of its range")]
+    #[error("{name:?}: the changes together lead {setting} out of its range")]
     Together {
         /// The whole name.
         name: String,

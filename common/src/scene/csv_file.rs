@@ -1,8 +1,9 @@
 //! Reads the columns of a CSV file: a head with names and units in brackets, then rows of numbers.
 //!
-//! Cells are separated by the first of `;`, tab and `,` that the head has, and may be quoted. Lines that are empty or begin with
-//! `#` are skipped. Every cell keeps its place in the text, for faults.
+//! Cells are separated by the first of `;`, tab and `,` that the head has, and may be quoted. Lines without content or that begin
+//! with `#` are skipped. Every cell keeps its place in the text, for faults.
 
+use super::expression_error::instead_of_comma;
 use super::faults::{Fault, FaultKind, Faults, nearest};
 use super::location::Location;
 use std::ops::Range;
@@ -61,7 +62,9 @@ impl<'t> CsvFile<'t> {
         };
         let separator = [';', '\t'].into_iter().find(|c| text[first.clone()].contains(*c)).unwrap_or(',');
         let head = cells(text, first, separator);
-        let rows: Vec<_> = lines.map(|line| cells(text, line, separator)).collect();
+        // A spreadsheet fills lines without content with separators.
+        let rows = lines.map(|line| cells(text, line, separator));
+        let rows: Vec<_> = rows.filter(|row| row.iter().any(|cell| !cell.text.is_empty())).collect();
         if rows.is_empty() {
             return at_end("has no row under its head");
         }
@@ -78,8 +81,11 @@ impl<'t> CsvFile<'t> {
             return None;
         }
         let is_comma_file = self.separator == ',' && found > expected;
-        let advice =
-            if is_comma_file { "; if these are decimal commas, write decimal points: 0.5" } else { "" };
+        let advice = if is_comma_file {
+            "; if these are decimal commas, write decimal points: 0.5; if they separate thousands, leave them out: 9000"
+        } else {
+            ""
+        };
         let message = format!("has {found} values, the head has {expected} columns{advice}");
         let span = row.first().map_or(0, |cell| cell.span.start)..row.last().map_or(0, |cell| cell.span.end);
         Some(self.fault(span, key, message))
@@ -160,11 +166,11 @@ fn fault_at(file: &str, text: &str, span: Range<usize>, key: &str, message: Stri
 
 /// Why a cell is no number, and what to write instead.
 fn not_a_number(cell: &str) -> String {
-    let with_point = cell.replace(',', ".");
+    let has_comma = cell.contains(',') && cell.replace(',', "").parse::<f64>().is_ok();
     if cell.is_empty() {
         "is empty, expected a number".to_owned()
-    } else if cell.matches(',').count() == 1 && with_point.parse::<f64>().is_ok() {
-        format!("`{cell}` has a decimal comma: use a decimal point: {with_point}")
+    } else if let Some((before, after)) = cell.split_once(',').filter(|_| has_comma) {
+        format!("`{cell}` has a comma: {}", instead_of_comma(before, after))
     } else if cell.trim_end_matches(|c: char| !c.is_ascii_digit()).parse::<f64>().is_ok() {
         format!("`{cell}` is not a number: the unit stands in the head, e.g. `force [N]`")
     } else {
@@ -245,7 +251,10 @@ mod tests {
                 "3:1",
                 "has 4 values, the head has 2 columns; if these are decimal commas",
             ),
-            ("a [mm];b\n1;2\n0,5;1\n", "3:1", "`0,5` has a decimal comma: use a decimal point: 0.5"),
+            ("a [mm];b\n1;2\n0,5;1\n", "3:1", "`0,5` has a comma: use a decimal point: 0.5"),
+            ("a [lbf];b\n1;2\n0;1\n9,000;1\n", "4:1", "write 9000 if it separates thousands, 9.000 if"),
+            ("a [lbf];b\n1,234,567;1\n", "2:1", "digits have no separators: 1234567"),
+            ("a,b\n0,9,000\n", "2:1", "if they separate thousands, leave them out: 9000"),
             ("a [mm];b\n1;2\n;1\n", "3:1", "is empty"),
             ("a [mm]\n 12 mm\n", "2:2", "the unit stands in the head"),
             ("a [mm]\nnan\n", "2:1", "is not a finite number"),
@@ -256,6 +265,8 @@ mod tests {
             assert_eq!(found, format!("f.csv:{place}"), "{text}");
             assert!(faults[0].to_string().contains(says), "{text}: {}", faults[0]);
         }
+        let filled = CsvFile::read("f.csv", "a [mm];b\r\n1;2\r\n;\r\n ; \r\n", "k").unwrap();
+        assert_eq!(filled.column(1, "k").unwrap().numbers, [2.0]);
         let text = "gap [um]\n1\n";
         let unknown = CsvFile::read("f.csv", text, "k").unwrap().find("gpa [um]").unwrap_err().to_string();
         assert!(unknown.contains("did you mean \"gap [um]\"?"), "{unknown}");

@@ -1,17 +1,25 @@
 //! `{ csv = "load.csv", columns = [...] }`: puts the columns of CSV files into a scene when it is read, so that its text stands alone.
 //!
-//! A curve of a load or a drive gets `at` and `value`, the samples of a variable `values`, each with the unit of its head. Paths are
-//! relative to the file of the scene. The places of all numbers are kept, so that later faults point into the CSV file.
+//! A curve of a load or a drive gets `at` and `value`, the samples of a variable `values`, each with the unit of its head, and `source` with
+//! the name of the file and the SHA-256 of its content. Paths are relative to the file of the scene. The places of all numbers are kept, so that later faults point into the CSV file.
 
 use super::csv_file::{CsvColumn, CsvFile};
 use super::faults::{Fault, FaultKind, Faults};
+use crate::text_file::read_text;
 use std::ops::Range;
 use std::path::Path;
 use toml::{Table, Value};
 
 /// Lists of a scene and the keys of their rows that may name a CSV file.
-const PLACES: [(&str, &[&str]); 3] =
-    [("loads", &["size", "torque"]), ("bodies", &["speed", "angle"]), ("variables", &["samples"])];
+const PLACES: [(&str, &[&str]); 4] = [
+    ("loads", &["size", "torque", "factor"]),
+    ("bodies", &["speed", "angle"]),
+    ("outputs", &["wanted", "wanted_x", "wanted_y"]),
+    ("variables", &["samples"]),
+];
+
+/// Key of a curve or of samples with the file that they are from, and the hash of its content.
+pub(super) const SOURCE: &str = "source";
 
 /// A column that a scene took from a CSV file.
 #[derive(Debug, Clone)]
@@ -150,7 +158,7 @@ impl ImportRequest<'_> {
         Ok(())
     }
 
-    /// Name and text of the file that a table names; its key is removed.
+    /// Name and text of the file that a table names; name and hash take the place of its key.
     fn file(&self, table: &mut Table) -> Result<(String, String), Faults> {
         let fault = |message: String| self.one("csv", FaultKind::Inconsistent { message });
         let Some(Value::String(name)) = table.remove("csv") else {
@@ -164,8 +172,12 @@ impl ImportRequest<'_> {
             )));
         };
         let path = folder.join(&name);
-        let text = std::fs::read_to_string(&path)
-            .map_err(|error| fault(format!("{} cannot be read: {error}", path.display())))?;
+        let text = read_text(&path, "a CSV file")
+            .map_err(|why| fault(format!("{} cannot be read: {why}", path.display())))?;
+        // The values state where they are from.
+        let hash = ring::digest::digest(&ring::digest::SHA256, text.as_bytes());
+        let hash: String = hash.as_ref().iter().map(|byte| format!("{byte:02x}")).collect();
+        table.insert(SOURCE.to_owned(), Value::String(format!("{name}, SHA-256 {hash}")));
         Ok((path.display().to_string(), text))
     }
 

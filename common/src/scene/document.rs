@@ -1,5 +1,7 @@
 //! Parses a text as TOML; a fault of syntax names line and column, and for what is often mistyped the remedy.
 
+use super::duplicate_key::duplicate_key;
+use super::expression_error::instead_of_comma;
 use super::faults::{Fault, FaultKind, Faults};
 use super::location::Location;
 use super::quantity::unit;
@@ -9,6 +11,9 @@ use toml::Table;
 pub(super) fn document(text: &str, origin: &str) -> Result<Table, Faults> {
     text.parse::<Table>().map_err(|error| {
         let span = error.span().unwrap_or(0..0);
+        if error.message().starts_with("duplicate key") {
+            return duplicate_key(text, origin, span);
+        }
         let location = Location::new(origin, text, span);
         let advice = advice(&location).map(|advice| format!("; {advice}")).unwrap_or_default();
         let kind = FaultKind::Syntax {
@@ -38,7 +43,7 @@ fn advice(location: &Location) -> Option<String> {
     let (number, rest) = value.split_at(digits);
     let decimals = rest.strip_prefix(',').filter(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
     if let Some(decimals) = decimals {
-        return Some(format!("use a decimal point: {number}.{decimals}"));
+        return Some(instead_of_comma(number, decimals));
     }
     let symbol = rest.trim_start().split(|c: char| !c.is_alphabetic() && c != '%').next()?;
     let value = value.split(',').next().unwrap_or_default().trim_end();

@@ -58,7 +58,7 @@ fn one<'f>(fault: &Fault, others: impl Iterator<Item = &'f Fault>) -> String {
     let mut text = format!("{headline}\n{}\n", location.excerpt());
     let margin = " ".repeat(location.line.to_string().len());
     if let Some(used) = &fault.used_at {
-        let _ = writeln!(text, "{margin} = used at {used}: {}", used.text.trim());
+        let _ = writeln!(text, "{margin} = {} {used}: {}", fault.kind.related(), used.text.trim());
     }
     for other in others {
         if let Some(used) = &other.used_at {

@@ -85,13 +85,12 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, ExpressionError> {
         } else if "+-*/^()".contains(first) {
             Token::Sign(first)
         } else {
-            let is_decimal = matches!(tokens.last(), Some(Token::Number(..)))
-                && first == ','
-                && after.starts_with(|c: char| c.is_ascii_digit());
-            return Err(if is_decimal {
-                ExpressionError::DecimalComma
-            } else {
-                ExpressionError::Character(first)
+            let is_number = first == ',' && after.starts_with(|c: char| c.is_ascii_digit());
+            return Err(match tokens.last() {
+                Some(Token::Number(_, before)) if is_number => {
+                    ExpressionError::Comma { before: (*before).to_owned(), after: after.to_owned() }
+                }
+                _ => ExpressionError::Character(first),
             });
         });
         rest = after.trim_start();

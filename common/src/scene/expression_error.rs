@@ -17,8 +17,13 @@ pub enum ExpressionError {
     #[error("unexpected character `{0}`{advice}", advice = instead_of(*.0))]
     Character(char),
     /// A comma between two digits.
-    #[error("unexpected character `,`: use a decimal point")]
-    DecimalComma,
+    #[error("unexpected character `,`: {}", instead_of_comma(.before, .after))]
+    Comma {
+        /// The digits before it.
+        before: String,
+        /// What follows it.
+        after: String,
+    },
     /// A piece that cannot follow what precedes it.
     #[error("unexpected `{found}`, expected {expected}")]
     Unexpected {
@@ -86,7 +91,7 @@ impl ExpressionError {
     pub fn piece(&self) -> Option<String> {
         match self {
             Self::Character(character) => Some(character.to_string()),
-            Self::DecimalComma => Some(",".to_owned()),
+            Self::Comma { .. } => Some(",".to_owned()),
             Self::Unexpected { found: piece, .. }
             | Self::UnknownName { name: piece, .. }
             | Self::UnknownUnit { name: piece }
@@ -100,6 +105,23 @@ impl ExpressionError {
 fn hint(name: &str, nearest: &Option<String>) -> String {
     let meant = nearest.clone().or_else(|| nearest_unit(name));
     meant.map(|meant| format!(", did you mean `{meant}`?")).unwrap_or_default()
+}
+
+/// What to write for a number with a comma between `before` and `after`, which may separate thousands where three digits follow.
+pub(super) fn instead_of_comma(before: &str, after: &str) -> String {
+    let digits = after.split(|c: char| !(c.is_ascii_digit() || c == ',')).next().unwrap_or_default();
+    let groups: Vec<&str> = digits.split(',').collect();
+    let first = before.trim_start_matches(['+', '-']);
+    let in_thousands = (1..=3).contains(&first.len())
+        && !first.starts_with('0')
+        && groups.iter().all(|group| group.len() == 3);
+    match groups.as_slice() {
+        [one] if in_thousands && !after[one.len()..].starts_with('.') => {
+            format!("write {before}{one} if it separates thousands, {before}.{one} if it is a decimal comma")
+        }
+        many if in_thousands => format!("digits have no separators: {before}{}", many.concat()),
+        many => format!("use a decimal point: {before}.{}", many[0]),
+    }
 }
 
 /// What to write for a character that keyboards and word processors offer.

@@ -6,7 +6,7 @@ use super::document::document;
 use super::faults::{FaultKind, Faults, nearest};
 use super::layers::{Layer, Layers};
 use super::merge::{leave_out, merge};
-use std::io::ErrorKind;
+use crate::text_file::read_text;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -27,15 +27,11 @@ const COPY: &str = "scene.toml";
 /// # Errors
 /// [`FaultKind::Unreadable`].
 pub(super) fn read(path: &Path) -> Result<String, Faults> {
-    std::fs::read_to_string(path).map_err(|error| {
-        let message = match error.kind() {
-            ErrorKind::NotFound => "there is no such file".to_owned(),
-            ErrorKind::IsADirectory if path.join(COPY).is_file() => {
-                format!("it is a folder; the scene of a study is {}", path.join(COPY).display())
-            }
-            ErrorKind::IsADirectory => "it is a folder, expected the TOML file of a scene".to_owned(),
-            ErrorKind::InvalidData => "it is no text, expected the TOML file of a scene".to_owned(),
-            _ => error.to_string(),
+    read_text(path, "the TOML file of a scene").map_err(|why| {
+        let copy = path.join(COPY);
+        let message = match copy.is_file() {
+            true => format!("it is a folder; the scene of a study is {}", copy.display()),
+            false => why,
         };
         Faults::one(&path.display().to_string(), "", FaultKind::Unreadable { message })
     })

@@ -41,7 +41,7 @@ pub struct Fault {
     pub kind: FaultKind,
     /// Place in the text; of a faulty parameter that of its definition. None for what is in no text.
     pub location: Option<Box<Location>>,
-    /// Where the parameter is used whose definition is at `location`.
+    /// Where the parameter is used whose definition is at `location`; of a name or key that is given twice its first place.
     pub used_at: Option<Box<Location>>,
 }
 
@@ -203,7 +203,7 @@ pub enum FaultKind {
         known: Vec<String>,
     },
     /// A name that another row of the list has already.
-    #[error("the name \"{value}\" is taken, names of {what} are unique")]
+    #[error("the name \"{value}\" is taken, names of {what} are unique: change one of the two")]
     Duplicate {
         /// Path of the list.
         what: String,
@@ -245,6 +245,14 @@ pub enum FaultKind {
 }
 
 impl FaultKind {
+    /// What stands at [`Fault::used_at`], in words.
+    pub(super) fn related(&self) -> &'static str {
+        match self {
+            Self::Duplicate { .. } | Self::Syntax { .. } => "first at",
+            _ => "used at",
+        }
+    }
+
     /// True if a value is not of the kind or in the range expected, whatever it is the value of.
     pub(super) fn is_of_a_value(&self) -> bool {
         matches!(

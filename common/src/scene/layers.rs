@@ -111,6 +111,10 @@ fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
         return fault;
     };
     let used = found.location(span_of(&found, &fault.kind));
+    if let FaultKind::Duplicate { what, value } = &fault.kind {
+        let first = find(layers, &format!("{what}.{value}"));
+        fault.used_at = first.map(|first| Box::new(first.location(first.value.clone())));
+    }
     let location = match definition(layers, &found).filter(|_| found.whole && fault.kind.is_of_a_value()) {
         Some(definition) => {
             fault.used_at = Some(Box::new(used));

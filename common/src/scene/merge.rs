@@ -3,14 +3,21 @@
 //! Tables merge key by key; lists of named tables merge row by row, by name, new rows at the end; everything else is
 //! replaced. What `scene.without` names is left out first.
 
+use super::csv_import::SOURCE;
 use toml::{Table, Value};
 
 /// Keys of a variable that give its distribution without measured samples.
 const PARAMETERS: [&str; 9] =
     ["distribution", "mean", "std", "truncation", "lower", "upper", "mode", "diameter", "capability"];
 
+/// Keys of a curve or of samples with values of their own.
+const VALUES: [&str; 3] = ["at", "value", "values"];
+
 /// Merges `over` into `base`, in place.
 pub(super) fn merge(base: &mut Table, over: Table) {
+    if VALUES.iter().any(|key| over.contains_key(*key)) {
+        base.remove(SOURCE);
+    }
     for (key, value) in over {
         match (base.get_mut(&key), value) {
             (Some(Value::Table(below)), Value::Table(above)) => merge(below, above),

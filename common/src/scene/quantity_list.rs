@@ -1,12 +1,13 @@
 //! Reads a list of quantities: `["0 mm", "2 mm"]`, or `{ unit = "mm", values = [0, 2] }`, which has the unit once.
 
 use super::context::{Context, Range};
+use super::csv_import::SOURCE;
 use super::faults::{FaultKind, nearest};
 use super::quantity::Kind;
 use toml::{Table, Value};
 
-/// Keys of a list with one unit.
-const KEYS: [&str; 2] = ["unit", "values"];
+/// Keys of a list with one unit; the last one says where the values are from.
+const KEYS: [&str; 3] = ["unit", "values", SOURCE];
 
 /// The list at `path` `(n,)` [SI]; the paths of its entries end in `.1`, `.2`, ...
 pub(super) fn quantity_list(cx: &Context, path: &str, value: &Value, kind: Kind) -> Option<Vec<f64>> {

@@ -80,9 +80,30 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
             // Faults of the variables whose nominal values could be read.
             rows.retain(|row| row.changes.iter().all(|key| seen.contains_key(key)));
             variables(&cx, &rows, &seen);
-            Err(cx.take_faults())
+            Err(without_followers(cx.take_faults()))
         }
     }
+}
+
+/// The faults without those of references where a name of the same list is given twice: it is the one that they miss.
+fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
+    let twice = |list: &str, faults: &[Fault]| {
+        faults.iter().any(|fault| matches!(&fault.kind, FaultKind::Duplicate { what, .. } if what == list))
+    };
+    for (list, missed) in [
+        ("bodies", &["body", "point", "quantity"][..]),
+        ("joints", &["joint", "quantity"]),
+        ("loads", &["quantity"]),
+        ("outputs", &["output"]),
+        ("variables", &["random variable"]),
+    ] {
+        if twice(list, &faults) {
+            faults.retain(|fault| {
+                !matches!(&fault.kind, FaultKind::UnknownReference { what, .. } if missed.contains(what))
+            });
+        }
+    }
+    faults
 }
 
 /// The parts of a scene, as far as they could be read.

@@ -160,7 +160,16 @@ impl<'s> Section<'s> {
 
     /// The value of any key as a pair `[x, y]`.
     pub(super) fn as_pair(&self, key: &str, value: &Value, kind: Kind) -> Option<[f64; 2]> {
-        let Some([x, y]) = value.as_array().map(Vec::as_slice) else {
+        let list = value.as_array().map(Vec::as_slice);
+        if let Some(entries) = list.filter(|entries| entries.len() != 2) {
+            let (count, are) = (entries.len(), if entries.len() == 1 { "entry" } else { "entries" });
+            self.inconsistent(
+                key,
+                format!("has {count} {are}, expected a pair [x, y]: everything is planar"),
+            );
+            return None;
+        }
+        let Some([x, y]) = list else {
             self.wrong_type(key, value, format!("a pair [x, y], each {}", kind.name));
             return None;
         };

@@ -4,6 +4,7 @@
 use super::builtin;
 use super::conditioned::conditions;
 use super::context::Overrides;
+use super::edit::rewritten;
 use super::expression::{ExpressionError, evaluate, read_unit};
 use super::extends::{flatten, read, unknown_scene};
 use super::faults::{Fault, FaultKind, Faults, in_unit, nearest};
@@ -93,10 +94,7 @@ impl SceneSource {
         // The text must stand alone where it is sent to and stored.
         let text = match layers.0.as_slice() {
             [own] if !settled && own.imported.is_empty() => own.text.clone(),
-            _ => toml::to_string(&document).map_err(|error| {
-                let message = format!("cannot be written as TOML: {error}");
-                Faults::one(origin, "", FaultKind::Inconsistent { message })
-            })?,
+            all => rewritten(&all.iter().map(|layer| &*layer.text).collect::<Vec<_>>(), &document),
         };
 
         // Values as written, then the variables, then the nominal scene with every variable at its mean.

@@ -1,6 +1,7 @@
 //! Reads tables of a quantity over time or over the angle of a body: `{ over, at, value, repeat }`.
 
 use super::body_row::{BodyRow, MotionWord, body};
+use super::csv_import::SOURCE;
 use super::drive::{Curve, Over, Table};
 use super::faults::in_first_unit;
 use super::quantity::{ANGLE, Kind, TIME};
@@ -95,6 +96,7 @@ fn points(
     let repeat = section.boolean_or("repeat", true);
     // Known keys: what they name is in the table since the scene was read.
     let _ = (section.get("csv"), section.get("columns"));
+    let _ = section.text_or(SOURCE, "where the values are from", "");
     section.finish();
 
     let (arguments, at, mut value, repeat) = (arguments?, at?, value?, repeat?);

@@ -193,7 +193,7 @@ impl WrittenLaw {
             return Some(std);
         }
         let (value, allowed) =
-            (written.to_string(), "> 0; leave the variable out to hold it fixed".to_owned());
+            (written.to_string(), "> 0; distribution = \"constant\" holds it fixed".to_owned());
         cx.fault(format!("{path}.std"), FaultKind::OutOfRange { value, allowed });
         None
     }
@@ -215,12 +215,13 @@ impl WrittenLaw {
             }
             LawError::NotEnclosed { parameter, value, lower, upper } => {
                 let message = format!(
-                    "the bounds {} and {} do not enclose the {parameter} {}",
+                    "the bounds {} and {} do not enclose the {parameter} {}: move them, or the {parameter}",
                     shown(lower),
                     shown(upper),
                     shown(value)
                 );
-                cx.inconsistent(path, message);
+                let written = [parameter, "lower", "upper"].into_iter().find(|key| self.has(key));
+                cx.inconsistent(written.map_or(path.to_owned(), |key| format!("{path}.{key}")), message);
             }
         }
     }

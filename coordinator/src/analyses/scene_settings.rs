@@ -54,23 +54,23 @@ pub fn scene_with(source: &SceneSource, settings: &[String]) -> Result<SceneSour
     if quantities.is_empty() {
         return others_alone;
     }
-    let mut document: Table = source.text().parse().expect("the scene was read from this text");
-    for (key, value) in quantities {
-        let parts: Vec<&str> = key.split('.').collect();
-        let written = value.parse::<f64>().map_or_else(|_| Value::String(value.to_owned()), Value::Float);
-        if insert(&mut document, &parts, written).is_none() {
-            let setting = format!("{key}={value}");
-            faults.push(setting_fault(
-                &setting,
-                "this key cannot be set; write a scene that `extends` this one",
-            ));
+    let changed = source.edited("--set", |document| {
+        for (key, value) in quantities {
+            let parts: Vec<&str> = key.split('.').collect();
+            let written = value.parse::<f64>().map_or_else(|_| Value::String(value.to_owned()), Value::Float);
+            if insert(document, &parts, written).is_none() {
+                let setting = format!("{key}={value}");
+                faults.push(setting_fault(
+                    &setting,
+                    "this key cannot be set; write a scene that `extends` this one",
+                ));
+            }
         }
-    }
+    });
     if !faults.is_empty() {
         return Err(Faults(faults));
     }
-    let text = toml::to_string(&document).expect("a scene is a table of TOML");
-    redistributed(&SceneSource::parse(&text, "--set").map_err(Faults::without_places)?, &others)
+    redistributed(&changed?, &others)
 }
 
 /// Whether a key is a quantity of the scene itself: no random variable, distribution, threshold or correlation.
@@ -100,6 +100,8 @@ fn is_distribution(key: &str) -> bool {
 /// path leads nowhere.
 fn insert(table: &mut Table, path: &[&str], value: Value) -> Option<()> {
     let (first, rest) = path.split_first()?;
+    // What a file gave is another value then.
+    table.remove("source");
     if rest.is_empty() {
         table.insert((*first).to_owned(), value);
         return Some(());
@@ -170,6 +172,15 @@ mod tests {
             }
         }
         assert!(compared > 400 && refused < compared / 10, "{compared} compared, {refused} refused");
+    }
+
+    #[test]
+    fn issue_a_set_scene_lost_its_comments() {
+        let source = SceneSource::builtin("four-bar").unwrap();
+        let found = set(&["parameters.width=11 mm", "friction.std=4 %", "wear.threshold=9 um"]).unwrap();
+        let differ = found.text().lines().zip(source.text().lines()).filter(|(a, b)| a != b);
+        assert_eq!(differ.count(), 3, "{}", found.text());
+        assert_eq!(set(&["parameters.width=10 mm"]).unwrap().digest(), source.digest());
     }
 
     #[test]

@@ -7,12 +7,17 @@ use super::measured::{MeasuredFinding, measured_findings};
 use super::nominal::{nominal_check, nominal_evaluation};
 use super::output::{count, print, to_json};
 use super::scenes::check_linkage;
+use super::shared::Verbosity;
+use clap::Args;
+use common::accuracy::NamedAccuracy;
 use common::external::SimulatorId;
 use common::scene::{Fault, FaultKind, Location, Scene, SceneSource, Warning};
-use coordinator::presentation::nominal_life::NominalLife;
+use coordinator::presentation::nominal_life::{NominalLife, Reached};
+use coordinator::presentation::report::format::count as with_separators;
+use coordinator::presentation::terminal::while_waiting;
 use serde::Serialize;
 use serde_json::json;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// A fault or a warning as editors read it: columns count characters from 1, `end_column` stands after the last one.
 #[derive(Debug, Serialize)]
@@ -53,18 +58,56 @@ impl<'f> SceneFinding<'f> {
     }
 }
 
+pub const EXAMPLES: &str = "\
+Faults and warnings are printed with their line and key; warnings are no faults. The nominal mechanism is simulated until every limit \
+is passed, without --accuracy as coarsely as a first look allows.
+
+Examples:
+  coordinator check my.toml
+  coordinator check my.toml --quick
+  coordinator check my.toml --draw my.svg
+  coordinator check my.toml --json";
+
+/// Arguments of `coordinator check`.
+#[derive(Debug, Clone, Args)]
+pub struct CheckArguments {
+    /// Scene file, or name of a built-in scene
+    pub file: String,
+    /// Write a drawing of the mechanism, as SVG or PNG by the end of the name
+    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    pub draw: Option<PathBuf>,
+    /// Check text and linkage only: simulate no life
+    #[arg(long, conflicts_with = "accuracy")]
+    pub quick: bool,
+    /// Accuracy of the simulated life [default: draft, with longer blocks of wear in a long life]
+    #[arg(long, value_name = "draft|balanced|reference|NAME")]
+    pub accuracy: Option<NamedAccuracy>,
+}
+
 /// Checks a scene: its text, its bounds, the ideal linkage through a whole cycle and the nominal mechanism against its limits, or that
 /// its program exists. Unused parameters and warnings are listed but are no fault. As JSON, faults are printed too.
 ///
 /// # Errors
 /// [`CommandError::Scene`] with all faults, the errors of [`check_linkage`], [`CommandError::Simulator`], or
 /// [`CommandError::Simulation`] if the nominal mechanism cannot be simulated.
-pub fn check(file: &str, drawing: Option<&Path>, as_json: bool) -> Result<(), CommandError> {
+pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+    let CheckArguments { file, draw, quick, accuracy } = arguments;
+    let (drawing, as_json) = (draw.as_deref(), verbosity.json);
     check_picture(drawing)?;
     let checked = valid_scene(file).and_then(|source| {
         drawing.map_or(Ok(()), |drawing| write_drawing(&source, drawing))?;
         let failed = |failure| CommandError::of_simulation(source.origin(), source.nominal(), failure);
-        let evaluation = nominal_evaluation(source.nominal()).map_err(failed)?;
+        if *quick {
+            return Ok((source, None));
+        }
+        let accuracy = accuracy.as_ref().map(|named| &named.accuracy);
+        let cycles = with_separators(source.nominal().life.cycles.into());
+        let doing = format!(
+            "{file}: the text is valid and the linkage closes (--quick stops here); simulating {cycles} cycles, or until every limit \
+             is passed"
+        );
+        let evaluation = while_waiting(verbosity.quiet, doing, || nominal_evaluation(source.nominal(), accuracy));
+        let evaluation = evaluation.map_err(failed)?;
         Ok((source, evaluation))
     });
     if let (Err(error), true) = (&checked, as_json) {
@@ -78,6 +121,8 @@ pub fn check(file: &str, drawing: Option<&Path>, as_json: bool) -> Result<(), Co
     let scene = source.nominal();
     let unused = source.unused_parameters();
     let mut warnings = source.warnings();
+    let last =
+        evaluation.as_ref().and_then(|found| found.cycles.last().copied()).unwrap_or(scene.life.cycles);
     let (lives, of_limits) = evaluation.map(|found| nominal_check(scene, &found)).unwrap_or_default();
     warnings.extend(of_limits);
     let measured = measured_findings(&source)?;
@@ -100,17 +145,25 @@ pub fn check(file: &str, drawing: Option<&Path>, as_json: bool) -> Result<(), Co
     let warnings = warnings.iter().map(|warning| (warning.key.clone(), warning.message.as_str()));
     let lines = unused.chain(warnings).map(|(key, message)| {
         let place = source.location(&key).map_or_else(|| file.to_owned(), |place| place.to_string());
-        format!("{place}: {key}: {message}\n")
+        format!("{place}: warning: {key}: {message}\n")
     });
-    let lives = lives.iter().map(|life| format!("nominal {}", life.line(scene.life.cycles)));
-    let (lives, lines): (String, String) = (lives.collect(), lines.collect());
+    let unworn = lives.iter().filter(|life| life.reached == Reached::FromTheStart);
+    let verdict = match unworn.map(|life| life.limit.name.as_str()).collect::<Vec<_>>().as_slice() {
+        [] => "valid".to_owned(),
+        names => format!("valid, but the nominal mechanism fails unworn by {}", names.join(" and ")),
+    };
+    let lives = lives.iter().map(|life| format!("nominal {}", life.line(last)));
+    let (mut lives, lines): (String, String) = (lives.collect(), lines.collect());
+    if *quick && scene.simulator.is_none() {
+        lives.push_str("its life was not simulated (--quick)\n");
+    }
     let measured: String = measured.iter().map(MeasuredFinding::lines).collect();
     let look = match (&scene.simulator, drawing) {
         (_, Some(drawing)) => format!("drawing: {}\n", drawing.display()),
         (None, None) => format!("To see it: coordinator draw {file}\n"),
         (Some(simulator), None) => format!("identity for workers: {}\n", SimulatorId::new(simulator, scene)),
     };
-    print(&format!("{file}: valid; {}\n{lives}{measured}{lines}{look}", counts(scene)))
+    print(&format!("{file}: {verdict}; {}\n{lives}{measured}{lines}{look}", counts(scene)))
 }
 
 /// The scene, if its text is valid and what it describes can be simulated.

@@ -2,6 +2,7 @@
 
 use super::accuracy::AccuracyArguments;
 use super::calibrate::CalibrateArguments;
+use super::check::{self, CheckArguments};
 use super::compare::CompareArguments;
 use super::designs::DesignsArguments;
 use super::doctor::DoctorArguments;
@@ -282,18 +283,8 @@ Examples:
         out: Option<PathBuf>,
     },
     /// Validate a scene: all faults with their lines, the linkage through its cycle, the nominal mechanism against its limits
-    #[command(after_help = "\
-Examples:
-  coordinator check my.toml
-  coordinator check my.toml --draw my.svg
-  coordinator check my.toml --json")]
-    Check {
-        /// Scene file, or name of a built-in scene
-        file: String,
-        /// Write a drawing of the mechanism, as SVG or PNG by the end of the name
-        #[arg(long, value_name = "FILE.svg|FILE.png")]
-        draw: Option<PathBuf>,
-    },
+    #[command(after_help = check::EXAMPLES)]
+    Check(CheckArguments),
     /// Describe the model of a scene, the reasons for it, and its expected cost
     #[command(after_help = "\
 Examples:

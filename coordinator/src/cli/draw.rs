@@ -6,7 +6,7 @@ use super::scenes::check_linkage;
 use clap::Args;
 use common::scene::{Motion, Scene, SceneSource};
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
-use coordinator::presentation::report::{Figure, Mechanism, PngMaker, ReportError};
+use coordinator::presentation::report::{Figure, Mechanism, PngMaker, ReportError, standalone};
 use coordinator::results::result_files::{write_bytes, write_text};
 use std::path::{Path, PathBuf};
 use worker::mechanism::Prescribed;
@@ -56,7 +56,7 @@ pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError
     let mechanism = Mechanism::new(scene);
     let drawn = drawn(source.origin(), scene, &mechanism, arguments.at)?;
     if let Some(file) = &arguments.out {
-        write_picture(file, &drawing::svg_file(&drawn, &mechanism))?;
+        write_picture(file, &drawing::figure(&drawn, &mechanism))?;
     }
     match (as_json, &arguments.out) {
         (true, _) => print(&to_json(&drawn)?),
@@ -83,12 +83,11 @@ pub fn check_picture(file: Option<&Path>) -> Result<(), CommandError> {
 }
 
 /// Writes a drawing as SVG, or as PNG if the name of the file ends so.
-fn write_picture(file: &Path, svg: &str) -> Result<(), CommandError> {
+fn write_picture(file: &Path, figure: &Figure) -> Result<(), CommandError> {
     if file.extension().is_none_or(|end| !end.eq_ignore_ascii_case("png")) {
-        return Ok(write_text(file, svg)?);
+        return Ok(write_text(file, &standalone(figure))?);
     }
-    let picture =
-        PngMaker::new().and_then(|maker| maker.rendered("drawing", svg)).map_err(ReportError::Png)?;
+    let picture = PngMaker::new().and_then(|maker| maker.png(figure)).map_err(ReportError::Png)?;
     Ok(write_bytes(file, &picture)?)
 }
 
@@ -101,7 +100,7 @@ pub fn write_drawing(source: &SceneSource, file: &Path) -> Result<(), CommandErr
     check_linkage(source.origin(), scene)?;
     let mechanism = Mechanism::new(scene);
     let drawn = drawn(source.origin(), scene, &mechanism, SHARE_OF_CYCLE)?;
-    write_picture(file, &drawing::svg_file(&drawn, &mechanism))
+    write_picture(file, &drawing::figure(&drawn, &mechanism))
 }
 
 /// The drawing of a mechanism as a figure; none for an external simulator, or where nothing can be drawn.
@@ -153,11 +152,47 @@ fn drawn(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use resvg::tiny_skia::Pixmap;
+
+    /// The colours of all pixels of a PNG file, as 0xRRGGBB.
+    fn colours_of_png(png: &[u8]) -> Vec<u32> {
+        let picture = Pixmap::decode_png(png).expect("a PNG file");
+        let colour = |pixel: &resvg::tiny_skia::PremultipliedColorU8| {
+            u32::from_be_bytes([0, pixel.red(), pixel.green(), pixel.blue()])
+        };
+        picture.pixels().iter().map(colour).collect()
+    }
 
     fn of(name: &str) -> (DrawnMechanism, Mechanism) {
         let source = SceneSource::builtin(name).expect("built in");
         let mechanism = Mechanism::new(source.nominal());
         (drawn(name, source.nominal(), &mechanism, SHARE_OF_CYCLE).expect("it closes"), mechanism)
+    }
+
+    #[test]
+    fn issue_a_drawing_as_png_was_black_all_over() {
+        if PngMaker::new().is_err() {
+            eprintln!("left out: drawings as PNG files (this machine has no font)");
+            return;
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in ["four-bar", "slider-crank"] {
+            let (drawn, mechanism) = of(name);
+            let file = folder.path().join("drawing.PNG");
+            write_picture(&file, &drawing::figure(&drawn, &mechanism)).expect("written");
+            let colours = colours_of_png(&std::fs::read(&file).expect("a picture"));
+            let share = |hex: u32| {
+                colours.iter().filter(|colour| **colour == hex).count() as f64 / colours.len() as f64
+            };
+            // The light shades of paper and ink.
+            assert!(share(0x00FF_FFFF) > 0.5, "{name}: {}", share(0x00FF_FFFF));
+            assert!(
+                share(0x001B_1F24) > 1e-3 && share(0) < 1e-3,
+                "{name}: {} {}",
+                share(0x001B_1F24),
+                share(0)
+            );
+        }
     }
 
     #[test]

@@ -14,6 +14,7 @@ use super::output::{count, print, to_json};
 use super::shared::Verbosity;
 use common::scene::*;
 use coordinator::presentation::nominal_life::NominalLife;
+use coordinator::presentation::terminal::while_waiting;
 use std::fmt::Write;
 use std::sync::Arc;
 use variables::variables;
@@ -34,11 +35,22 @@ pub fn explain(name: &str, accuracy: &AccuracyArguments, verbosity: Verbosity) -
     }
     worker::mechanism::islands(scene)
         .map_err(|failure| CommandError::of_simulation(source.origin(), scene, failure))?;
+    let is_given = *accuracy != AccuracyArguments::default();
     let accuracy = accuracy.for_study(&source, scene.study.seed, cores(), verbosity.quiet, Arc::default())?;
     let model = Model::new(scene, &accuracy.setting);
+    if !verbosity.json {
+        print(&text(&source, &model))?;
+    }
     let mut warnings = source.warnings();
-    let (lives, of_limits) = match nominal_evaluation(scene) {
-        Ok(evaluation) => evaluation.map(|found| nominal_check(scene, &found)).unwrap_or_default(),
+    let doing = "simulating the nominal mechanism until every limit is passed".to_owned();
+    let mut last = scene.life.cycles;
+    let given = is_given.then_some(&accuracy.setting.accuracy);
+    let (lives, of_limits) = match while_waiting(verbosity.quiet, doing, || nominal_evaluation(scene, given))
+    {
+        Ok(evaluation) => {
+            let found = evaluation.inspect(|found| last = found.cycles.last().copied().unwrap_or(last));
+            found.map(|found| nominal_check(scene, &found)).unwrap_or_default()
+        }
         Err(failure) => {
             let message = format!("the nominal mechanism cannot be simulated: {failure}");
             (vec![], vec![Warning { key: "scene".to_owned(), message }])
@@ -57,10 +69,9 @@ pub fn explain(name: &str, accuracy: &AccuracyArguments, verbosity: Verbosity) -
         return print(&to_json(&value)?);
     }
     let warnings = warnings.iter().map(|warning| format!("Warning: {warning}\n"));
-    let lives = lives.iter().map(|life| format!("Nominal {}", life.line(scene.life.cycles)));
+    let lives = lives.iter().map(|life| format!("Nominal {}", life.line(last)));
     let measured = measured.iter().map(MeasuredFinding::lines);
-    let below: String = measured.chain(lives).chain(warnings).collect();
-    print(&format!("{}{below}", text(&source, &model)))
+    print(&measured.chain(lives).chain(warnings).collect::<String>())
 }
 
 fn text(source: &SceneSource, model: &Model) -> String {

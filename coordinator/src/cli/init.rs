@@ -61,6 +61,8 @@ pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::nominal::nominal_evaluation;
+    use coordinator::presentation::nominal_life::nominal_lives;
 
     #[test]
     fn the_template_is_a_valid_scene_that_reads_all_its_parameters() {
@@ -69,5 +71,16 @@ mod tests {
         assert!(source.unused_parameters().is_empty());
         assert!(!source.nominal().variables.is_empty() && source.nominal().limit_states.len() == 2);
         assert!(TEMPLATE.lines().filter(|line| line.starts_with('#')).count() > 30);
+    }
+
+    #[test]
+    fn issue_the_template_lay_on_its_own_limit() {
+        let source = SceneSource::parse(&TEMPLATE.replace(NAME, "press"), "press.toml").unwrap();
+        let evaluation = nominal_evaluation(source.nominal(), None).unwrap().unwrap();
+        for life in nominal_lives(source.nominal(), &evaluation) {
+            assert_eq!(life.doubt(life.last, 4.0 * life.errors[1]), "", "{life:?}");
+            let reached = life.reached.expected();
+            assert!(reached > 4000.0 && reached < 8000.0, "{life:?}");
+        }
     }
 }

@@ -121,7 +121,7 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Schema { results } => schema::schema(results),
         CommandArguments::Completions { shell } => shell::completions(shell),
         CommandArguments::Man { out } => shell::man(out.as_deref()),
-        CommandArguments::Check { file, draw } => check::check(&file, draw.as_deref(), json),
+        CommandArguments::Check(options) => check::check(&options, verbosity),
         CommandArguments::Explain { scene, accuracy } => explain::explain(&scene, &accuracy, verbosity),
     }
 }

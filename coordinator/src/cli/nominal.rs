@@ -10,6 +10,9 @@ use coordinator::presentation::report::format::three_digits;
 use coordinator::presentation::unphysical_work::unphysical_work;
 use worker::simulate::{SimulateOptions, simulate};
 
+/// Longest block of wear that an accuracy may have [cycles].
+const LONGEST_BLOCK: u32 = 1_000_000;
+
 /// Checkpoints up to the life of the nominal mechanism that resolve the lives of others: their spread is some tens of per cent.
 const CHECKPOINTS_WITHIN_LIFE: f64 = 10.0;
 
@@ -20,16 +23,74 @@ const FAR_FROM_LIMIT: f64 = 0.1;
 /// Largest pressure on the projected area of a bearing as a share of the elastic modulus: hardened steel yields at 1 %.
 const LARGEST_PRESSURE: f64 = 0.02;
 
-/// Simulates the nominal mechanism at `draft`, or where that fails at the accuracy of the scene; none for a scene with its own simulator.
+/// Blocks of wear of a life that is simulated without an `accuracy`; a life of more is simulated in longer blocks, and from its
+/// beginning on only as far as it takes to pass every limit.
+const BLOCKS: u32 = 24;
+
+/// Share of such a life that is simulated first.
+const FIRST_PART: f64 = 1.0 / 16.0;
+
+/// Life that is simulated next over the life at which the last limit is expected to be passed.
+const RESERVE: f64 = 1.3;
+
+/// Simulates the nominal mechanism at an accuracy, or without one at `draft`, or where that fails at the accuracy of the scene; none for
+/// a scene with its own simulator. The life ends where every limit is passed.
 ///
 /// # Errors
-/// [`SimulationFailure`] if both fail.
-pub fn nominal_evaluation(scene: &Scene) -> Result<Option<Evaluation>, SimulationFailure> {
+/// [`SimulationFailure`] if all fail.
+pub fn nominal_evaluation(
+    scene: &Scene,
+    accuracy: Option<&Accuracy>,
+) -> Result<Option<Evaluation>, SimulationFailure> {
     if scene.simulator.is_some() {
         return Ok(None);
     }
-    let at = |accuracy: &Accuracy| simulate(scene, accuracy, SimulateOptions::WITH_FIRST_CYCLE);
-    at(&Accuracy::draft()).or_else(|_| at(&scene.accuracy.accuracy)).map(Some)
+    let at = |accuracy: &Accuracy, block: f64| until_failed(scene, accuracy, block);
+    let found = match accuracy {
+        Some(accuracy) => at(accuracy, 0.0),
+        None => {
+            at(&Accuracy::draft(), 1.0 / f64::from(BLOCKS)).or_else(|_| at(&scene.accuracy.accuracy, 0.0))
+        }
+    };
+    found.map(Some)
+}
+
+/// Simulates the life of a mechanism as far as it takes to pass every limit, in blocks of at least the share `block` of it.
+fn until_failed(scene: &Scene, accuracy: &Accuracy, block: f64) -> Result<Evaluation, SimulationFailure> {
+    let life = &scene.life;
+    let simulated = |cycles: u32| {
+        let longest = (block * f64::from(cycles)) as u32;
+        let accuracy =
+            Accuracy { cycle_jump: accuracy.cycle_jump.max(longest.min(LONGEST_BLOCK)), ..*accuracy };
+        simulate(&with_life(scene, cycles), &accuracy, SimulateOptions::WITH_FIRST_CYCLE)
+    };
+    let whole_checkpoints = |cycles: f64| {
+        let every = f64::from(life.checkpoint_every);
+        ((cycles / every).ceil().max(1.0) * every).min(f64::from(life.cycles)) as u32
+    };
+    if scene.limit_states.is_empty() || life.cycles / accuracy.cycle_jump.max(1) <= BLOCKS {
+        return simulated(life.cycles);
+    }
+    let mut cycles = whole_checkpoints(FIRST_PART * f64::from(life.cycles));
+    loop {
+        let evaluation = simulated(cycles)?;
+        let expected =
+            nominal_lives(scene, &evaluation).iter().map(|life| life.reached.expected()).fold(0.0, f64::max);
+        if cycles == life.cycles || expected <= f64::from(cycles) {
+            return Ok(evaluation);
+        }
+        let next = whole_checkpoints(RESERVE * expected.min(2.0 * f64::from(life.cycles)));
+        // No more than a part again, or all of it.
+        cycles = if next > cycles && next < life.cycles / 2 { next } else { life.cycles };
+    }
+}
+
+/// The scene with a shorter life, under every condition.
+fn with_life(scene: &Scene, cycles: u32) -> Scene {
+    let mut scene = scene.clone();
+    scene.life.cycles = cycles;
+    scene.conditions.iter_mut().for_each(|condition| condition.scene.life.cycles = cycles);
+    scene
 }
 
 /// Expected lives of the nominal mechanism from its `evaluation`, and warnings about its limits and contacts.
@@ -131,7 +192,7 @@ mod tests {
     fn issue_a_mechanism_past_its_limit_before_the_first_checkpoint_passed_without_a_word() {
         let mut scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
         let found = |scene: &Scene| {
-            let evaluation = nominal_evaluation(scene).expect("simulated").expect("by the worker");
+            let evaluation = nominal_evaluation(scene, None).expect("simulated").expect("by the worker");
             let (lives, warnings) = nominal_check(scene, &evaluation);
             (lives[0].reached, warnings)
         };
@@ -157,6 +218,24 @@ mod tests {
             warnings[0].message.contains("0.1 % of the limit of 8000 µm: no failure will be seen"),
             "{warnings:?}"
         );
+    }
+
+    #[test]
+    fn issue_a_life_far_beyond_every_limit_was_simulated_to_its_end() {
+        let mut scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
+        // Worn by 8 um after some 6 000 cycles of 2 000 000.
+        scene.limit_states.truncate(1);
+        scene.life.cycles = 2_000_000;
+        scene.life.checkpoint_every = 2000;
+        let evaluation = nominal_evaluation(&scene, None).expect("simulated").expect("by the worker");
+        let lives = nominal_lives(&scene, &evaluation);
+        assert!(
+            matches!(lives[0].reached, Reached::After(life) if (5000.0..7000.0).contains(&life)),
+            "{lives:?}"
+        );
+        let last = *evaluation.cycles.last().expect("checkpoints");
+        assert!(last <= 126_000, "{last}");
+        assert!(evaluation.diagnostics.simulated_cycles < 200, "{:?}", evaluation.diagnostics);
     }
 
     #[test]

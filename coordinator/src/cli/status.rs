@@ -54,7 +54,13 @@ pub fn status(arguments: &StatusArguments, as_json: bool) -> Result<(), CommandE
     }
     let begun = Instant::now();
     let session = ClientSession::open(&arguments.endpoint, arguments.config.as_deref());
-    let session = session.map_err(|error| explained(error, begun))?;
+    let session = session.map_err(|error| match explained(error, begun) {
+        ClientError::Endpoint { endpoint, reason } => ClientError::Endpoint {
+            endpoint,
+            reason: format!("there is no such folder, and as an address it is {reason}"),
+        },
+        other => other,
+    })?;
     let mut shown = session.status(PATIENCE)?;
     if !arguments.watch {
         return print(&text(&shown, as_json)?);

@@ -16,6 +16,17 @@ pub enum Reached {
     Beyond(Option<f64>),
 }
 
+impl Reached {
+    /// Cycles to the limit; infinite if nothing leads to it.
+    pub fn expected(self) -> f64 {
+        match self {
+            Self::FromTheStart => 0.0,
+            Self::After(cycles) => cycles,
+            Self::Beyond(cycles) => cycles.unwrap_or(f64::INFINITY),
+        }
+    }
+}
+
 /// A limit state of one mechanism.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NominalLife<'s> {
@@ -122,7 +133,10 @@ impl NominalLife<'_> {
         if error <= 0.0 || error < (self.limit.response(value) - self.limit.response_threshold()).abs() {
             return String::new();
         }
-        format!("; its numerical error of {} leaves that open: choose another accuracy", self.shown(error))
+        format!(
+            "; its numerical error of {} leaves that open: choose another accuracy with --accuracy",
+            self.shown(error)
+        )
     }
 
     /// The line about this limit state, e.g. `wear: 10.0 µm after 8 000 cycles, limit 8.00 µm, margin -25 %; reached after about 5 930
@@ -233,10 +247,9 @@ mod tests {
             nominal_lives(&scene, &evaluation)[0].line(2000)
         };
         // 7 um of the 8 um allowed.
-        assert!(
-            line(2e-6)
-                .ends_with("; its numerical error of 2.00 µm leaves that open: choose another accuracy\n")
-        );
+        assert!(line(2e-6).ends_with(
+            "; its numerical error of 2.00 µm leaves that open: choose another accuracy with --accuracy\n"
+        ));
         assert!(!line(5e-7).contains("open"));
     }
 }

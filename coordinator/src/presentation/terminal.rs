@@ -3,9 +3,11 @@
 
 mod ending;
 mod message;
+mod waiting;
 
 pub use ending::final_text;
 pub use message::print_message;
+pub use waiting::while_waiting;
 
 use crate::presentation::remaining::EvaluationProgress;
 use crate::presentation::report::format::{count, fixed, percent, reliability, share, three_digits};

@@ -172,7 +172,7 @@ fn unresolved_fall(
         let level = life.reliability;
         let k = (0..checkpoints.len()).find(|k| reliability(*k) <= level)?;
         // A level that is not reached even unworn is known.
-        (life.cycles.is_none() && life.interval.upper != Some(0.0)).then_some(k)
+        (life.cycles.is_none() && life.interval.upper != Some(0.0) && at_start > level).then_some(k)
     };
     let k = (0..checkpoints.len()).find(falls).or_else(|| lives.iter().find_map(bounded))?;
     let (from, to) = (if k == 0 { 0 } else { checkpoints[k - 1] }, checkpoints[k]);

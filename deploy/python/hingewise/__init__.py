@@ -12,13 +12,14 @@ The standard library is enough but for frames, which need pandas; `Study.rows` g
 from .program import ProgramError, call
 from .runs import Progress, resume, run
 from .scenes import dumps, load_scene, save_scene
-from .study import Study, StudyError
+from .study import Study, StudyError, StudyWarning
 
 __all__ = [
     "Progress",
     "ProgramError",
     "Study",
     "StudyError",
+    "StudyWarning",
     "call",
     "dumps",
     "load_scene",

@@ -5,12 +5,13 @@ import re
 import signal
 import subprocess
 import tempfile
+import warnings
 from contextlib import contextmanager
 from typing import NamedTuple
 
 from .program import ProgramError, program
 from .scenes import dumps
-from .study import Study
+from .study import Study, StudyWarning
 
 _COUNTS = re.compile(r"(\d+)/(\d+) evaluations")
 
@@ -35,12 +36,15 @@ def run(scene, out, *, progress=None, **options):
     with a `Progress` for every line that the program prints meanwhile. Options are those of `coordinator run`, with `_`
     for `-`: `accuracy="draft"`, `workers=2`, `max_evaluations=60`; True sets a flag, a list repeats an option.
 
-    An interruption (Ctrl-C, or that of a notebook) stops the study without loss, and `resume` goes on with it.
+    An interruption (Ctrl-C, or that of a notebook) stops the study without loss, and `resume` goes on with it. A study
+    that ended before its targets were met is returned with a StudyWarning; see `Study.targets_met` and `Study.ending`.
+    What the program prints at its end is in `Study.printed`.
 
     Raises ProgramError.
     """
     with _file_of(scene) as file:
-        return _study(["run", "--scene", file, "--out", os.fspath(out), *_words(options)], out, progress)
+        command = ["run", "--scene", file, "--out", os.fspath(out), *_words(options)]
+        return _study(command, out, progress, hidden=file if isinstance(scene, dict) else None)
 
 
 def resume(folder, *, progress=None, **options):
@@ -76,16 +80,28 @@ def _words(options):
     return words
 
 
-def _study(arguments, folder, progress):
-    """Runs a command that ends with a finished study in `folder`."""
+def _study(arguments, folder, progress, hidden=None):
+    """Runs a command that ends with a finished study in `folder`; `hidden` is a file that messages do not name."""
     command = [program(), *arguments]
+    # A file takes as much as is printed while the other stream is read.
+    with tempfile.TemporaryFile("w+", encoding="utf-8") as printed:
+        _run_to_end(command, printed, progress, hidden)
+        printed.seek(0)
+        study = Study(folder)
+        study.printed = printed.read()
+    if not study.targets_met:
+        warnings.warn(f"{study.folder}: {study.ending}", StudyWarning, stacklevel=3)
+    return study
+
+
+def _run_to_end(command, printed, progress, hidden):
     process = subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8"
+        command, stdin=subprocess.DEVNULL, stdout=printed, stderr=subprocess.PIPE, encoding="utf-8"
     )
     said = []
     try:
         for line in process.stderr:
-            said = [*said, line.rstrip()][-20:]
+            said = [*said, _without(line.rstrip(), hidden)][-20:]
             if progress is not None:
                 progress(_progress(said[-1]))
         process.wait()
@@ -100,7 +116,15 @@ def _study(arguments, folder, progress):
         process.stderr.close()
     if process.returncode != 0:
         raise ProgramError(process.returncode, "\n".join(said))
-    return Study(folder)
+
+
+def _without(line, hidden):
+    """A line with `scene` in the place of a temporary file."""
+    if hidden is None:
+        return line
+    for name in (hidden, os.path.join(".", os.path.basename(hidden)), os.path.basename(hidden)):
+        line = line.replace(name, "scene")
+    return line
 
 
 def _progress(line):

@@ -12,11 +12,42 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def load_scene(scene):
-    """The scene of a file, or the built-in one of this name, as a dictionary."""
+    """The scene of a file, or the built-in one of this name, as a dictionary.
+
+    Paths in it (CSV files, `extends`, the folder of a program) are made absolute, so that the dictionary is the same
+    scene wherever it is run or saved.
+    """
     path = Path(scene)
     if path.suffix or path.exists():
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return _with_absolute_paths(tomllib.loads(path.read_text(encoding="utf-8")), path.absolute().parent)
     return tomllib.loads(output_of("scenes", "--show", scene))
+
+
+def _with_absolute_paths(table, folder):
+    """Makes the paths of a scene that was read from this folder absolute, in place."""
+
+    def settle(below, key, default=None):
+        value = below.get(key, default) if isinstance(below, dict) else None
+        if isinstance(value, str):
+            below[key] = str(folder / value)
+
+    rows = [row for key in ("bodies", "loads", "outputs", "variables") for row in _rows(table, key)]
+    for row in rows:
+        for value in row.values():
+            settle(value, "csv")
+    head = table.get("scene")
+    # The name of a built-in scene is no path.
+    if isinstance(head, dict) and isinstance(head.get("extends"), str) and (folder / head["extends"]).is_file():
+        settle(head, "extends")
+    simulator = table.get("simulator")
+    if isinstance(simulator, dict) and "program" in simulator:
+        settle(simulator, "folder", ".")
+    return table
+
+
+def _rows(table, key):
+    rows = table.get(key)
+    return [row for row in rows if isinstance(row, dict)] if isinstance(rows, list) else []
 
 
 def save_scene(scene, file):

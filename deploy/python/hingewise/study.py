@@ -32,12 +32,19 @@ class StudyError(Exception):
     """A folder that holds no finished study, or one of another version."""
 
 
+class StudyWarning(UserWarning):
+    """A study that ended before its targets were met."""
+
+
 class Study:
     """A finished study.
 
     Every table of `TABLES` is a property with a pandas frame, e.g. `study.lives`; `rows` gives it as a list of
     dictionaries. Files are read when they are needed, so a study that goes on in the folder needs a new `Study`.
     """
+
+    #: What the program printed at the end of the study; None for a study that was opened from its folder.
+    printed = None
 
     def __init__(self, folder):
         self.folder = Path(folder)
@@ -56,6 +63,17 @@ class Study:
 
     def __repr__(self):
         return f"Study({str(self.folder)!r})"
+
+    @property
+    def targets_met(self):
+        """True if the study ended because its targets were met; False if its budget was spent first."""
+        return self.summary["convergence"]["targets_met"]
+
+    @property
+    def ending(self):
+        """Why the study ended, in words."""
+        met = "its targets are met" if self.targets_met else "ended before its targets were met"
+        return f"{met}: {self.summary['convergence']['stopped_because']}"
 
     @property
     def scene(self):

@@ -130,7 +130,28 @@ class WithStudy(unittest.TestCase):
         self.assertFalse(Path("wrong").exists())
         with self.assertRaises(hingewise.ProgramError) as raised:
             hingewise.run("four-bar", "study")
-        self.assertIn("already holds a campaign", str(raised.exception))
+        self.assertIn("already holds a study", str(raised.exception))
+
+    def test_issue_a_study_hid_that_its_targets_were_not_met(self):
+        self.assertFalse(self.study.targets_met)
+        with self.assertWarns(hingewise.StudyWarning) as warned:
+            again = hingewise.resume("study")
+        stopped = again.summary["convergence"]["stopped_because"]
+        self.assertIn(stopped, again.ending)
+        self.assertIn(stopped, str(warned.warning))
+        self.assertIn(f"stopped because {stopped}", again.printed)
+        self.assertIsNone(hingewise.Study("study").printed)
+
+    def test_issue_a_message_named_a_temporary_file(self):
+        wrong = small()
+        wrong["bodies"][1]["mass"] = "3 kgg"
+        for options in ({}, {"progress": lambda line: None}):
+            with self.assertRaises(hingewise.ProgramError) as raised:
+                hingewise.run(wrong, "wrong", workers=1, **options)
+            said = str(raised.exception)
+            self.assertIn("scene:", said)
+            self.assertNotIn(".hingewise-", said)
+            self.assertNotIn(os.getcwd(), said)
 
     def test_an_interruption_stops_the_study_without_loss(self):
         def interrupt(line):
@@ -153,6 +174,47 @@ class WithStudy(unittest.TestCase):
         with self.assertRaises(hingewise.StudyError) as raised:
             hingewise.Study("later")
         self.assertIn("schema 99, this package reads 1", str(raised.exception))
+
+
+class ElsewhereTest(unittest.TestCase):
+    """Scenes from another folder than the current one."""
+
+    CARD = "crank [deg],torque [N m]\n0,{0}\n180,{1}\n360,{0}\n"
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(folder.name)
+        Path("sub").mkdir()
+        Path("sub/card.csv").write_text(self.CARD.format("-0.8", "-0.7"))
+        Path("card.csv").write_text(self.CARD.format("-8", "-7"))
+        scene = hingewise.load_scene("four-bar")
+        scene["loads"] = [
+            {"name": "card", "type": "torque", "body": "rocker", "torque": {"over": {"angle": "crank"}, "csv": "card.csv"}}
+        ]
+        scene["variables"] = [row for row in scene["variables"] if row["name"] != "load_torque"]
+        scene["scene"]["name"] = "base"
+        Path("sub/base.toml").write_text(hingewise.dumps(scene))
+        Path("base.toml").write_text(hingewise.dumps(scene | {"life": {"cycles": 1, "checkpoint_every": 1}}))
+        Path("sub/own.toml").write_text('[scene]\nname = "own"\nextends = "base.toml"\n')
+        Path("sub/four.toml").write_text('[scene]\nname = "four"\nextends = "four-bar"\n')
+
+    def simulated(self, file):
+        return hingewise.call("simulate", "--scene", file, "--accuracy", "draft")["histories"]
+
+    def test_issue_a_scene_of_another_folder_took_files_of_this_one(self):
+        for name in ("base", "own"):
+            expected = self.simulated(f"sub/{name}.toml")
+            hingewise.save_scene(hingewise.load_scene(f"sub/{name}.toml"), "moved.toml")
+            self.assertEqual(self.simulated("moved.toml"), expected, name)
+        self.assertNotEqual(self.simulated("base.toml"), expected)
+        # The name of a built-in scene stays one.
+        self.assertEqual(hingewise.load_scene("sub/four.toml")["scene"]["extends"], "four-bar")
+
+    def test_issue_a_program_was_started_in_another_folder(self):
+        Path("sub/beam.toml").write_text('[simulator]\nprogram = ["python3", "beam.py"]\n')
+        self.assertEqual(hingewise.load_scene("sub/beam.toml")["simulator"]["folder"], str(Path.cwd() / "sub"))
 
 
 class Scenes(unittest.TestCase):

@@ -14,7 +14,7 @@
 use super::CalibrationError;
 use crate::statistics::design::InputModel;
 use common::random::Distribution;
-use common::scene::{FaultKind, Faults, Scene, SceneSource};
+use common::scene::{Scene, SceneSource};
 use toml::{Table, Value};
 
 /// Effect of a free parameter.
@@ -183,26 +183,23 @@ fn with_parameters(source: &SceneSource, free: &[FreeParameter]) -> Result<Scene
         ParameterKind::Keys(keys) => Some((free, keys)),
         ParameterKind::Mean(_) | ParameterKind::Spread(_) => None,
     });
-    let syntax = |message: String| Faults::one(source.origin(), "", FaultKind::Inconsistent { message });
-    let mut document: Table =
-        source.text().parse().map_err(|error: toml::de::Error| syntax(error.to_string()))?;
-    let variables = document.entry("variables").or_insert_with(|| Value::Array(Vec::new()));
-    if let Value::Array(rows) = variables {
-        for (free, keys) in keyed {
-            let mut row = Table::new();
-            row.insert("name".into(), Value::String(free.name.clone()));
-            row.insert("changes".into(), Value::Array(keys.iter().cloned().map(Value::String).collect()));
-            row.insert("distribution".into(), Value::String("uniform".into()));
-            for (key, bound) in ["lower", "upper"].into_iter().zip(&free.bounds) {
-                // A number without a unit stays a number.
-                let value = bound.parse().map_or_else(|_| Value::String(bound.clone()), Value::Float);
-                row.insert(key.into(), value);
+    Ok(source.edited(source.origin(), |document| {
+        let variables = document.entry("variables").or_insert_with(|| Value::Array(Vec::new()));
+        if let Value::Array(rows) = variables {
+            for (free, keys) in keyed {
+                let mut row = Table::new();
+                row.insert("name".into(), Value::String(free.name.clone()));
+                row.insert("changes".into(), Value::Array(keys.iter().cloned().map(Value::String).collect()));
+                row.insert("distribution".into(), Value::String("uniform".into()));
+                for (key, bound) in ["lower", "upper"].into_iter().zip(&free.bounds) {
+                    // A number without a unit stays a number.
+                    let value = bound.parse().map_or_else(|_| Value::String(bound.clone()), Value::Float);
+                    row.insert(key.into(), value);
+                }
+                rows.push(Value::Table(row));
             }
-            rows.push(Value::Table(row));
         }
-    }
-    let text = toml::to_string(&document).map_err(|error| syntax(error.to_string()))?;
-    Ok(SceneSource::parse(&text, source.origin())?)
+    })?)
 }
 
 #[cfg(test)]

@@ -52,34 +52,35 @@ impl DesignSpace {
         let ends = self.ends()?;
         let envelopes: Vec<Envelope> =
             (0..self.base.variables().len()).map(|k| envelope(k, &corners, &middle, &ends)).collect();
-        let mut document: Table = self.base.text().parse().expect("the scene was read from this text");
-        let rows = document.entry("variables").or_insert_with(|| Value::Array(vec![]));
-        let rows = rows.as_array_mut().expect("the variables of a scene are a list");
-        for (variable, envelope) in self.base.variables().iter().zip(&envelopes).filter(|(_, e)| !e.is_fixed)
-        {
-            let is_own = |row: &&mut Table| row.get("name").and_then(Value::as_str) == Some(&variable.name);
-            if let Some(row) = rows.iter_mut().filter_map(Value::as_table_mut).find(is_own) {
-                write_envelope(row, variable, envelope);
-            }
-        }
-        for (design, name) in self.variables.iter().zip(&self.added) {
-            let Some(name) = name else { continue };
-            let law = [
-                ("distribution", Value::from("uniform")),
-                ("lower", design.written(design.lower)),
-                ("upper", design.written(design.upper)),
-            ];
-            let row = design.row(name, &law);
-            rows.push(Value::Table(row));
-        }
         let correlations = self.correlations(&envelopes, &middle);
-        if correlations.is_empty() {
-            document.remove("correlations");
-        } else {
-            document.insert("correlations".to_owned(), Value::Array(correlations));
-        }
-        let text = toml::to_string(&document).expect("a scene is a table of TOML");
-        SceneSource::parse(&text, "--design").map_err(Faults::without_places)
+        self.base.edited("--design", |document| {
+            let rows = document.entry("variables").or_insert_with(|| Value::Array(vec![]));
+            let rows = rows.as_array_mut().expect("the variables of a scene are a list");
+            for (variable, envelope) in
+                self.base.variables().iter().zip(&envelopes).filter(|(_, e)| !e.is_fixed)
+            {
+                let is_own =
+                    |row: &&mut Table| row.get("name").and_then(Value::as_str) == Some(&variable.name);
+                if let Some(row) = rows.iter_mut().filter_map(Value::as_table_mut).find(is_own) {
+                    write_envelope(row, variable, envelope);
+                }
+            }
+            for (design, name) in self.variables.iter().zip(&self.added) {
+                let Some(name) = name else { continue };
+                let law = [
+                    ("distribution", Value::from("uniform")),
+                    ("lower", design.written(design.lower)),
+                    ("upper", design.written(design.upper)),
+                ];
+                let row = design.row(name, &law);
+                rows.push(Value::Table(row));
+            }
+            if correlations.is_empty() {
+                document.remove("correlations");
+            } else {
+                document.insert("correlations".to_owned(), Value::Array(correlations));
+            }
+        })
     }
 
     /// For each design variable the scenes at both ends of its range, the others in the middle.

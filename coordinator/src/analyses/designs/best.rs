@@ -46,7 +46,7 @@ impl Objective {
             Self::Life { level } => match life_at(&answer.summary, TOTAL, level, Included::Statistical) {
                 LifeAt::Cycles { life, .. } => Some((life, false)),
                 LifeAt::Beyond { end, .. } => Some((end, true)),
-                LifeAt::Between { .. } => None,
+                LifeAt::Unworn { .. } | LifeAt::Between { .. } => None,
             },
             Self::Reliability { cycles } => {
                 let row = answer.summary.reliability.iter().find(|row| row.cycles == cycles)?;

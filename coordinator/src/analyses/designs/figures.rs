@@ -37,7 +37,7 @@ fn life(answer: &DesignAnswer, level: f64) -> Option<Limited> {
         LifeAt::Cycles { life, lower, upper } => {
             Some((answer.values[0], life, lower, upper.unwrap_or(end(answer))))
         }
-        LifeAt::Between { .. } | LifeAt::Beyond { .. } => None,
+        LifeAt::Unworn { .. } | LifeAt::Between { .. } | LifeAt::Beyond { .. } => None,
     }
 }
 

@@ -124,13 +124,12 @@ impl DesignSpace {
         if rows.is_empty() {
             return Ok(design);
         }
-        let mut document: Table = design.text().parse().expect("the scene was read from this text");
-        let list = document.entry("variables").or_insert_with(|| Value::Array(vec![]));
-        list.as_array_mut()
-            .expect("the variables of a scene are a list")
-            .extend(rows.into_iter().map(Value::Table));
-        SceneSource::parse(&toml::to_string(&document).expect("a scene is a table of TOML"), "--design")
-            .map_err(Faults::without_places)
+        design.edited("--design", |document| {
+            let list = document.entry("variables").or_insert_with(|| Value::Array(vec![]));
+            list.as_array_mut()
+                .expect("the variables of a scene are a list")
+                .extend(rows.into_iter().map(Value::Table));
+        })
     }
 
     /// The scene of [`DesignSpace::with_constants`].

@@ -59,12 +59,14 @@ impl fmt::Display for UnitFaults {
 #[derive(Debug, Error)]
 pub enum UpdateError {
     /// The file cannot be read.
-    #[error("{file}: {error}")]
+    #[error(
+        "{file} cannot be read: {why}; expected is a CSV file of observations, see `coordinator update --help`"
+    )]
     Read {
         /// Path of the file.
         file: String,
-        /// The error of the operating system.
-        error: std::io::Error,
+        /// Why it cannot be read.
+        why: String,
     },
     /// The file is faulty.
     #[error("{0}")]

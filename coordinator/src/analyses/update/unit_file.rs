@@ -7,6 +7,7 @@ use super::{UnitFault, UnitFaults, UpdateError};
 use crate::analyses::quantity::output_quantity;
 use crate::study::LifeModel;
 use common::scene::{Scene, SceneSource};
+use common::text_file::read_text;
 use std::path::Path;
 
 /// Columns of the file.
@@ -20,8 +21,7 @@ const CONTRADICTION: f64 = 4.0;
 /// [`UpdateError::Read`], [`UpdateError::Units`] with all faults.
 pub fn read(path: &Path, source: &SceneSource, model: &LifeModel) -> Result<Vec<ObservedUnit>, UpdateError> {
     let file = path.display().to_string();
-    let text =
-        std::fs::read_to_string(path).map_err(|error| UpdateError::Read { file: file.clone(), error })?;
+    let text = read_text(path, "a CSV file").map_err(|why| UpdateError::Read { file: file.clone(), why })?;
     parse(&text, &file, source, model)
 }
 

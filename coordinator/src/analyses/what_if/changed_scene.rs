@@ -65,14 +65,18 @@ pub fn redistributed(source: &SceneSource, settings: &[String]) -> Result<SceneS
     if !faults.is_empty() {
         return Err(Faults(faults));
     }
-    let mut document: Table = source.text().parse().expect("the scene was read from this text");
+    source.edited("--set", |document| write_changes(document, source, changes))
+}
+
+/// Writes the changes into the tables of the scene.
+fn write_changes(document: &mut Table, source: &SceneSource, changes: Vec<Setting>) {
     for (k, variable) in source.variables().iter().enumerate() {
         let of_variable = |change: &Setting| match change {
             Setting::Variable { variable, key, value } if *variable == k => Some((*key, value.clone())),
             _ => None,
         };
         let set: Vec<(&str, Value)> = changes.iter().filter_map(of_variable).collect();
-        if let Some(row) = row(&mut document, "variables", &variable.name).filter(|_| !set.is_empty()) {
+        if let Some(row) = row(document, "variables", &variable.name).filter(|_| !set.is_empty()) {
             change_variable(row, variable, &set);
         }
     }
@@ -81,18 +85,16 @@ pub fn redistributed(source: &SceneSource, settings: &[String]) -> Result<SceneS
             Setting::Variable { .. } => {}
             Setting::Threshold { limit_state, key, value } => {
                 let name = &source.nominal().limit_states[limit_state].name;
-                if let Some(row) = row(&mut document, "limit_states", name) {
+                if let Some(row) = row(document, "limit_states", name) {
                     row.insert(key.to_owned(), value);
                 }
             }
             Setting::Correlation { pair, key, value } => {
                 let names = pair.map(|k| source.variables()[k].name.clone());
-                change_correlation(&mut document, &names, key, value);
+                change_correlation(document, &names, key, value);
             }
         }
     }
-    let text = toml::to_string(&document).expect("a scene is a table of TOML");
-    SceneSource::parse(&text, "--set").map_err(Faults::without_places)
 }
 
 /// The fault of a variable that the study held constant: its simulations do not show its influence.

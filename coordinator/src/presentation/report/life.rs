@@ -17,6 +17,11 @@ pub enum LifeAt {
         /// Upper limit of its interval.
         upper: Option<f64>,
     },
+    /// R is not above the level even unworn, in the first cycle.
+    Unworn {
+        /// Upper limit of its interval, 0 if that too is certain.
+        upper: Option<f64>,
+    },
     /// The checkpoints bound the life but do not resolve it.
     Between {
         /// Lower limit, 0 if only the upper one is known.
@@ -55,8 +60,11 @@ pub fn life_at(summary: &StudySummary, key: &str, level: f64, included: Included
     };
     let end = end_of_life(summary);
     let falls = summary.reliability.last().is_some_and(|row| row.reliability.get(key) <= Some(&level));
+    let first = summary.curves.iter().find(|curve| curve.limit_state == key);
+    let unworn = first.and_then(|curve| curve.reliability.first()).is_some_and(|r| *r <= level);
     match row.cycles {
         Some(life) => LifeAt::Cycles { life, lower, upper },
+        None if falls && (unworn || upper == Some(0.0)) => LifeAt::Unworn { upper },
         None if falls => LifeAt::Between { lower, upper },
         None => LifeAt::Beyond { lower: lower.min(end), end },
     }
@@ -89,6 +97,9 @@ fn between_checkpoints(summary: &StudySummary, key: &str, level: f64) -> LifeAt 
     }
 }
 
+/// The life of mechanisms that exceed a limit in their first cycle.
+pub const FAILED_UNWORN: &str = "failed unworn";
+
 /// A life in words and its limits, e.g. `63 420` and `63 200 to 63 640`, with two digits of the width of the interval.
 pub fn life_and_limits(life: LifeAt) -> (String, String) {
     match life {
@@ -100,7 +111,14 @@ pub fn life_and_limits(life: LifeAt) -> (String, String) {
         LifeAt::Between { lower, upper: Some(upper) } if lower > 0.0 => {
             (format!("{} to {}", whole(lower.floor()), whole(upper.ceil())), String::new())
         }
-        LifeAt::Between { upper: Some(upper), .. } if upper <= 0.0 => ("0".to_owned(), String::new()),
+        LifeAt::Unworn { upper } => {
+            let limits = match upper {
+                None => "to beyond the life studied".to_owned(),
+                Some(upper) if upper <= 0.0 => String::new(),
+                Some(upper) => format!("0 to {}", whole(upper.ceil())),
+            };
+            (FAILED_UNWORN.to_owned(), limits)
+        }
         LifeAt::Between { upper: Some(upper), .. } => {
             (format!("before {}", whole(upper.ceil())), String::new())
         }
@@ -210,6 +228,7 @@ pub fn leaders(summary: &StudySummary) -> Vec<(u32, &str)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::results::life_summary::LifeCurveRow;
     use crate::test_study;
     use std::collections::BTreeMap;
 
@@ -300,7 +319,25 @@ mod tests {
         old.unresolved_fall = Some(cycle);
         let said = unresolved_fall(&old).unwrap();
         assert!(said.contains("no checkpoints resolve") && !said.contains("checkpoint_every"), "{said}");
-        assert_eq!(text(&with_life(None, 0.0, Some(0.0))).0, "0");
+        assert_eq!(text(&with_life(None, 0.0, Some(0.0))), ("failed unworn".into(), String::new()));
+    }
+
+    #[test]
+    fn issue_mechanisms_that_all_fail_unworn_lived_after_0_cycles() {
+        let mut summary = with_life(None, 0.0, None);
+        summary.curves = vec![LifeCurveRow {
+            limit_state: "total".into(),
+            cycles: vec![0.0, 3000.0],
+            reliability: vec![0.0; 2],
+            lower: vec![0.0; 2],
+            upper: vec![0.63; 2],
+            ..LifeCurveRow::default()
+        }];
+        assert_eq!(text(&summary), ("failed unworn".into(), "to beyond the life studied".into()));
+        let said = crate::presentation::terminal::final_text(&summary, std::path::Path::new("out"));
+        assert!(said.contains("life at R = 0.5: failed unworn (95 % interval to beyond"), "{said}");
+        let (card, below) = crate::presentation::report::words::life(&summary, 0.5);
+        assert_eq!((&*card, &*below), ("failed unworn", "95 % interval to beyond the life studied"));
     }
 
     #[test]

@@ -20,7 +20,7 @@ pub fn change_between(before: &StudySummary, after: &StudySummary, name: &str, l
             // Without a correlation the part of sampling plays no role.
             Some(IntervalEstimate { value: life, lower, upper, sampling: 0.0 })
         }
-        LifeAt::Between { .. } | LifeAt::Beyond { .. } => None,
+        LifeAt::Unworn { .. } | LifeAt::Between { .. } | LifeAt::Beyond { .. } => None,
     };
     Some(change(estimate(before)?, estimate(after)?, 0.0))
 }

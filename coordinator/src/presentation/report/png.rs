@@ -73,24 +73,17 @@ impl PngMaker {
         Ok(Self { fonts: Arc::new(fonts), family })
     }
 
-    /// A figure as a PNG file.
+    /// A figure as a PNG file. Its SVG has colours as numbers; an SVG file of the figure has a style sheet with variables, which this
+    /// renderer shows as black.
     ///
     /// # Errors
     /// [`PngError`].
     pub fn png(&self, figure: &Figure) -> Result<Vec<u8>, PngError> {
-        self.rendered(&figure.name, &figure.svg)
-    }
-
-    /// The drawing in the text of an SVG file as a PNG file; `name` is that of the figure in errors.
-    ///
-    /// # Errors
-    /// [`PngError`].
-    pub fn rendered(&self, name: &str, svg: &str) -> Result<Vec<u8>, PngError> {
-        let name = || name.to_owned();
+        let name = || figure.name.clone();
         let options =
             Options { fontdb: self.fonts.clone(), font_family: self.family.clone(), ..Options::default() };
-        let tree =
-            Tree::from_str(svg, &options).map_err(|error| PngError::Drawing { figure: name(), error })?;
+        let tree = Tree::from_str(&figure.svg, &options)
+            .map_err(|error| PngError::Drawing { figure: name(), error })?;
         let scale = WIDTH / tree.size().width();
         let height = (scale * tree.size().height()).ceil() as u32;
         let mut picture =

@@ -91,7 +91,7 @@ pub fn effect_on_life(input: &ReportInput) -> Option<String> {
     let summary = &input.summary;
     let limits = |included| match life_at(summary, "total", 0.5, included) {
         known @ LifeAt::Cycles { .. } => Some(life_and_limits(known).1),
-        LifeAt::Between { .. } | LifeAt::Beyond { .. } => None,
+        LifeAt::Unworn { .. } | LifeAt::Between { .. } | LifeAt::Beyond { .. } => None,
     };
     if !states_numerical_errors(summary) {
         return None;

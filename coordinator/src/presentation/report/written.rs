@@ -21,7 +21,7 @@ pub struct WrittenScene {
     pub changes: Vec<(String, String)>,
     /// Names of the materials.
     pub materials: Vec<String>,
-    /// Names by the path of their key: points, materials.
+    /// Names by the path of their key: points, materials, files that values are from.
     names: BTreeMap<String, String>,
     /// Values of the quantities that are written [SI].
     quantities: BTreeMap<String, f64>,
@@ -41,6 +41,13 @@ impl WrittenScene {
             .map(|(name, value)| (name.clone(), text_of(value)))
             .collect();
         written.materials = table("materials").into_iter().flat_map(Table::keys).cloned().collect();
+        for row in document.get("variables").and_then(Value::as_array).into_iter().flatten() {
+            let text = |value: Option<&Value>| value.and_then(Value::as_str).map(str::to_owned);
+            let from = text(row.get("samples").and_then(|samples| samples.get("source")));
+            if let Some((name, from)) = text(row.get("name")).zip(from) {
+                written.names.insert(format!("variables.{name}.samples.source"), from);
+            }
+        }
         for (key, value) in document.iter().filter(|(key, _)| !READ_ONCE.contains(&key.as_str())) {
             written.walk(&source, &parameters, key, value);
         }

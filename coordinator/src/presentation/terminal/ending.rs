@@ -2,7 +2,7 @@
 
 use crate::presentation::report::format::{count, duration, fixed};
 use crate::presentation::report::life::{
-    Included, LEVELS, life_and_limits, life_at, no_simulated_failure, rows_that_matter,
+    Included, LEVELS, LifeAt, life_and_limits, life_at, no_simulated_failure, rows_that_matter,
     states_numerical_errors, unresolved_fall,
 };
 use crate::presentation::report::{failure_probability, reliability};
@@ -84,10 +84,12 @@ fn over_life(summary: &StudySummary, names: &[&str]) -> String {
     let mut text = in_columns(&table, &[]);
     text.push('\n');
     for level in LEVELS {
-        let (life, limits) = life_and_limits(life_at(summary, "total", level, Included::All));
+        let found = life_at(summary, "total", level, Included::All);
+        let (life, limits) = life_and_limits(found);
+        let unit = if matches!(found, LifeAt::Unworn { .. }) { "" } else { " cycles" };
         let limits =
             if limits.is_empty() { "95 % bound".to_owned() } else { format!("95 % interval {limits}") };
-        text += &format!("life at R = {level}: {life} cycles ({limits})\n");
+        text += &format!("life at R = {level}: {life}{unit} ({limits})\n");
     }
     if states_numerical_errors(summary) {
         let (_, without) = life_and_limits(life_at(summary, "total", 0.5, Included::Statistical));

@@ -24,7 +24,7 @@ pub enum StoreError {
     },
     /// The folder of a new study holds a study already.
     #[error(
-        "output folder {}: already holds a campaign; continue it with `coordinator resume {}`, or choose another --out",
+        "output folder {}: already holds a study; continue it with `coordinator resume {}`, or choose another --out",
         dir.display(), dir.display()
     )]
     AlreadyHoldsCampaign {
@@ -32,7 +32,7 @@ pub enum StoreError {
         dir: PathBuf,
     },
     /// The folder holds no campaign file.
-    #[error("folder {}: holds no campaign (no campaign.db); a study's output folder is expected", dir.display())]
+    #[error("folder {}: holds no study (no campaign.db); the folder of `coordinator run --out` is expected", dir.display())]
     NoCampaign {
         /// Folder of the study.
         dir: PathBuf,

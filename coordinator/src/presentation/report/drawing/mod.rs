@@ -25,7 +25,6 @@ pub use sheet::{MechanismSheet, sheet};
 pub use sketch::sketch;
 
 use super::figure::{Figure, csv};
-use super::page::standalone;
 use crate::results::csv_table::number;
 
 use super::mechanism::Mechanism;
@@ -58,11 +57,6 @@ pub fn figure(drawn: &DrawnMechanism, mechanism: &Mechanism) -> Figure {
         svg: sheet(drawn).svg,
         csv: csv(&["kind", "name", "x [mm]", "y [mm]"], rows),
     }
-}
-
-/// The drawing as an SVG file.
-pub fn svg_file(drawn: &DrawnMechanism, mechanism: &Mechanism) -> String {
-    standalone(&figure(drawn, mechanism))
 }
 
 /// The meaning of the symbols that appear.

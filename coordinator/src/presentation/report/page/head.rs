@@ -2,7 +2,7 @@
 
 use super::parts::captioned;
 use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::life::{LEVELS, failure_probability};
+use crate::presentation::report::life::{FAILED_UNWORN, LEVELS, failure_probability};
 use crate::presentation::report::{tables, words};
 use maud::{Markup, html};
 
@@ -31,7 +31,7 @@ pub fn head(input: &ReportInput) -> Markup {
                     div.tile {
                         p { "R = " (level) }
                         p.figure { (life) }
-                        p { "cycles" br; (bounds) }
+                        p { @if life != FAILED_UNWORN { "cycles" br; } (bounds) }
                     }
                 }
             }

@@ -1,11 +1,11 @@
-//! Tables of loads, gravity, and the curves by which loads and drives vary.
+//! Tables of loads, gravity, and the curves by which loads and drives vary and that outputs should follow.
 
 use super::exact::{ExactTexts, exact, exact_number};
 use super::mechanism_tables::{cells, place};
 use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::table_of_text;
 use crate::presentation::report::written::WrittenScene;
-use common::scene::{Curve, Drive, Load, Motion, Over, Scene, Table};
+use common::scene::{Curve, Drive, Load, Motion, OutputUnit, Over, Scene, Table};
 use maud::{Markup, html};
 
 /// Loads with all their values, and every curve with its points.
@@ -20,7 +20,7 @@ pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
             format!("acceleration {pair} m/s²"),
         ]));
     }
-    let curves = curves(scene);
+    let curves = curves(scene, written);
     html! {
         @if rows.is_empty() {
             p { "There are no loads but those of the joints." }
@@ -30,8 +30,8 @@ pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
         @if !curves.is_empty() {
             (captioned(
                 "curves",
-                "Curves of loads and drives: values at arguments, smooth between them",
-                table_of_text(&["curve of", "over", "repeated", "points"], curves.into_iter()),
+                "Curves of loads and drives, and of what outputs should be: values at arguments, smooth between them",
+                table_of_text(&["curve of", "over", "repeated", "points", "from"], curves.into_iter()),
             ))
         }
     }
@@ -147,33 +147,50 @@ fn by_factor(factor: Option<&Curve>) -> &'static str {
 }
 
 /// One row per curve, with all its points.
-fn curves(scene: &Scene) -> Vec<Vec<Markup>> {
-    let row = |of: String, over: String, table: &Table, [argument, value]: [&str; 2]| {
+fn curves(scene: &Scene, written: &WrittenScene) -> Vec<Vec<Markup>> {
+    let row = |of: String, key: String, over: String, table: &Table, [argument, value]: [&str; 2]| {
         let points: Vec<String> = table
             .at
             .iter()
             .zip(&table.value)
             .map(|(at, v)| format!("{}: {}", exact(*at, argument), value_of(*v, value)))
             .collect();
-        cells([of, over, if table.repeat { "yes" } else { "no" }.to_owned(), points.join("; ")])
+        let from = written.name(&format!("{key}.source")).unwrap_or("the scene").to_owned();
+        cells([of, over, if table.repeat { "yes" } else { "no" }.to_owned(), points.join("; "), from])
     };
     let drives = scene.bodies.iter().filter_map(|body| match &body.motion {
         Motion::Driven { drive: Drive::Angle(table), .. } => {
-            Some(row(body.name.clone(), "time".into(), table, ["s", "deg"]))
+            let key = format!("bodies.{}.angle", body.name);
+            Some(row(body.name.clone(), key, "time".into(), table, ["s", "deg"]))
         }
         Motion::Driven { drive: Drive::Speed { table, .. }, .. } => {
-            Some(row(body.name.clone(), "time".into(), table, ["s", "r/min"]))
+            let key = format!("bodies.{}.speed", body.name);
+            Some(row(body.name.clone(), key, "time".into(), table, ["s", "r/min"]))
         }
         _ => None,
     });
-    let of_load = |name: &str, curve: &Curve, unit: &'static str| {
+    let of_curve = |of: String, key: String, curve: &Curve, unit: &'static str| {
         let (over, argument) = match curve.over {
             Over::Time => ("time".to_owned(), "s"),
             Over::Angle(body) => (format!("angle of {}", scene.bodies[body].name), "deg"),
         };
-        row(name.to_owned(), over, &curve.table, [argument, unit])
+        row(of, key, over, &curve.table, [argument, unit])
     };
-    let loads = scene.loads.iter().filter_map(Load::curve);
-    let loads = loads.map(|(name, _, curve, unit)| of_load(name, curve, unit));
-    drives.chain(loads).collect()
+    let loads = scene.loads.iter().filter_map(Load::curve).map(|(name, key, curve, unit)| {
+        of_curve(name.to_owned(), format!("loads.{name}.{key}"), curve, unit)
+    });
+    let wanted = scene.outputs.iter().flat_map(|output| {
+        let unit = if output.kind.unit() == OutputUnit::Angle { "deg" } else { "mm" };
+        let of = |key: &str| {
+            [format!("{}, {}", output.name, key.replace('_', " ")), format!("outputs.{}.{key}", output.name)]
+        };
+        let curves = output.kind.curves().into_iter();
+        curves
+            .map(|(key, curve)| {
+                let [of, key] = of(key);
+                of_curve(of, key, curve, unit)
+            })
+            .collect::<Vec<_>>()
+    });
+    drives.chain(loads).chain(wanted).collect()
 }

@@ -7,7 +7,7 @@ use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::{table, table_of_text};
 use crate::presentation::report::written::WrittenScene;
 use common::scene::{
-    Attachment, Clearance, ContactDamping, ControlPoints, Drive, Joint, JointKind, Material, Motion,
+    Attachment, Clearance, ContactDamping, ControlPoints, Drive, Joint, JointKind, Motion,
     RestitutionLaw, Scene, WearingSurfaces,
 };
 use maud::{Markup, Render, html};
@@ -24,7 +24,7 @@ pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
         (starts(scene, written))
         (joints(scene, written))
         (hinges(scene, written))
-        (materials(scene, written))
+        (super::materials::materials(scene, written))
     }
 }
 
@@ -280,53 +280,4 @@ pub(super) fn damping(damping: &ContactDamping, texts: &ExactTexts<'_>, key: &st
             format!("{law}, e = {e}, approach at least {least}")
         }
     }
-}
-
-/// Names in a row, or a dash for none.
-fn listed(names: &[String]) -> String {
-    if names.is_empty() { UNKNOWN.to_owned() } else { names.join(", ") }
-}
-
-/// A material: its name where that is known, its values, and the hinges whose journals and whose bushings are made of it.
-struct MaterialUse {
-    name: String,
-    material: Material,
-    journals: Vec<String>,
-    bushings: Vec<String>,
-}
-
-/// Materials of the hinges, with the journals and bushings made of them.
-fn materials(scene: &Scene, written: &WrittenScene) -> Markup {
-    let mut used: Vec<MaterialUse> = Vec::new();
-    for (hinge, clearance) in clearances(scene) {
-        for (part, material) in
-            [("journal", clearance.journal_material), ("bushing", clearance.bushing_material)]
-        {
-            let name =
-                written.name(&format!("joints.{hinge}.{part}_material")).unwrap_or_default().to_owned();
-            let place = used.iter().position(|one| one.name == name && one.material == material);
-            let place = place.unwrap_or_else(|| {
-                used.push(MaterialUse { name, material, journals: vec![], bushings: vec![] });
-                used.len() - 1
-            });
-            let one = &mut used[place];
-            if part == "journal" { &mut one.journals } else { &mut one.bushings }.push(hinge.to_owned());
-        }
-    }
-    if used.is_empty() {
-        return html! {};
-    }
-    let texts = ExactTexts(written);
-    let rows = used.iter().map(|one| {
-        let key = |last: &str| format!("materials.{}.{last}", one.name);
-        cells([
-            if one.name.is_empty() { UNKNOWN.to_owned() } else { one.name.clone() },
-            texts.value(&key("elastic_modulus"), one.material.elastic_modulus, "GPa"),
-            texts.number(&key("poisson_ratio"), one.material.poisson_ratio),
-            listed(&one.journals),
-            listed(&one.bushings),
-        ])
-    });
-    let head = ["material", "elastic modulus", "Poisson's ratio", "journals of", "bushings of"];
-    captioned("materials", "Materials of the hinges", table(&head, rows))
 }

@@ -3,17 +3,19 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `mechanism_tables` | bodies, drives, joints, hinges with clearance, materials |
+//! | `mechanism_tables` | bodies, drives, joints, hinges with clearance |
+//! | `materials` | materials of hinges and guides |
 //! | `guide_table` | guides with clearance, and their wear |
 //! | `load_tables` | loads, gravity, curves |
 //! | `formula_tables` | parameters, and the quantities that depend on them |
-//! | `variable_tables` | random variables, correlations, outputs, limit states, life, settings |
+//! | `variable_tables` | random variables, correlations, outputs, limit states, life, settings of the study |
 //! | `exact` | values with as few digits as give the same number |
 
 mod exact;
 mod formula_tables;
 mod guide_table;
 mod load_tables;
+mod materials;
 mod mechanism_tables;
 mod variable_tables;
 
@@ -73,9 +75,10 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
         @if many {
             p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "." }
         } @else {
-            (variable_tables::variables(scene, &input.summary))
+            (variable_tables::variables(scene, &input.summary, &input.written))
         }
         (variable_tables::limits(scene, &input.summary.limits, &input.written))
+        (variable_tables::study_settings(scene, &input.summary, &input.settings))
         h3 { "Assumptions and limits of the model" }
         ul { @for sentence in assumptions(input) { li { (sentence) } } }
         (facts(input))
@@ -100,7 +103,7 @@ pub fn mechanism(scene: &Scene, source: &str) -> Markup {
 pub fn appendix(input: &ReportInput) -> Markup {
     html! {
         @if input.scene.variables.len() > VARIABLES_IN_CHAPTER {
-            (variable_tables::variables(&input.scene, &input.summary))
+            (variable_tables::variables(&input.scene, &input.summary, &input.written))
         }
         (formula_tables::tables(&input.written))
     }

@@ -8,25 +8,39 @@ use crate::presentation::report::tables::{table, table_of_text};
 use crate::presentation::report::written::WrittenScene;
 use crate::results::scene_summary::{LimitRow, VariableRow};
 use crate::results::summary::StudySummary;
+use crate::study::Settings;
 use common::random::{Correlation, RandomVariable};
 use common::scene::expression::{ExpressionError, evaluate, read_unit};
-use common::scene::{Fails, Output, OutputKind, OutputUnit, Scene, SignedBody, StudySettings};
+use common::scene::{Fails, Output, OutputKind, OutputUnit, Scene, SignedBody};
 use maud::{Markup, Render, html};
 
 /// Distribution, moments and bounds of every random variable, in the unit in which it is displayed, and the correlations.
-pub fn variables(scene: &Scene, summary: &StudySummary) -> Markup {
+pub fn variables(scene: &Scene, summary: &StudySummary, written: &WrittenScene) -> Markup {
     let head = ["variable", "unit", "distribution", "mean", "std", "lower bound", "upper bound", "sets"];
     let correlations = scene.correlations.iter().map(|Correlation { first, second, coefficient }| {
         let name = |k: usize| scene.variables[k].name.render();
         vec![name(*first), name(*second), exact_number(*coefficient).render()]
     });
     let rows = scene.variables.iter().zip(&summary.variables).map(|(variable, row)| cells(variable, row));
+    let measured: Vec<(&str, &str)> = scene
+        .variables
+        .iter()
+        .filter_map(|v| {
+            Some((v.name.as_str(), written.name(&format!("variables.{}.samples.source", v.name))?))
+        })
+        .collect();
     html! {
         (captioned(
             "variables",
             "Random variables; of a truncated distribution mean and standard deviation are those before truncation",
             table_of_text(&head, rows),
         ))
+        @if !measured.is_empty() {
+            p {
+                "Measured samples: "
+                (measured.iter().map(|(name, from)| format!("{name} from {from}")).collect::<Vec<_>>().join("; ")) "."
+            }
+        }
         @if !scene.correlations.is_empty() {
             (captioned(
                 "correlations",
@@ -144,20 +158,26 @@ fn subject(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
     }
 }
 
-/// Defaults of a study that the scene states.
-fn study_settings(scene: &Scene) -> Markup {
-    let StudySettings { population, initial, batch, max_evaluations, seed } = scene.study;
-    let rows = [
-        ("accuracy", scene.accuracy.name.clone()),
-        ("population", population.to_string()),
-        ("initial", initial.to_string()),
-        ("batch", batch.to_string()),
-        ("max_evaluations", max_evaluations.to_string()),
-        ("seed", seed.to_string()),
-    ];
+/// The settings that the study used, with the values of its last run; `stored` are those of its file. A study by an earlier version
+/// has stored fewer.
+pub(super) fn study_settings(scene: &Scene, summary: &StudySummary, stored: &serde_json::Value) -> Markup {
+    let settings = Settings::from_stored(stored).ok();
+    let samples = if summary.is_direct() { "samples" } else { "population" };
+    let mut rows = vec![(samples, summary.population.to_string())];
+    if scene.simulator.is_none() {
+        rows.insert(0, ("accuracy", summary.accuracy.clone()));
+    }
+    if let Some(settings) = settings.filter(|_| !summary.is_direct()) {
+        rows.extend([
+            ("initial", settings.initial.to_string()),
+            ("batch", settings.batch.to_string()),
+            ("max_evaluations", settings.max_evaluations.to_string()),
+        ]);
+    }
+    rows.push(("seed", summary.seed.to_string()));
     captioned(
         "settings",
-        "Settings of a study by the scene; options of the command override them",
+        "Settings of the study, as it was run",
         table_of_text(
             &["setting", "value"],
             rows.into_iter().map(|(name, value)| vec![name.render(), value.render()]),
@@ -215,7 +235,6 @@ pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Marku
             }
         }
         @if !scene.conditions.is_empty() { (conditions(scene, written)) }
-        (study_settings(scene))
     }
 }
 

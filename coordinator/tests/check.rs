@@ -1,0 +1,80 @@
+//! `coordinator check`, and messages about files and folders that are not what a command expects.
+
+use common::scene::SceneSource;
+use std::process::{Command, Output};
+
+fn coordinator(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
+}
+
+fn printed(arguments: &[&str]) -> String {
+    let output = coordinator(arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn issue_a_check_could_not_be_had_without_a_simulation() {
+    let quick = printed(&["check", "four-bar", "--quick"]);
+    assert!(quick.starts_with("four-bar: valid; 4 bodies"), "{quick}");
+    assert!(quick.contains("not simulated (--quick)") && !quick.contains("nominal"), "{quick}");
+    let json: serde_json::Value =
+        serde_json::from_str(&printed(&["check", "four-bar", "--quick", "--json"])).unwrap();
+    assert_eq!(json["nominal"], serde_json::json!([]));
+    let named = printed(&["check", "four-bar", "--accuracy", "balanced"]);
+    assert!(named.contains("nominal wear: 10.0 µm after 8 000 cycles"), "{named}");
+    assert_eq!(coordinator(&["check", "four-bar", "--quick", "--accuracy", "draft"]).status.code(), Some(2));
+}
+
+#[test]
+fn issue_a_scene_that_fails_unworn_was_valid_without_a_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("low.toml");
+    let text = "[scene]\nname = \"low\"\nextends = \"four-bar\"\n[[limit_states]]\nname = \"speed\"\n\
+                output = \"coupler_joint_speed\"\nthreshold = \"100 r/min\"\n";
+    std::fs::write(&file, text).unwrap();
+    let file = file.to_str().unwrap();
+    let found = printed(&["check", file]);
+    let (verdict, rest) = found.split_once('\n').unwrap();
+    assert!(
+        verdict.starts_with(&format!("{file}: valid, but the nominal mechanism fails unworn by speed; ")),
+        "{found}"
+    );
+    // As compilers print them, with the place first.
+    let warning = rest.lines().find(|line| line.contains("has failed from the start")).expect("a warning");
+    assert!(
+        warning.starts_with(&format!("{file}:")) && warning.contains(": warning: limit_states.speed: "),
+        "{warning}"
+    );
+}
+
+#[test]
+fn issue_what_is_no_study_was_called_by_names_of_the_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().to_str().unwrap();
+    let said = |arguments: &[&str]| {
+        let output = coordinator(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert!(said(&["status", "nofolder"]).contains("nofolder: there is no such folder"));
+    assert!(said(&["status", dir]).contains("holds no study"));
+    assert!(said(&["run", "--accuracy", "exact", "--out", dir]).contains("nor a change of one"));
+}
+
+#[test]
+fn issue_a_changed_scene_was_written_without_its_comments() {
+    let source = SceneSource::builtin("four-bar").unwrap();
+    let comments = |text: &str| text.lines().filter(|line| line.trim_start().starts_with('#')).count();
+    assert!(comments(source.text()) > 0);
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("study");
+    let small = ["--method", "monte-carlo", "--samples", "2", "--accuracy", "draft", "-q"];
+    let set =
+        ["run", "--scene", "four-bar", "--set", "friction=0.06", "--set", "parameters.width=11 mm", "--out"];
+    printed(&[&set[..], &[study.to_str().unwrap()], &small].concat());
+    let stored = std::fs::read_to_string(study.join("scene.toml")).unwrap();
+    assert_eq!(comments(&stored), comments(source.text()));
+    let differ = stored.lines().zip(source.text().lines()).filter(|(a, b)| a != b).count();
+    assert!(differ <= 3 && stored.contains("width = \"11 mm\""), "{differ}\n{stored}");
+}
