@@ -22,19 +22,19 @@ const WITHOUT: &str = "scene.without";
 /// Name of the scene in the folder of a study.
 const COPY: &str = "scene.toml";
 
-/// Reads a file of a scene.
+/// Reads a text file.
 ///
 /// # Errors
 /// [`FaultKind::Unreadable`].
-pub(super) fn read(path: &Path) -> Result<String, Faults> {
+pub fn read(path: &Path) -> Result<String, Faults> {
     std::fs::read_to_string(path).map_err(|error| {
         let message = match error.kind() {
             ErrorKind::NotFound => "there is no such file".to_owned(),
             ErrorKind::IsADirectory if path.join(COPY).is_file() => {
                 format!("it is a folder; the scene of a study is {}", path.join(COPY).display())
             }
-            ErrorKind::IsADirectory => "it is a folder, expected the TOML file of a scene".to_owned(),
-            ErrorKind::InvalidData => "it is no text, expected the TOML file of a scene".to_owned(),
+            ErrorKind::IsADirectory => "it is a folder, expected a file".to_owned(),
+            ErrorKind::InvalidData => "it is no text, expected a text file".to_owned(),
             _ => error.to_string(),
         };
         Faults::one(&path.display().to_string(), "", FaultKind::Unreadable { message })

@@ -9,7 +9,7 @@
 //! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
 //! | model | [`model`], `attachment`, `joint`, `drive`, `load`, `output`, `wear_output` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
-//! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section` | one pass over the file that records every fault |
+//! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `input` | one pass over the file that records every fault |
 //! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
 //! | whole | `resolve`, `conditioned`, `merge`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`] | all parts together; warnings; `extends`; the built-in scenes and their published results; samples |
 
@@ -33,6 +33,7 @@ mod extends;
 pub mod faults;
 mod fits;
 mod guide;
+mod input;
 mod joint;
 mod joints;
 mod layers;
@@ -73,8 +74,12 @@ mod wear_output;
 mod wear_outputs;
 
 pub use attachment::Attachment;
+pub use csv_file::{Cell, CsvRow, csv_rows};
 pub use drive::{Curve, Drive, Over, Table};
-pub use faults::{Fault, FaultKind, Faults};
+pub use extends::read as read_text;
+pub use faults::{Fault, FaultKind, Faults, nearest};
+pub use context::{Range, read_quantity};
+pub use input::InputFile;
 pub use joint::{
     Clearance, ContactDamping, ContactLaw, ControlPoints, GuideClearance, GuideWear, IdealFriction, Joint,
     JointKind, Material, RestitutionLaw, WearingSurfaces,
@@ -90,6 +95,7 @@ pub use model::{
 pub use output::{ErrorMeasure, HeldInput, ImpactMeasure, Output, OutputKind, SignedBody};
 pub use output_unit::OutputUnit;
 pub use reference::published_results;
+pub use section::Section;
 pub use simulator::REQUEST_FILE;
 pub use source::SceneSource;
 pub use warnings::Warning;

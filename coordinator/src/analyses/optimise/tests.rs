@@ -8,7 +8,7 @@ use crate::statistics::optimisation::CostModel;
 use crate::statistics::reliability::LineSampling;
 use crate::study::{Campaign, Observed, Plan, Problem, Settings};
 use common::random::{Distribution, standard_normal_cdf, standard_normal_quantile};
-use common::scene::SceneSource;
+use common::scene::{InputFile, SceneSource};
 use faer::{Mat, MatRef};
 
 /// A finished study of the margins of `f` (failure where one is not negative) at one checkpoint.
@@ -209,8 +209,8 @@ fn a_design_variable_is_optimised_with_the_dimensions_that_follow_it() {
         cost = { model = \"reciprocal-power\", c1 = 100, k = 1, unit = \"um\" }\n\
         [[targets]]\nreliability = 0.99";
     let read = |text: &str| {
-        let problem = problem_file::parse(text, "p.toml", &present, &design_names(&space))?;
-        for_designs(problem, &space, scene, "p.toml")
+        let file = InputFile::parse(text, "p.toml")?;
+        for_designs(read_problem(&file, &present, &design_names(&space))?, &space, scene, &file)
     };
     let mut problem = read(text).unwrap();
     problem.targets = vec![target(Some(0), 0.99)];
