@@ -74,11 +74,11 @@ mod wear_output;
 mod wear_outputs;
 
 pub use attachment::Attachment;
+pub use context::{Range, read_quantity};
 pub use csv_file::{Cell, CsvRow, csv_rows};
 pub use drive::{Curve, Drive, Over, Table};
 pub use extends::read as read_text;
 pub use faults::{Fault, FaultKind, Faults, nearest};
-pub use context::{Range, read_quantity};
 pub use input::InputFile;
 pub use joint::{
     Clearance, ContactDamping, ContactLaw, ControlPoints, GuideClearance, GuideWear, IdealFriction, Joint,

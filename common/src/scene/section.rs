@@ -145,13 +145,7 @@ impl<'s> Section<'s> {
     }
 
     /// A quantity with a default.
-    pub fn quantity_or(
-        &mut self,
-        key: &'static str,
-        kind: Kind,
-        range: Range,
-        default: f64,
-    ) -> Option<f64> {
+    pub fn quantity_or(&mut self, key: &'static str, kind: Kind, range: Range, default: f64) -> Option<f64> {
         match self.get(key) {
             Some(value) => self.cx.quantity(&self.key(key), value, kind, range),
             None => Some(default),
@@ -245,12 +239,7 @@ impl<'s> Section<'s> {
     }
 
     /// A text with a default.
-    pub fn text_or<'a>(
-        &mut self,
-        key: &'static str,
-        expected: &str,
-        default: &'a str,
-    ) -> Option<&'a str>
+    pub fn text_or<'a>(&mut self, key: &'static str, expected: &str, default: &'a str) -> Option<&'a str>
     where
         's: 'a,
     {
@@ -311,12 +300,7 @@ impl<'s> Section<'s> {
     }
 
     /// [`Section::word`] with a default.
-    pub fn word_or<T: Copy>(
-        &mut self,
-        key: &'static str,
-        words: &[(&str, T)],
-        default: T,
-    ) -> Option<T> {
+    pub fn word_or<T: Copy>(&mut self, key: &'static str, words: &[(&str, T)], default: T) -> Option<T> {
         if self.get(key).is_some() { self.word(key, words) } else { Some(default) }
     }
 }

@@ -21,9 +21,13 @@ pub fn checkpoint(row: &mut Section, life: &Life, default: Option<u32>) -> Optio
     let cycles = row.integer("cycles", 1..=i64::from(u32::MAX), default.map(i64::from))?;
     let found = all.iter().position(|other| i64::from(*other) == cycles);
     if found.is_none() && all.len() == 1 {
-        row.inconsistent("cycles", format!("{cycles}: the study has no life, so a target has no cycles; remove the key"));
+        row.inconsistent(
+            "cycles",
+            format!("{cycles}: the study has no life, so a target has no cycles; remove the key"),
+        );
     } else if found.is_none() {
-        let allowed = format!("a checkpoint of the life: {} to {} by {}", all[0], life.cycles, life.checkpoint_every);
+        let allowed =
+            format!("a checkpoint of the life: {} to {} by {}", all[0], life.cycles, life.checkpoint_every);
         row.out_of_range("cycles", cycles.to_string(), allowed);
     }
     found.map(|place| (place, all[place]))

@@ -9,8 +9,7 @@ use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive, seed, who
 use clap::Args;
 use common::scene::{InputFile, SceneSource};
 use coordinator::analyses::calibrate::{
-    CalibrationProgress, CalibrationSettings, Space, calibrate as fit, markdown, of_parameters,
-    read_targets,
+    CalibrationProgress, CalibrationSettings, Space, calibrate as fit, markdown, of_parameters, read_targets,
 };
 use coordinator::farm::dispatch::CampaignSpec;
 use coordinator::presentation::terminal::print_message;

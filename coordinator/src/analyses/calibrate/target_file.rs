@@ -7,8 +7,7 @@ use crate::analyses::quantity::checkpoint;
 use common::scene::expression::read_unit;
 use common::scene::quantity::{ANGLE, FORCE, Kind, LENGTH, NUMBER};
 use common::scene::{
-    Fault, FaultKind, Faults, InputFile, JointKind, Range, Scene, SceneSource, Section, csv_rows, read_quantity,
-    read_text,
+    Fault, FaultKind, Faults, InputFile, JointKind, Range, Scene, SceneSource, Section, csv_rows, read_text,
 };
 use std::cell::RefCell;
 use std::path::Path;
@@ -57,13 +56,15 @@ pub fn read(file: &InputFile, source: &SceneSource) -> Result<CalibrationTargets
     let profile_faults = RefCell::default();
     let read = file.read(|file| {
         let published = published(file, folder);
-        let reader = TargetReader { folder, source, scene: source.nominal(), published, faults: &profile_faults };
+        let reader =
+            TargetReader { folder, source, scene: source.nominal(), published, faults: &profile_faults };
         for key in ["parameters", "targets"] {
             if file.get(key).and_then(Value::as_array).is_none_or(Vec::is_empty) {
                 file.inconsistent(key, format!("at least one [[{key}]] is needed"));
             }
         }
-        let free = file.rows("parameters").into_iter().filter_map(|(name, mut row)| reader.free(name, &mut row));
+        let free =
+            file.rows("parameters").into_iter().filter_map(|(name, mut row)| reader.free(name, &mut row));
         let free = free.collect();
         let mut targets = file.unnamed_rows("targets");
         let targets = targets.iter_mut().filter_map(|row| reader.target(row)).flatten().collect();
@@ -81,10 +82,15 @@ pub fn read(file: &InputFile, source: &SceneSource) -> Result<CalibrationTargets
 }
 
 /// The error of a space of free parameters; a fault of the variable that stands for one is that of the parameter in its file.
-pub fn of_parameters(file: &InputFile, targets: &CalibrationTargets, error: CalibrationError) -> CalibrationError {
+pub fn of_parameters(
+    file: &InputFile,
+    targets: &CalibrationTargets,
+    error: CalibrationError,
+) -> CalibrationError {
     let CalibrationError::Scene(Faults(faults)) = error else { return error };
     let of_parameter = |fault: &Fault| {
-        let name = &targets.free.iter().find(|free| fault.key.contains(&format!("variables.{}", free.name)))?.name;
+        let name =
+            &targets.free.iter().find(|free| fault.key.contains(&format!("variables.{}", free.name)))?.name;
         Some((format!("parameters.{name}"), fault.kind.to_string()))
     };
     let (own, other): (Vec<Fault>, Vec<Fault>) =
@@ -180,7 +186,10 @@ impl TargetReader<'_> {
             row.reference("changes", "quantity", key, known.keys().map(String::as_str));
             let owner = variables.iter().find(|variable| variable.changes.iter().any(|other| other == key));
             if let Some(owner) = owner {
-                let what = format!("\"{key}\" is what the random variable \"{0}\" changes: use mean_of = [\"{0}\"]", owner.name);
+                let what = format!(
+                    "\"{key}\" is what the random variable \"{0}\" changes: use mean_of = [\"{0}\"]",
+                    owner.name
+                );
                 row.inconsistent("changes", what);
             }
         }
@@ -200,8 +209,10 @@ impl TargetReader<'_> {
         }
         let found = self.quantity(row);
         let kind = found.as_ref().map(|(_, kind, _)| *kind);
-        let (value, tolerance) =
-            (self.number(row, "value", kind, Range::Any), self.number(row, "tolerance", kind, Range::Positive));
+        let (value, tolerance) = (
+            self.number(row, "value", kind, Range::Any),
+            self.number(row, "tolerance", kind, Range::Positive),
+        );
         let (quantity, _, label) = found?;
         let (value, unit) = value?;
         let at = row.get("cycles").and_then(Value::as_integer);
@@ -221,8 +232,8 @@ impl TargetReader<'_> {
             Statistic::Reliability => {
                 let name = row.text_or("limit_state", "the name of a limit state, or total", "total");
                 let limits = self.scene.limit_states.iter().map(|limit| limit.name.as_str());
-                let place =
-                    name.and_then(|name| row.meant("limit_state", "limit state", name, limits.chain(["total"])));
+                let place = name
+                    .and_then(|name| row.meant("limit_state", "limit state", name, limits.chain(["total"])));
                 let n = checkpoint(row, &self.scene.life, None).map_or(0, |(n, _)| n);
                 let limit_state = Some(place?).filter(|place| *place < self.scene.limit_states.len());
                 Some((TargetQuantity::Reliability { limit_state, n }, NUMBER, format!("R {}", name?)))
@@ -260,7 +271,8 @@ impl TargetReader<'_> {
     /// Targets of a measured profile: per line of the file an angle [deg] and a depth in the unit of the tolerance. Lines
     /// that do not begin with a number are skipped as headings.
     fn profile(&self, name: Option<&str>, row: &mut Section) -> Option<Vec<Target>> {
-        let (joint, tolerance) = (self.bore(row), self.number(row, "tolerance", Some(LENGTH), Range::Positive));
+        let (joint, tolerance) =
+            (self.bore(row), self.number(row, "tolerance", Some(LENGTH), Range::Positive));
         let path = self.folder.join(row.text("profile", "a CSV file of angles and depths")?);
         let text = read_text(&path).map_err(|faults| row.inconsistent("profile", faults.to_string())).ok()?;
         let (joint, (tolerance, unit)) = (joint?, tolerance?);
@@ -318,7 +330,10 @@ impl TargetReader<'_> {
         let written = row.get(key);
         if written.is_none() {
             let or = if key == "value" { ", or a profile instead of it" } else { "" };
-            row.missing(key, format!("{}{or}", kind.map_or_else(|| "a quantity".to_owned(), |kind| kind.in_words())));
+            row.missing(
+                key,
+                format!("{}{or}", kind.map_or_else(|| "a quantity".to_owned(), |kind| kind.in_words())),
+            );
         }
         let (written, kind) = (written?, kind?);
         let value = written.as_str().and_then(|name| self.published.get(name)).unwrap_or(written);

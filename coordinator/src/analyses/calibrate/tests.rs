@@ -212,7 +212,11 @@ fn faults_of_the_file_are_named_with_their_key() {
     let target = "[[targets]]\noutput = \"max_wear_depth\"\ncycles = 8000\nstatistic = \"mean\"\nvalue = \"12 um\"\ntolerance = \"1 um\"\n";
     for (from, to, expected) in [
         ("12 um", "12 N", "targets[1].value: \"12 N\" is a force, expected a length"),
-        ("cycles = 8000", "cycles = 8001", "8001 is out of range, allowed: a checkpoint of the life: 1000 to 8000"),
+        (
+            "cycles = 8000",
+            "cycles = 8001",
+            "8001 is out of range, allowed: a checkpoint of the life: 1000 to 8000",
+        ),
         ("max_wear_depth", "max_wear_dpth", "no output \"max_wear_dpth\", did you mean \"max_wear_depth\"?"),
         ("\"mean\"", "\"maen\"", "\"maen\" is unknown, did you mean \"mean\"?"),
         ("\"1 um\"", "\"0 um\"", "targets[1].tolerance: \"0 um\" is out of range, allowed: > 0"),
@@ -221,12 +225,18 @@ fn faults_of_the_file_are_named_with_their_key() {
         ("\"parameters.width\"", "\"parameters.widht\"", "did you mean \"parameters.width\"?"),
         ("\"parameters.width\"", "\"parameters.clearance\"", "expected a length"),
         ("name = \"width\"", "name = \"friction\"", "is the name of a random variable of the scene"),
-        ("\"5 mm\"", "\"-5 mm\"", "parameters.width: at -5 mm, a bound of this variable, the scene is invalid"),
+        (
+            "\"5 mm\"",
+            "\"-5 mm\"",
+            "parameters.width: at -5 mm, a bound of this variable, the scene is invalid",
+        ),
     ] {
         let text = format!("{PARAMETERS}{target}");
         assert!(text.contains(from), "{from}");
         let source = four_bar();
-        let text = text.replacen(from, to, 1).replace("clearance\"]\nlower = \"5 mm\"", "clearance\"]\nlower = \"5 N\"");
+        let text = text
+            .replacen(from, to, 1)
+            .replace("clearance\"]\nlower = \"5 mm\"", "clearance\"]\nlower = \"5 N\"");
         let file = InputFile::parse(&text, "t.toml").unwrap();
         let found = read_targets(&file, &source).map_err(CalibrationError::from).and_then(|targets| {
             Space::new(&source, &targets.free).map_err(|error| of_parameters(&file, &targets, error))
@@ -246,6 +256,9 @@ fn issue_all_faults_of_targets_are_reported_at_once_with_their_lines() {
     let lines: Vec<usize> = faults.iter().map(|fault| fault.location.as_ref().unwrap().line).collect();
     assert_eq!(lines, [3, 7, 11, 13, 16], "{faults:#?}");
     for (fault, meant) in faults.iter().zip(["friction", "max_wear_depth", "", "wear"]) {
-        assert!(meant.is_empty() || fault.to_string().contains(&format!("did you mean \"{meant}\"?")), "{fault}");
+        assert!(
+            meant.is_empty() || fault.to_string().contains(&format!("did you mean \"{meant}\"?")),
+            "{fault}"
+        );
     }
 }

@@ -2,11 +2,11 @@
 
 use super::campaign::TargetCampaign;
 use super::optimum::{Context, values_of};
+use super::reliability::value;
 use super::result::{
     Advice, Bound, FrontPoint, Grades, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations,
     TargetState,
 };
-use super::reliability::value;
 use super::solve::{Solved, solve_relaxed};
 use super::trust;
 use crate::statistics::reliability::REACH;
@@ -42,104 +42,113 @@ impl Finding {
         learned: &CampaignResult,
         at_present: &CampaignResult,
     ) -> OptimisationResult {
-    let problem = context.problem;
-    let Finding { solved, present, region, .. } = self;
-    let held = trust::held(region, &solved.y);
-    let values = values_of(problem, &solved.y);
-    let targets = targets(context, solved, learned, at_present);
-    let variance = |target: &OptimisedTarget| {
-        let beta = -standard_normal_quantile(1.0 - target.reliability);
-        (target.multiplier * target.standard_error / standard_normal_pdf(beta).max(1e-300)).powi(2)
-    };
-    let cost_standard_error = targets.iter().map(variance).sum::<f64>().sqrt();
-    let quantity = |k: usize| {
-        let quantity = &problem.quantities[k];
-        let (was, is) = (present[k], values[k]);
-        let si = quantity.unit.si;
-        let at = solved.y[k];
-        let on_bound = match at {
-            at if at < ON_BOUND => Some(Bound::Lower),
-            at if at > 1.0 - ON_BOUND => Some(Bound::Upper),
-            _ => None,
+        let problem = context.problem;
+        let Finding { solved, present, region, .. } = self;
+        let held = trust::held(region, &solved.y);
+        let values = values_of(problem, &solved.y);
+        let targets = targets(context, solved, learned, at_present);
+        let variance = |target: &OptimisedTarget| {
+            let beta = -standard_normal_quantile(1.0 - target.reliability);
+            (target.multiplier * target.standard_error / standard_normal_pdf(beta).max(1e-300)).powi(2)
         };
-        let spread = quantity.kind.is_spread();
-        let scale = if spread { was.abs() } else { (quantity.upper - quantity.lower).abs() };
-        let advice = match is - was {
-            change if change.abs() <= KEPT * scale => Advice::Keep,
-            change if change < 0.0 && spread => Advice::Tighten,
-            _ if spread => Advice::Loosen,
-            change if change < 0.0 => Advice::Lower,
-            _ => Advice::Raise,
+        let cost_standard_error = targets.iter().map(variance).sum::<f64>().sqrt();
+        let quantity = |k: usize| {
+            let quantity = &problem.quantities[k];
+            let (was, is) = (present[k], values[k]);
+            let si = quantity.unit.si;
+            let at = solved.y[k];
+            let on_bound = match at {
+                at if at < ON_BOUND => Some(Bound::Lower),
+                at if at > 1.0 - ON_BOUND => Some(Bound::Upper),
+                _ => None,
+            };
+            let spread = quantity.kind.is_spread();
+            let scale = if spread { was.abs() } else { (quantity.upper - quantity.lower).abs() };
+            let advice = match is - was {
+                change if change.abs() <= KEPT * scale => Advice::Keep,
+                change if change < 0.0 && spread => Advice::Tighten,
+                _ if spread => Advice::Loosen,
+                change if change < 0.0 => Advice::Lower,
+                _ => Advice::Raise,
+            };
+            let nearest =
+                quantity.grades.iter().min_by(|a, b| (a.width - is).abs().total_cmp(&(b.width - is).abs()));
+            OptimisedQuantity {
+                name: quantity.name.clone(),
+                unit: quantity.unit.symbol.clone(),
+                before: was / si,
+                after: is / si,
+                lower: quantity.lower / si,
+                upper: quantity.upper / si,
+                grade: nearest.map(|grade| grade.name.clone()),
+                on_bound,
+                supported: [region[k].0, region[k].1].map(|y| value(quantity, y) / si),
+                all_supported: region[k] == (0.0, 1.0),
+                held: held.contains(&k),
+                advice,
+                cost_before: quantity.cost_at(was).0,
+                cost_after: quantity.cost_at(is).0,
+            }
         };
-        let nearest =
-            quantity.grades.iter().min_by(|a, b| (a.width - is).abs().total_cmp(&(b.width - is).abs()));
-        OptimisedQuantity {
-            name: quantity.name.clone(),
-            unit: quantity.unit.symbol.clone(),
-            before: was / si,
-            after: is / si,
-            lower: quantity.lower / si,
-            upper: quantity.upper / si,
-            grade: nearest.map(|grade| grade.name.clone()),
-            on_bound,
-            supported: [region[k].0, region[k].1].map(|y| value(quantity, y) / si),
-            all_supported: region[k] == (0.0, 1.0),
-            held: held.contains(&k),
-            advice,
-            cost_before: quantity.cost_at(was).0,
-            cost_after: quantity.cost_at(is).0,
+        OptimisationResult {
+            feasible: solved.feasible,
+            confirmed: self.confirmed,
+            stopped_because: self.stopped_because.clone(),
+            evaluations: self.evaluations,
+            cost_before: problem.cost(present),
+            cost: solved.cost,
+            cost_standard_error,
+            quantities: (0..values.len()).map(quantity).collect(),
+            targets,
+            front: if held.is_empty() { self.front(context, learned) } else { vec![] },
+            grades: solved.grades.map(|search| Grades {
+                examined: search.examined,
+                proved: search.proved,
+                relaxed_cost: solved.relaxed_cost,
+            }),
+            values,
         }
-    };
-    OptimisationResult {
-        feasible: solved.feasible,
-        confirmed: self.confirmed,
-        stopped_because: self.stopped_because.clone(),
-        evaluations: self.evaluations,
-        cost_before: problem.cost(present),
-        cost: solved.cost,
-        cost_standard_error,
-        quantities: (0..values.len()).map(quantity).collect(),
-        targets,
-        front: if held.is_empty() { self.front(context, learned) } else { vec![] },
-        grades: solved.grades.map(|search| Grades {
-            examined: search.examined,
-            proved: search.proved,
-            relaxed_cost: solved.relaxed_cost,
-        }),
-        values,
     }
-}
 
-/// Least costs for stricter and looser targets, on the last surrogates.
-fn front(&self, context: &Context<'_>, learned: &CampaignResult) -> Vec<FrontPoint> {
-    let solved = &self.solved;
-    let mut reliability = context.reliability(learned, &solved.y);
-    reliability.region.clone_from(&self.region);
-    let allowed: Vec<f64> = context.problem.targets.iter().map(|target| 1.0 - target.reliability).collect();
-    let mut point = |factor: f64| {
-        let targets: Vec<f64> = allowed.iter().map(|p| 1.0 - factor * p).collect();
-        for (constraint, p) in reliability.constraints.iter_mut().zip(&allowed) {
-            constraint.beta = -standard_normal_quantile(factor * p);
-        }
-        let found = solve_relaxed(&mut reliability, std::slice::from_ref(&solved.y));
-        // What the region holds, or what it may hide, is not known.
-        let inside = trust::held(&reliability.region, &found.y).is_empty();
-        let whole = reliability.region.iter().all(|ends| *ends == (0.0, 1.0));
-        let unsupported = !inside || !(found.feasible || whole);
-        FrontPoint { factor, targets, cost: (found.feasible && inside).then_some(found.cost), unsupported }
-    };
-    let mut points: Vec<FrontPoint> =
-        FRONT.into_iter().filter(|factor| allowed.iter().all(|p| factor * p < 1.0)).map(&mut point).collect();
-    let own = FrontPoint {
-        factor: 1.0,
-        targets: context.problem.targets.iter().map(|target| target.reliability).collect(),
-        cost: solved.feasible.then_some(solved.relaxed_cost),
-        unsupported: false,
-    };
-    let place = points.iter().position(|point| point.factor < 1.0).unwrap_or(points.len());
-    points.insert(place, own);
-    points
-}
+    /// Least costs for stricter and looser targets, on the last surrogates.
+    fn front(&self, context: &Context<'_>, learned: &CampaignResult) -> Vec<FrontPoint> {
+        let solved = &self.solved;
+        let mut reliability = context.reliability(learned, &solved.y);
+        reliability.region.clone_from(&self.region);
+        let allowed: Vec<f64> =
+            context.problem.targets.iter().map(|target| 1.0 - target.reliability).collect();
+        let mut point = |factor: f64| {
+            let targets: Vec<f64> = allowed.iter().map(|p| 1.0 - factor * p).collect();
+            for (constraint, p) in reliability.constraints.iter_mut().zip(&allowed) {
+                constraint.beta = -standard_normal_quantile(factor * p);
+            }
+            let found = solve_relaxed(&mut reliability, std::slice::from_ref(&solved.y));
+            // What the region holds, or what it may hide, is not known.
+            let inside = trust::held(&reliability.region, &found.y).is_empty();
+            let whole = reliability.region.iter().all(|ends| *ends == (0.0, 1.0));
+            let unsupported = !inside || !(found.feasible || whole);
+            FrontPoint {
+                factor,
+                targets,
+                cost: (found.feasible && inside).then_some(found.cost),
+                unsupported,
+            }
+        };
+        let mut points: Vec<FrontPoint> = FRONT
+            .into_iter()
+            .filter(|factor| allowed.iter().all(|p| factor * p < 1.0))
+            .map(&mut point)
+            .collect();
+        let own = FrontPoint {
+            factor: 1.0,
+            targets: context.problem.targets.iter().map(|target| target.reliability).collect(),
+            cost: solved.feasible.then_some(solved.relaxed_cost),
+            unsupported: false,
+        };
+        let place = points.iter().position(|point| point.factor < 1.0).unwrap_or(points.len());
+        points.insert(place, own);
+        points
+    }
 }
 
 fn targets(

@@ -5,8 +5,8 @@
 //! reliability by line sampling agrees with the one counted over the population.
 
 use super::campaign::{StudyBasis, TargetCampaign};
-use super::problem::DesignProblem;
 use super::finding::Finding;
+use super::problem::DesignProblem;
 use super::reliability::{Constraint, DesignReliability, ModeSurrogate, TargetValue, place};
 use super::result::{OptimisationResult, Simulations};
 use super::solve::{Solved, solve};

@@ -36,7 +36,8 @@ pub fn read(
         let quantities: Vec<_> = rows[0].iter_mut().map(|row| reader.quantity(row)).collect();
         let targets = rows[1].iter_mut().filter_map(|row| reader.target(row)).collect();
         for (place, quantity) in quantities.iter().enumerate() {
-            if let Some(other) = quantities[..place].iter().flatten().find(|other| changes_same(other, quantity))
+            if let Some(other) =
+                quantities[..place].iter().flatten().find(|other| changes_same(other, quantity))
             {
                 let name = quantity.as_ref().map_or("", |quantity| &quantity.name);
                 let message = format!("{name} changes what {} changes already", other.name);
@@ -215,7 +216,8 @@ impl ProblemReader<'_> {
     fn target(&self, row: &mut Section) -> Option<ReliabilityTarget> {
         let name = row.text_or("limit_state", "the name of a limit state, or total", "total");
         let limits = self.scene.limit_states.iter().map(|limit| limit.name.as_str());
-        let place = name.and_then(|name| row.reference("limit_state", "limit state", name, limits.chain(["total"])));
+        let place =
+            name.and_then(|name| row.reference("limit_state", "limit state", name, limits.chain(["total"])));
         let all = self.scene.life.checkpoints();
         let checkpoint = checkpoint(row, &self.scene.life, all.last().copied());
         let reliability = row.quantity("reliability", NUMBER, Range::Between(0.0, 1.0));
@@ -231,7 +233,8 @@ impl ProblemReader<'_> {
         let inputs = InputModel::from_scene(self.scene);
         let mut faults = Vec::new();
         for (place, quantity) in problem.quantities.iter().enumerate() {
-            let shares = |other: &DesignQuantity| other.variables.iter().any(|k| quantity.variables.contains(k));
+            let shares =
+                |other: &DesignQuantity| other.variables.iter().any(|k| quantity.variables.contains(k));
             let others: Vec<usize> = (0..problem.quantities.len())
                 .filter(|other| *other != place && shares(&problem.quantities[*other]))
                 .collect();

@@ -57,15 +57,20 @@ fn verdict(result: &OptimisationResult) -> String {
             .targets
             .iter()
             .filter(|target| target.state == TargetState::NotMet)
-            .map(|target| format!("{} is {}, the target is {}", target.name, interval(target), share(target.target)))
+            .map(|target| {
+                format!("{} is {}, the target is {}", target.name, interval(target), share(target.target))
+            })
             .collect();
         let head = if result.supports_all() {
             "**No design within the bounds was found that meets every target.**".to_owned()
         } else {
             format!("**Within what the simulations support, no design meets every target.** {limits}")
         };
-        let missed =
-            if missed.is_empty() { "a target is missed by less than its error".to_owned() } else { missed.join("; ") };
+        let missed = if missed.is_empty() {
+            "a target is missed by less than its error".to_owned()
+        } else {
+            missed.join("; ")
+        };
         return format!("{head} The design below comes nearest: {missed}. {confirmation} {work}");
     }
     let before = number(result.cost_before);
@@ -86,7 +91,9 @@ fn verdict(result: &OptimisationResult) -> String {
     };
     let cost = number(result.cost);
     let states = states(result);
-    format!("Cost {before} with the design of the study, {cost}{error} at the optimum. {states} {confirmation} {work}")
+    format!(
+        "Cost {before} with the design of the study, {cost}{error} at the optimum. {states} {confirmation} {work}"
+    )
 }
 
 /// The trust region, where it limits the search, and what to do.
@@ -227,7 +234,8 @@ fn front_row(point: &FrontPoint) -> Vec<String> {
         factor if (factor - 1.0).abs() < 1e-12 => "as targeted".to_owned(),
         factor => format!("{factor} times as targeted"),
     };
-    let none = if point.unsupported { "beyond what the simulations support" } else { "no design within the bounds" };
+    let none =
+        if point.unsupported { "beyond what the simulations support" } else { "no design within the bounds" };
     let cost = point.cost.map_or(none.to_owned(), number);
     vec![factor, targets.join(", "), cost]
 }

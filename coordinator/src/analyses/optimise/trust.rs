@@ -41,7 +41,8 @@ pub(super) fn spread_by<'p>(
 pub(super) fn with_scales(problem: &DesignProblem, inputs: &InputModel) -> InputModel {
     let scaled = |(k, law): (usize, &Distribution)| {
         let part = spread_by(problem, inputs, k).map(DesignQuantity::part);
-        part.and_then(|part| Distribution::normal(law.parent_mean(), part).ok()).unwrap_or_else(|| law.clone())
+        part.and_then(|part| Distribution::normal(law.parent_mean(), part).ok())
+            .unwrap_or_else(|| law.clone())
     };
     let scales = inputs.variables().iter().enumerate().map(scaled).collect();
     inputs.clone().standardised_as(&InputModel::new(scales, inputs.copula().clone()).standardised_as(inputs))
@@ -114,9 +115,13 @@ mod tests {
             fixed_bounds: vec![],
             designs: None,
         };
-        let inputs = InputModel::from(&[(3.0, 0.4), (3.0, 0.001)].map(|(m, s)| Distribution::normal(m, s).unwrap()));
+        let inputs =
+            InputModel::from(&[(3.0, 0.4), (3.0, 0.001)].map(|(m, s)| Distribution::normal(m, s).unwrap()));
         let near = |found: &[(f64, f64)], expected: [f64; 2]| {
-            found.iter().zip(expected).all(|((from, to), e)| (0.5 - from - e).abs() + (to - 0.5 - e).abs() < 1e-12)
+            found
+                .iter()
+                .zip(expected)
+                .all(|((from, to), e)| (0.5 - from - e).abs() + (to - 0.5 - e).abs() < 1e-12)
         };
         let [before, after] = [false, true].map(|visited| region(&problem, &inputs, &[0.5, 0.5], visited));
         assert!(near(&before, [0.2, 0.0005]) && near(&after, [0.2, 0.1]), "{before:?} {after:?}");
@@ -129,6 +134,8 @@ mod tests {
         assert!((scaled.standardised_value(1, 3.2) - 1.0).abs() < 1e-12);
         let visit = of_visit(&problem, &scaled);
         let (from, to) = visit.variables()[1].support();
-        assert!((from - 2.4).abs() + (to - 3.6).abs() < 1e-12 && visit.variables()[0] == inputs.variables()[0]);
+        assert!(
+            (from - 2.4).abs() + (to - 3.6).abs() < 1e-12 && visit.variables()[0] == inputs.variables()[0]
+        );
     }
 }

@@ -152,7 +152,8 @@ fn issue_a_constant_hazard_has_no_best_age_and_runs_to_failure() {
     // Mean life 1000 cycles, checkpoints from 200 on, the fall before them not resolved: R(200) = 0.819.
     let cycles: Vec<f64> = std::iter::once(0.0).chain((20..=800).map(|k| 10.0 * f64::from(k))).collect();
     let exact = |t: &f64| (-t / 1000.0).exp();
-    let around = |by: f64| cycles.iter().map(|t| (exact(t) + by * t.min(1.0)).clamp(0.0, 1.0)).collect::<Vec<f64>>();
+    let around =
+        |by: f64| cycles.iter().map(|t| (exact(t) + by * t.min(1.0)).clamp(0.0, 1.0)).collect::<Vec<f64>>();
     let curve = LifeCurveRow {
         limit_state: "total".to_owned(),
         reliability: around(0.0),

@@ -161,7 +161,12 @@ fn issue_no_quantile_is_stated_from_a_fraction_of_a_point() {
     let report = updated("A,400,wear,12,1e-9\n", 500);
     let unit = &report.units[0];
     assert!(unit.effective_size < 10.0, "{unit:?}");
-    assert!(!unit.resolved && unit.remaining.p50.is_none() && unit.lives.iter().all(|life| life.cycles.is_none()));
+    assert!(
+        !unit.resolved && unit.remaining.p50.is_none() && unit.lives.iter().all(|life| life.cycles.is_none())
+    );
     let said = text(&report);
-    assert!(said.contains("not resolved") && said.contains("warning: unit A: the effective sample size"), "{said}");
+    assert!(
+        said.contains("not resolved") && said.contains("warning: unit A: the effective sample size"),
+        "{said}"
+    );
 }

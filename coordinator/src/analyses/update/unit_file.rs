@@ -5,7 +5,9 @@
 use super::observation::{Observation, ObservedUnit, Quantity};
 use crate::analyses::quantity::output_quantity;
 use crate::study::LifeModel;
-use common::scene::{Cell, CsvRow, Fault, FaultKind, Faults, Scene, SceneSource, csv_rows, nearest, read_text};
+use common::scene::{
+    Cell, CsvRow, Fault, FaultKind, Faults, Scene, SceneSource, csv_rows, nearest, read_text,
+};
 use std::path::Path;
 
 /// Columns of the file.
@@ -32,13 +34,15 @@ pub fn parse(
     model: &LifeModel,
 ) -> Result<Vec<ObservedUnit>, Faults> {
     let rows = csv_rows(text);
-    let is_heading = |(place, row): &(usize, &CsvRow)| *place == 0 && row.cells[0].text.eq_ignore_ascii_case("unit");
+    let is_heading =
+        |(place, row): &(usize, &CsvRow)| *place == 0 && row.cells[0].text.eq_ignore_ascii_case("unit");
     let observed: Vec<&CsvRow> =
         rows.iter().enumerate().filter(|numbered| !is_heading(numbered)).map(|(_, row)| row).collect();
     let mut units = Vec::<ObservedUnit>::new();
     let mut faults: Vec<(u64, usize, FaultKind)> = Vec::new();
     for row in &observed {
-        let mut reader = RowReader { source, scene: source.nominal(), model, cells: &row.cells, faults: vec![] };
+        let mut reader =
+            RowReader { source, scene: source.nominal(), model, cells: &row.cells, faults: vec![] };
         if let Some((name, observation)) = reader.read(row.line) {
             match units.iter_mut().find(|unit| unit.name == name) {
                 Some(unit) => unit.observations.push(observation),
@@ -51,7 +55,8 @@ pub fn parse(
         unit.observations
             .sort_by(|a, b| a.cycles.total_cmp(&b.cycles).then(a.quantity.rank().cmp(&b.quantity.rank())));
         let found = contradictions(unit).into_iter();
-        faults.extend(found.map(|(line, column, message)| (line, column, FaultKind::Inconsistent { message })));
+        faults
+            .extend(found.map(|(line, column, message)| (line, column, FaultKind::Inconsistent { message })));
     }
     if observed.is_empty() {
         let message = format!("the file has no observation; expected lines of {}", COLUMNS.join(", "));
@@ -92,7 +97,8 @@ impl<'a> RowReader<'a> {
     /// Unit and observation of the row; `None` with a fault.
     fn read(&mut self, line: u64) -> Option<(String, Observation)> {
         if self.cells.len() > COLUMNS.len() {
-            let what = format!("{} cells, expected {}: {}", self.cells.len(), COLUMNS.len(), COLUMNS.join(", "));
+            let what =
+                format!("{} cells, expected {}: {}", self.cells.len(), COLUMNS.len(), COLUMNS.join(", "));
             self.fault(COLUMNS.len() - 1, what);
         }
         if self.cell(0).is_empty() {
@@ -100,7 +106,8 @@ impl<'a> RowReader<'a> {
         }
         let quantity = self.quantity();
         let cycles = self.cycles(quantity.as_ref());
-        let observation = Observation { line, cycles: cycles?, name: self.cell(2).to_owned(), quantity: quantity? };
+        let observation =
+            Observation { line, cycles: cycles?, name: self.cell(2).to_owned(), quantity: quantity? };
         self.faults.is_empty().then(|| (self.cell(0).to_owned(), observation))
     }
 
@@ -108,39 +115,48 @@ impl<'a> RowReader<'a> {
         let name = self.cell(2);
         let word = [("survived", Quantity::Survived), ("failed", Quantity::Failed)];
         if let Some((word, quantity)) = word.into_iter().find(|(word, _)| *word == name) {
-            for column in [3, 4].into_iter().filter(|column| !self.cell(*column).is_empty()) {
-                self.fault(column, format!("{:?}: {word} has no {}", self.cell(column), COLUMNS[column]));
+            for column in [3, 4] {
+                let cell = self.cell(column);
+                if !cell.is_empty() {
+                    self.fault(column, format!("{cell:?}: {word} has no {}", COLUMNS[column]));
+                }
             }
             return Some(quantity);
         }
         let outputs = self.scene.outputs.iter().map(|output| output.name.as_str());
         let variables = self.scene.variables.iter().map(|variable| variable.name.as_str());
-        let mut all = outputs.chain(variables).chain(["survived", "failed"]);
-        let nearest = nearest(name, all.clone());
+        let all: Vec<&str> = outputs.chain(variables).chain(["survived", "failed"]).collect();
+        let place = |name: &str| all.iter().position(|known| *known == name);
         // After a fault the row is read on as if the nearest name had been meant.
-        let Some(place) = all.clone().position(|known| known == name).or_else(|| {
-            let known = all.clone().map(str::to_owned).collect();
-            let (value, nearest) = (name.to_owned(), nearest.clone());
-            self.faults.push((2, FaultKind::UnknownReference { what: "quantity", value, nearest, known }));
-            all.position(|known| Some(known) == nearest.as_deref())
-        }) else {
-            return None;
-        };
-        let values = self.scene.outputs.len();
+        let place = place(name).or_else(|| {
+            let nearest = nearest(name, all.iter().copied());
+            let meant = nearest.as_deref().and_then(place);
+            let known = all.iter().map(|name| (*name).to_owned()).collect();
+            let kind =
+                FaultKind::UnknownReference { what: "quantity", value: name.to_owned(), nearest, known };
+            self.faults.push((2, kind));
+            meant
+        })?;
         if let Some(output) = self.scene.outputs.get(place) {
-            let [value, error] = [3, 4].map(|column| self.number(column, output_quantity(output, self.cell(column))));
-            return Some(Quantity::Output { output: place, value: value?, error: self.positive(error?)? });
+            let [value, error] =
+                [3, 4].map(|column| self.number(column, output_quantity(output, self.cell(column))));
+            let error = error.and_then(|error| self.positive(error));
+            return Some(Quantity::Output { output: place, value: value?, error: error? });
         }
-        let variable = place - values;
+        let variable = place - self.scene.outputs.len();
         let of = self.scene.variables.get(variable)?;
         if of.distribution.is_constant() {
             self.fault(2, format!("{name} is constant in this study: there is nothing to learn"));
         }
         let [value, error] = [3, 4].map(|column| {
             let read = self.source.parse_setting(&format!("{}={}", of.name, self.cell(column)));
-            self.number(column, read.map(|(_, value)| value).map_err(|Faults(faults)| faults[0].kind.to_string()))
+            self.number(
+                column,
+                read.map(|(_, value)| value).map_err(|Faults(faults)| faults[0].kind.to_string()),
+            )
         });
-        Some(Quantity::Variable { variable, value: value?, error: self.positive(error?)? })
+        let error = error.and_then(|error| self.positive(error));
+        Some(Quantity::Variable { variable, value: value?, error: error? })
     }
 
     /// The number of a column, or its fault.

@@ -368,12 +368,20 @@ mod tests {
         let statistical = width(&studies, &[]);
         assert_eq!(width(&studies, &differs("joints.crank.width")), statistical);
         // Both intervals of the lives with the numerical errors, as independent ones.
-        let life = studies[0].summary.lives.iter().find(|l| (&*l.limit_state, l.reliability) == ("total", 0.5)).unwrap();
+        let life = studies[0]
+            .summary
+            .lives
+            .iter()
+            .find(|l| (&*l.limit_state, l.reliability) == ("total", 0.5))
+            .unwrap();
         let (value, range) = (life.cycles.unwrap(), life.whole_interval());
         let whole = 2.0 * (value - range.lower).hypot(range.upper.unwrap() - value);
         for key in ["joints.crank.control_points", "joints.crank.contact_law"] {
             let found = width(&studies, &differs(key));
-            assert!((found - whole).abs() < 1e-6 * whole && found > statistical, "{found} {whole} {statistical}");
+            assert!(
+                (found - whole).abs() < 1e-6 * whole && found > statistical,
+                "{found} {whole} {statistical}"
+            );
         }
         studies[1].summary.accuracy_settings = Some(common::accuracy::Accuracy::draft());
         assert!((width(&studies, &[]) - whole).abs() < 1e-6 * whole);
