@@ -213,11 +213,6 @@ impl SceneSource {
         self.seen.get(key).map(|quantity| quantity.value)
     }
 
-    /// All quantities of the scene as it writes them, by the path of their key.
-    pub fn quantities(&self) -> &BTreeMap<String, Quantity> {
-        &self.seen
-    }
-
     /// Place of a key in the texts of this scene and those it extends, or of the longest part of its path that they contain.
     pub fn location(&self, key: &str) -> Option<Location> {
         self.layers.location(key)

@@ -12,8 +12,8 @@ use common::random::Distribution;
 const TRUST: f64 = 3.0;
 /// Largest number of scales in a range that visits spread over.
 const PARTS: f64 = 30.0;
-/// Distance in y from the edge of the region, or from a bound, below which a design lies on it [1].
-const ON_EDGE: f64 = 1e-6;
+/// Distance from the edge of the region below which a design lies on it, in widths of the region [1].
+const ON_EDGE: f64 = 1e-2;
 
 impl DesignQuantity {
     /// The scale of a mean by its bounds alone [SI].
@@ -86,8 +86,12 @@ pub(super) fn region(
 
 /// Quantities, by their number, that the region holds at the design y `(q,)`, besides their own bounds.
 pub(super) fn held(region: &[(f64, f64)], y: &[f64]) -> Vec<usize> {
-    let at = |edge: f64, y: f64| (y - edge).abs() < ON_EDGE && (ON_EDGE..=1.0 - ON_EDGE).contains(&edge);
-    (0..y.len()).filter(|k| at(region[*k].0, y[*k]) || at(region[*k].1, y[*k])).collect()
+    let is_held = |k: &usize| {
+        let ((from, to), y) = (region[*k], y[*k]);
+        let margin = ON_EDGE * (to - from);
+        (from > 0.0 && y - from < margin) || (to < 1.0 && to - y < margin)
+    };
+    (0..y.len()).filter(is_held).collect()
 }
 
 #[cfg(test)]
