@@ -49,10 +49,7 @@ fn a_study_answers_for_units_and_replacement() {
     }
     std::fs::write(&units, "A,3000,depth,4 um,1 um\nA,9000,max_wear_depth,4 N,1 um\n").unwrap();
     let message = refused(&["update", &study, "--measured", &units]);
-    assert!(
-        message.contains("line 1, column quantity") && message.contains("line 2, column value"),
-        "{message}"
-    );
+    assert!(message.contains("units.csv:1:8") && message.contains("units.csv:2:23"), "{message}");
     assert!(refused(&["update", &study, "--measured", &at("none.csv")]).contains("none.csv"));
 
     let answer = json(&["replace", &study, "--failure-cost", "10", "--inspect-every", "1000", "--json"]);

@@ -7,7 +7,7 @@
 use super::expression::{ExpressionError, evaluate, read_unit};
 use super::faults::{Fault, FaultKind, in_first_unit, nearest};
 use super::parameters::{Lookup, Parameters, why_not_a_name};
-use super::quantity::{AngleUnit, Kind, Quantity};
+use super::quantity::{AngleUnit, Kind, NUMBER, Quantity};
 use super::unit_advice::advised;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -18,7 +18,7 @@ pub(super) type Overrides = BTreeMap<String, f64>;
 
 /// Allowed range of a number in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Range {
+pub enum Range {
     /// Any finite number.
     Any,
     /// Any finite number > 0.
@@ -29,6 +29,8 @@ pub(super) enum Range {
     Within(f64, f64),
     /// Interval without its lower end.
     Above(f64, f64),
+    /// Interval without its ends.
+    Between(f64, f64),
     /// Any finite number except 0.
     NotZero,
 }
@@ -42,6 +44,7 @@ impl Range {
                 Range::NonNegative => value >= 0.0,
                 Range::Within(from, to) => (from..=to).contains(&value),
                 Range::Above(from, to) => from < value && value <= to,
+                Range::Between(from, to) => from < value && value < to,
                 Range::NotZero => value != 0.0,
             }
     }
@@ -53,6 +56,7 @@ impl Range {
             Range::NonNegative => ">= 0".to_owned(),
             Range::Within(from, to) => format!("{from} to {to}"),
             Range::Above(from, to) => format!("> {from} and <= {to}"),
+            Range::Between(from, to) => format!("> {from} and < {to}"),
             Range::NotZero => "not 0".to_owned(),
         }
     }
@@ -255,6 +259,13 @@ impl<'s> Context<'s> {
         None
     }
 
+    /// A quantity at `key`, or a share of `whole` such as `"2 %"`.
+    pub(super) fn quantity_or_share(&self, key: &str, value: &Value, kind: Kind, whole: f64) -> Option<f64> {
+        let relative = value.as_str().is_some_and(|text| text.trim_end().ends_with('%'));
+        let found = self.quantity(key, value, if relative { NUMBER } else { kind }, Range::Any)?;
+        Some(if relative { found * whole } else { found })
+    }
+
     /// A value as its author wrote it, followed by its result unless it is a plain number; or as an override set it.
     pub(super) fn shown(&self, key: &str, written: &Value, value: f64, kind: Kind) -> String {
         let result = in_first_unit(value, kind);
@@ -308,6 +319,18 @@ impl<'s> Context<'s> {
             self.reference(key, "quantity", key, seen.keys().map(String::as_str));
         }
     }
+}
+
+/// The SI value of a text such as `15.2 um`, which names no parameter.
+///
+/// # Errors
+/// It is no quantity, or one of another kind.
+pub fn read_quantity(text: &str, kind: Kind) -> Result<f64, FaultKind> {
+    let none = Overrides::new();
+    let cx = Context::new("", &none);
+    let read = cx.quantity("", &Value::String(text.to_owned()), kind, Range::Any);
+    let fault = || cx.take_faults().remove(0).kind;
+    read.ok_or_else(fault)
 }
 
 /// True if a text is one number with or without a unit, not an expression.

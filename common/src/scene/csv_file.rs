@@ -5,7 +5,6 @@
 
 use super::expression_error::instead_of_comma;
 use super::faults::{Fault, FaultKind, Faults, nearest};
-use super::location::Location;
 use std::ops::Range;
 
 /// At most this many faults of one file are reported.
@@ -31,16 +30,43 @@ pub(super) struct CsvColumn {
 pub(super) struct CsvFile<'t> {
     file: &'t str,
     text: &'t str,
-    separator: char,
     head: Vec<Cell<'t>>,
     rows: Vec<Vec<Cell<'t>>>,
 }
 
+/// A line of a CSV text.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CsvRow<'t> {
+    /// Number of the line, from 1.
+    pub line: u64,
+    /// Its cells, at least one.
+    pub cells: Vec<Cell<'t>>,
+}
+
 /// The text of a cell without quotes and spaces around it, and its bytes in the file.
 #[derive(Debug, Clone, PartialEq)]
-struct Cell<'t> {
-    text: &'t str,
-    span: Range<usize>,
+pub struct Cell<'t> {
+    /// The text.
+    pub text: &'t str,
+    /// Its bytes in the text of the file.
+    pub span: Range<usize>,
+}
+
+/// The lines of a CSV text that are not empty and do not begin with `#`. The separator is the first of `;`, tab and `,` that the
+/// first of them has.
+pub fn csv_rows(text: &str) -> Vec<CsvRow<'_>> {
+    let with_content = |(_, line): &(u64, Range<usize>)| {
+        let line = text[line.clone()].trim();
+        !line.is_empty() && !line.starts_with('#')
+    };
+    let mut lines = (1..).zip(lines(text)).filter(with_content).peekable();
+    let separator = lines.peek().map_or(',', |(_, first)| separator(&text[first.clone()]));
+    lines.map(|(line, bytes)| CsvRow { line, cells: cells(text, bytes, separator) }).collect()
+}
+
+/// The separator of the cells of a line.
+fn separator(line: &str) -> char {
+    [';', '\t'].into_iter().find(|c| line.contains(*c)).unwrap_or(',')
 }
 
 impl<'t> CsvFile<'t> {
@@ -49,26 +75,20 @@ impl<'t> CsvFile<'t> {
     /// # Errors
     /// There is no head, or no row under it, or rows have another number of cells than the head.
     pub(super) fn read(file: &'t str, text: &'t str, key: &str) -> Result<Self, Faults> {
-        let mut lines = lines(text).filter(|line| {
-            let line = text[line.clone()].trim();
-            !line.is_empty() && !line.starts_with('#')
-        });
         let at_end = |message: &str| {
             let end = text.trim_end().len();
             Err(Faults(vec![fault_at(file, text, end..end, key, message.to_owned())]))
         };
-        let Some(first) = lines.next() else {
+        let mut rows = csv_rows(text).into_iter().map(|row| row.cells);
+        let Some(head) = rows.next() else {
             return at_end("has no head, expected a line such as `angle [deg], force [N]`");
         };
-        let separator = [';', '\t'].into_iter().find(|c| text[first.clone()].contains(*c)).unwrap_or(',');
-        let head = cells(text, first, separator);
         // A spreadsheet fills lines without content with separators.
-        let rows = lines.map(|line| cells(text, line, separator));
         let rows: Vec<_> = rows.filter(|row| row.iter().any(|cell| !cell.text.is_empty())).collect();
         if rows.is_empty() {
             return at_end("has no row under its head");
         }
-        let csv = CsvFile { file, text, separator, head, rows };
+        let csv = CsvFile { file, text, head, rows };
         let faults: Vec<Fault> =
             csv.rows.iter().filter_map(|row| csv.uneven(row, key)).take(FAULT_LIMIT).collect();
         if faults.is_empty() { Ok(csv) } else { Err(Faults(faults)) }
@@ -80,7 +100,9 @@ impl<'t> CsvFile<'t> {
         if found == expected {
             return None;
         }
-        let is_comma_file = self.separator == ',' && found > expected;
+        let first = self.head.first().zip(self.head.last());
+        let head = first.map_or("", |(first, last)| &self.text[first.span.start..last.span.end]);
+        let is_comma_file = separator(head) == ',' && found > expected;
         let advice = if is_comma_file {
             "; if these are decimal commas, write decimal points: 0.5; if they separate thousands, leave them out: 9000"
         } else {
@@ -159,9 +181,7 @@ impl<'t> CsvFile<'t> {
 }
 
 fn fault_at(file: &str, text: &str, span: Range<usize>, key: &str, message: String) -> Fault {
-    let mut fault = Fault::new(file, key, FaultKind::Inconsistent { message });
-    fault.location = Some(Box::new(Location::new(file, text, span)));
-    fault
+    Fault::at(file, text, span, key, FaultKind::Inconsistent { message })
 }
 
 /// Why a cell is no number, and what to write instead.

@@ -21,9 +21,7 @@ pub(super) fn document(text: &str, origin: &str) -> Result<Table, Faults> {
             column: location.column,
             message: format!("{}{advice}", error.message().trim_end()),
         };
-        let mut fault = Fault::new(origin, "", kind);
-        fault.location = Some(Box::new(location));
-        Faults(vec![fault])
+        Faults(vec![Fault { location: Some(Box::new(location)), ..Fault::new(origin, "", kind) }])
     })
 }
 

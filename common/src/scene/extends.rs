@@ -22,12 +22,24 @@ const WITHOUT: &str = "scene.without";
 /// Name of the scene in the folder of a study.
 const COPY: &str = "scene.toml";
 
-/// Reads a file of a scene.
+/// Text of a scene file.
 ///
 /// # Errors
 /// [`FaultKind::Unreadable`].
 pub(super) fn read(path: &Path) -> Result<String, Faults> {
-    read_text(path, "the TOML file of a scene").map_err(|why| {
+    read_as(path, "the TOML file of a scene")
+}
+
+/// Text of a file that somebody has written.
+///
+/// # Errors
+/// [`FaultKind::Unreadable`].
+pub fn read_input(path: &Path) -> Result<String, Faults> {
+    read_as(path, "a text file")
+}
+
+fn read_as(path: &Path, expected: &str) -> Result<String, Faults> {
+    read_text(path, expected).map_err(|why| {
         let copy = path.join(COPY);
         let message = match copy.is_file() {
             true => format!("it is a folder; the scene of a study is {}", copy.display()),

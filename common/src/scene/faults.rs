@@ -22,6 +22,7 @@ use super::expression::read_unit;
 use super::location::Location;
 use super::quantity::{Dimension, Kind};
 use crate::accuracy::AccuracyNameError;
+use std::ops::Range;
 use thiserror::Error;
 
 /// All faults of a scene, found in one pass; displayed one per line, after their number if there are several.
@@ -49,6 +50,12 @@ impl Fault {
     /// A fault whose place in the text is not known yet.
     pub fn new(file: impl Into<String>, key: impl Into<String>, kind: FaultKind) -> Self {
         Fault { file: file.into(), key: key.into(), kind, location: None, used_at: None }
+    }
+
+    /// A fault at the bytes `span` of the text of its file.
+    pub fn at(file: &str, text: &str, span: Range<usize>, key: &str, kind: FaultKind) -> Self {
+        let location = Some(Box::new(Location::new(file, text, span)));
+        Fault { location, ..Self::new(file, key, kind) }
     }
 }
 
@@ -305,7 +312,7 @@ fn units(kind: &Kind) -> String {
 }
 
 /// The name of `known` nearest to `name`, if near enough for a typing error.
-pub(super) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     known
         .into_iter()
         .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))

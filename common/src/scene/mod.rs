@@ -9,7 +9,7 @@
 //! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
 //! | model | [`model`], `attachment`, `joint`, `drive`, `load`, `output`, `wear_output` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
-//! | reading | `document`, `duplicate_key`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section` | one pass over the file that records every fault |
+//! | reading | `document`, `duplicate_key`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `input` | one pass over the file that records every fault |
 //! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
 //! | whole | `resolve`, `conditioned`, `merge`, `edit`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`] | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples |
 
@@ -35,6 +35,7 @@ mod extends;
 pub mod faults;
 mod fits;
 mod guide;
+mod input;
 mod joint;
 mod joints;
 mod layers;
@@ -75,8 +76,12 @@ mod wear_output;
 mod wear_outputs;
 
 pub use attachment::Attachment;
+pub use context::{Range, read_quantity};
+pub use csv_file::{Cell, CsvRow, csv_rows};
 pub use drive::{Curve, Drive, Over, Table};
-pub use faults::{Fault, FaultKind, Faults};
+pub use extends::read_input as read_text;
+pub use faults::{Fault, FaultKind, Faults, nearest};
+pub use input::InputFile;
 pub use joint::{
     Clearance, ContactDamping, ContactLaw, ControlPoints, GuideClearance, GuideWear, IdealFriction, Joint,
     JointKind, Material, RestitutionLaw, WearingSurfaces,
@@ -92,6 +97,7 @@ pub use model::{
 pub use output::{ErrorMeasure, HeldInput, ImpactMeasure, Output, OutputKind, SignedBody};
 pub use output_unit::OutputUnit;
 pub use reference::published_results;
+pub use section::Section;
 pub use simulator::REQUEST_FILE;
 pub use source::SceneSource;
 pub use warnings::Warning;

@@ -1,4 +1,4 @@
-//! One table of a scene file while it is read: its values by key, and at the end a fault for every key that was not
+//! One table of a file while it is read: its values by key, and at the end a fault for every key that was not
 //! read. What is wrong is recorded in the context of the pass; a method then returns `None` and reading continues.
 
 use super::context::{Context, Range};
@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 use toml::{Table, Value};
 
 /// A table with its path, and the context of the pass that reads it.
-pub(super) struct Section<'s> {
+pub struct Section<'s> {
     /// State of the pass.
     pub(super) cx: &'s Context<'s>,
     /// Path of the table, e.g. `joints.1`; empty for the whole file.
@@ -33,12 +33,12 @@ impl<'s> Section<'s> {
     }
 
     /// Records a fault at a key.
-    pub(super) fn fault(&self, key: &str, kind: FaultKind) {
+    pub fn fault(&self, key: &str, kind: FaultKind) {
         self.cx.fault(self.key(key), kind);
     }
 
     /// Records that the value of a key contradicts something.
-    pub(super) fn inconsistent(&self, key: &str, message: impl Into<String>) {
+    pub fn inconsistent(&self, key: &str, message: impl Into<String>) {
         self.cx.inconsistent(self.key(key), message);
     }
 
@@ -48,17 +48,17 @@ impl<'s> Section<'s> {
     }
 
     /// Records that a value is not in its range.
-    pub(super) fn out_of_range(&self, key: &str, value: impl Into<String>, allowed: impl Into<String>) {
+    pub fn out_of_range(&self, key: &str, value: impl Into<String>, allowed: impl Into<String>) {
         self.fault(key, FaultKind::OutOfRange { value: value.into(), allowed: allowed.into() });
     }
 
     /// Records that a key is missing.
-    pub(super) fn missing(&self, key: &str, expected: impl Into<String>) {
+    pub fn missing(&self, key: &str, expected: impl Into<String>) {
         self.fault(key, FaultKind::Missing { expected: expected.into() });
     }
 
     /// Records that a value has another type of TOML value.
-    pub(super) fn wrong_type(&self, key: &str, value: &Value, expected: impl Into<String>) {
+    pub fn wrong_type(&self, key: &str, value: &Value, expected: impl Into<String>) {
         self.cx.wrong_type(&self.key(key), value, expected.into());
     }
 
@@ -68,7 +68,7 @@ impl<'s> Section<'s> {
     }
 
     /// Index of `name` among `known`, or a fault at `key` with the nearest of them.
-    pub(super) fn reference<'n>(
+    pub fn reference<'n>(
         &self,
         key: &str,
         what: &'static str,
@@ -78,8 +78,22 @@ impl<'s> Section<'s> {
         self.cx.reference(&self.key(key), what, name, known)
     }
 
+    /// [`Section::reference`]; after a fault the index of the nearest name, with which what depends on it is read on.
+    pub fn meant<'n>(
+        &self,
+        key: &str,
+        what: &'static str,
+        name: &str,
+        known: impl Iterator<Item = &'n str> + Clone,
+    ) -> Option<usize> {
+        self.reference(key, what, name, known.clone()).or_else(|| {
+            let meant = nearest(name, known.clone())?;
+            known.clone().position(|other| other == meant)
+        })
+    }
+
     /// The value of a key, if it is present; the key becomes a known one.
-    pub(super) fn get(&mut self, key: &'static str) -> Option<&'s Value> {
+    pub fn get(&mut self, key: &'static str) -> Option<&'s Value> {
         if !self.known.contains(&key) {
             self.known.push(key);
         }
@@ -110,7 +124,7 @@ impl<'s> Section<'s> {
     }
 
     /// Records a fault for every key of the table that is not a known one.
-    pub(super) fn finish(&self) {
+    pub fn finish(&self) {
         if self.given_up {
             return;
         }
@@ -125,23 +139,28 @@ impl<'s> Section<'s> {
 /// Quantities, numbers and switches.
 impl<'s> Section<'s> {
     /// A required quantity.
-    pub(super) fn quantity(&mut self, key: &'static str, kind: Kind, range: Range) -> Option<f64> {
+    pub fn quantity(&mut self, key: &'static str, kind: Kind, range: Range) -> Option<f64> {
         let value = self.require(key, || kind.in_words())?;
         self.cx.quantity(&self.key(key), value, kind, range)
     }
 
     /// A quantity with a default.
-    pub(super) fn quantity_or(
-        &mut self,
-        key: &'static str,
-        kind: Kind,
-        range: Range,
-        default: f64,
-    ) -> Option<f64> {
+    pub fn quantity_or(&mut self, key: &'static str, kind: Kind, range: Range, default: f64) -> Option<f64> {
         match self.get(key) {
             Some(value) => self.cx.quantity(&self.key(key), value, kind, range),
             None => Some(default),
         }
+    }
+
+    /// The value of any key, or of a part of it, as a quantity.
+    pub fn as_quantity(&self, key: &str, value: &Value, kind: Kind, range: Range) -> Option<f64> {
+        self.cx.quantity(&self.key(key), value, kind, range)
+    }
+
+    /// A required quantity, or a share of `whole` such as `"2 %"`.
+    pub fn quantity_or_share(&mut self, key: &'static str, kind: Kind, whole: f64) -> Option<f64> {
+        let value = self.require(key, || kind.in_words())?;
+        self.cx.quantity_or_share(&self.key(key), value, kind, whole)
     }
 
     /// A required pair `[x, y]` of quantities; the paths of its components end in `.x` and `.y`.
@@ -195,7 +214,7 @@ impl<'s> Section<'s> {
     }
 
     /// A whole number within a range, required without a default.
-    pub(super) fn integer(
+    pub fn integer(
         &mut self,
         key: &'static str,
         range: RangeInclusive<i64>,
@@ -223,18 +242,13 @@ impl<'s> Section<'s> {
 /// Texts and words.
 impl<'s> Section<'s> {
     /// A required text.
-    pub(super) fn text(&mut self, key: &'static str, expected: &str) -> Option<&'s str> {
+    pub fn text(&mut self, key: &'static str, expected: &str) -> Option<&'s str> {
         let value = self.require(key, || expected.to_owned())?;
         self.as_text(key, value, expected)
     }
 
     /// A text with a default.
-    pub(super) fn text_or<'a>(
-        &mut self,
-        key: &'static str,
-        expected: &str,
-        default: &'a str,
-    ) -> Option<&'a str>
+    pub fn text_or<'a>(&mut self, key: &'static str, expected: &str, default: &'a str) -> Option<&'a str>
     where
         's: 'a,
     {
@@ -245,13 +259,21 @@ impl<'s> Section<'s> {
     }
 
     /// A required list of texts.
-    pub(super) fn texts(&mut self, key: &'static str, expected: &str) -> Option<Vec<&'s str>> {
+    pub fn texts(&mut self, key: &'static str, expected: &str) -> Option<Vec<&'s str>> {
         let value = self.require(key, || expected.to_owned())?;
         let texts = value.as_array().and_then(|all| all.iter().map(Value::as_str).collect());
         if texts.is_none() {
             self.wrong_type(key, value, expected);
         }
         texts
+    }
+
+    /// A required text, or a list of texts.
+    pub fn text_or_texts(&mut self, key: &'static str, expected: &str) -> Option<Vec<&'s str>> {
+        match self.get(key).and_then(Value::as_str) {
+            Some(text) => Some(vec![text]),
+            None => self.texts(key, expected),
+        }
     }
 
     fn as_text(&self, key: &str, value: &'s Value, expected: &str) -> Option<&'s str> {
@@ -274,7 +296,7 @@ impl<'s> Section<'s> {
     }
 
     /// The meaning of the required word that decides which keys this table has; if it is unknown, no key is checked.
-    pub(super) fn word<T: Copy>(&mut self, key: &'static str, words: &[(&str, T)]) -> Option<T> {
+    pub fn word<T: Copy>(&mut self, key: &'static str, words: &[(&str, T)]) -> Option<T> {
         let expected = || {
             let names: Vec<_> = words.iter().map(|(name, _)| *name).collect();
             format!("one of {}", names.join(", "))
@@ -287,12 +309,7 @@ impl<'s> Section<'s> {
     }
 
     /// [`Section::word`] with a default.
-    pub(super) fn word_or<T: Copy>(
-        &mut self,
-        key: &'static str,
-        words: &[(&str, T)],
-        default: T,
-    ) -> Option<T> {
+    pub fn word_or<T: Copy>(&mut self, key: &'static str, words: &[(&str, T)], default: T) -> Option<T> {
         if self.get(key).is_some() { self.word(key, words) } else { Some(default) }
     }
 }
@@ -300,7 +317,7 @@ impl<'s> Section<'s> {
 /// Tables below this one.
 impl<'s> Section<'s> {
     /// A required table.
-    pub(super) fn section(&mut self, key: &'static str, expected: &str) -> Option<Section<'s>> {
+    pub fn section(&mut self, key: &'static str, expected: &str) -> Option<Section<'s>> {
         self.require(key, || expected.to_owned())?;
         self.section_if_any(key)
     }
@@ -328,7 +345,7 @@ impl<'s> Section<'s> {
     }
 
     /// The rows of a list of tables without names; their paths have their numbers, from 1.
-    pub(super) fn unnamed_rows(&mut self, key: &'static str) -> Vec<Section<'s>> {
+    pub fn unnamed_rows(&mut self, key: &'static str) -> Vec<Section<'s>> {
         let Some(value) = self.get(key) else { return Vec::new() };
         let Some(list) = value.as_array() else {
             self.wrong_type(key, value, format!("a list of tables [[{key}]]"));
@@ -341,7 +358,7 @@ impl<'s> Section<'s> {
     }
 
     /// The rows of a list of tables, each with its unique name, which becomes the last part of its path.
-    pub(super) fn rows(&mut self, key: &'static str) -> Vec<(&'s str, Section<'s>)> {
+    pub fn rows(&mut self, key: &'static str) -> Vec<(&'s str, Section<'s>)> {
         let path = self.key(key);
         let mut rows: Vec<(&str, Section)> = Vec::new();
         for mut row in self.unnamed_rows(key) {

@@ -3,9 +3,9 @@
 
 use super::builtin;
 use super::conditioned::conditions;
-use super::context::Overrides;
+use super::context::{Overrides, read_quantity};
 use super::edit::rewritten;
-use super::expression::{ExpressionError, evaluate, read_unit};
+use super::expression::read_unit;
 use super::extends::{flatten, read, unknown_scene};
 use super::faults::{Fault, FaultKind, Faults, in_unit, nearest};
 use super::layers::Layers;
@@ -13,11 +13,10 @@ use super::location::Location;
 use super::magnitudes::magnitudes;
 use super::measured::MeasuredVariable;
 use super::model::Scene;
-use super::quantity::{AngleUnit, Dimension, Kind, Quantity};
+use super::quantity::{Dimension, Kind, Quantity};
 use super::reading::Reading;
 use super::resolve::resolve;
 use super::simulator::settle_folder;
-use super::unit_advice::advised;
 use super::warnings::{Warning, warnings};
 use crate::random::RandomVariable;
 use std::collections::BTreeMap;
@@ -317,24 +316,7 @@ impl SceneSource {
             Some((_, Some(key))) => self.seen[key].kind(),
             None => self.seen.get(name).ok_or_else(|| self.unknown_setting(name))?.kind(),
         };
-        let shown = format!("\"{value}\"");
-        let mut nothing =
-            |name: &str| Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None });
-        match evaluate(value, &mut nothing) {
-            Err(error) => {
-                let (message, piece) = (advised(&error, Some(expected)), error.piece());
-                Err(fault(FaultKind::Expression { value: shown, message, piece }))
-            }
-            Ok(found) if found.dimension != expected.dimension => {
-                Err(fault(FaultKind::WrongUnit { value: shown, found: found.dimension, expected }))
-            }
-            Ok(found) if !expected.takes(found.angle) => Err(fault(if found.angle == AngleUnit::Present {
-                FaultKind::AngleUnit { value: shown, expected }
-            } else {
-                FaultKind::NoAngleUnit { value: shown, expected }
-            })),
-            Ok(found) => Ok((name.to_owned(), found.value)),
-        }
+        Ok((name.to_owned(), read_quantity(value, expected).map_err(fault)?))
     }
 
     fn unknown_setting(&self, name: &str) -> Faults {

@@ -183,12 +183,7 @@ impl WrittenLaw {
     /// The standard deviation, a quantity or a share of the mean; 0 for a distribution without this key.
     fn std(&self, cx: &Context, path: &str, mean: f64, kind: Kind) -> Option<f64> {
         let Some(written) = self.values.get("std") else { return Some(0.0) };
-        let relative = written.as_str().is_some_and(|text| text.trim_end().ends_with('%'));
-        let expected = if relative { NUMBER } else { kind };
-        let mut std = cx.quantity(&format!("{path}.std"), written, expected, Range::Any)?;
-        if relative {
-            std *= mean.abs();
-        }
+        let std = cx.quantity_or_share(&format!("{path}.std"), written, kind, mean.abs())?;
         if std > 0.0 && std.is_finite() {
             return Some(std);
         }

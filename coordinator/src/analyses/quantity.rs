@@ -1,7 +1,6 @@
-//! A quantity that a person writes for an output of a scene, e.g. `15.2 um`, as SI value.
+//! Quantities that a person writes: for an output of a scene, e.g. `15.2 um`, and a checkpoint of its life.
 
-use common::scene::expression::{ExpressionError, evaluate};
-use common::scene::{Output, OutputUnit};
+use common::scene::{Life, Output, OutputUnit, Section, read_quantity};
 
 /// The SI value of a quantity of `output`; the output of an external simulator has the unit of its scene, which may be left
 /// out.
@@ -13,16 +12,25 @@ pub fn output_quantity(output: &Output, text: &str) -> Result<f64, String> {
     if let OutputUnit::External(unit) = &unit {
         return external(unit, text);
     }
-    let kind = unit.kind();
-    let mut nothing = |name: &str| Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None });
-    match evaluate(text, &mut nothing) {
-        Err(error) => Err(format!("{text:?}: {error}; expected {}", kind.in_words())),
-        Ok(found) if found.dimension != kind.dimension || !kind.takes(found.angle) => {
-            Err(format!("{text:?} is no quantity of {}: expected {}", output.name, kind.in_words()))
-        }
-        Ok(found) if !found.value.is_finite() => Err(format!("{text:?} is not finite")),
-        Ok(found) => Ok(found.value),
+    read_quantity(text, unit.kind()).map_err(|fault| fault.to_string())
+}
+
+/// The checkpoint at the key `cycles` of a row, its index and its life [cycles]; by default `default`, without one it is required.
+pub fn checkpoint(row: &mut Section, life: &Life, default: Option<u32>) -> Option<(usize, u32)> {
+    let all = life.checkpoints();
+    let cycles = row.integer("cycles", 1..=i64::from(u32::MAX), default.map(i64::from))?;
+    let found = all.iter().position(|other| i64::from(*other) == cycles);
+    if found.is_none() && all.len() == 1 {
+        row.inconsistent(
+            "cycles",
+            format!("{cycles}: the study has no life, so a target has no cycles; remove the key"),
+        );
+    } else if found.is_none() {
+        let allowed =
+            format!("a checkpoint of the life: {} to {} by {}", all[0], life.cycles, life.checkpoint_every);
+        row.out_of_range("cycles", cycles.to_string(), allowed);
     }
+    found.map(|place| (place, all[place]))
 }
 
 fn external(unit: &str, text: &str) -> Result<f64, String> {

@@ -8,9 +8,9 @@ use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive, seed, whole};
 use clap::Args;
 use common::evaluation_shape::EvaluationShape;
-use common::scene::SceneSource;
+use common::scene::{InputFile, SceneSource};
 use coordinator::analyses::calibrate::{
-    CalibrationProgress, CalibrationSettings, Space, calibrate as fit, markdown, read_targets,
+    CalibrationProgress, CalibrationSettings, Space, calibrate as fit, markdown, of_parameters, read_targets,
 };
 use coordinator::farm::dispatch::CampaignSpec;
 use coordinator::presentation::terminal::print_message;
@@ -55,8 +55,9 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
         return Err(CommandError::NoMechanism { origin: source.origin().to_owned() });
     }
     check_linkage(source.origin(), scene)?;
-    let targets = read_targets(&arguments.targets, scene)?;
-    let space = Space::new(&source, &targets.free)?;
+    let file = InputFile::load(&arguments.targets)?;
+    let targets = read_targets(&file, &source)?;
+    let space = Space::new(&source, &targets.free).map_err(|error| of_parameters(&file, &targets, error))?;
     let accuracy = arguments.accuracy.for_one(scene, verbosity.quiet)?.setting;
     let plan = CalibrationSettings {
         simulations: arguments.simulations.unwrap_or(0),

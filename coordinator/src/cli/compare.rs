@@ -5,10 +5,9 @@ use super::output::{check_destination, print, to_json};
 use super::stored_study::{scene_of, summary_of};
 use clap::Args;
 use common::scene::SceneSource;
-use coordinator::analyses::scene_difference::differing_keys;
+use coordinator::analyses::scene_difference::{DifferingKey, differing_keys};
 use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::compare::{ComparedStudy, check, csv, gain, html};
-use coordinator::presentation::report::life_change::change_between;
 use coordinator::results::result_files::write_text;
 use coordinator::results::store::CampaignFile;
 use coordinator::study::LEVELS;
@@ -46,13 +45,18 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     check(&studies)?;
     let scenes: Vec<SceneSource> =
         arguments.dirs.iter().map(|dir| scene_of(&CampaignFile::look(dir)?)).collect::<Result<_, _>>()?;
-    let differing = differing_keys(&scenes.iter().collect::<Vec<_>>());
+    let mut differing = differing_keys(&scenes.iter().collect::<Vec<_>>());
+    let accuracies: Vec<Option<String>> =
+        studies.iter().map(|study| Some(study.summary.accuracy.clone())).collect();
+    if accuracies.iter().any(|accuracy| *accuracy != accuracies[0]) {
+        differing.insert(0, DifferingKey { key: "accuracy of the study".to_owned(), values: accuracies });
+    }
     let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "\u{2013}".to_owned());
     let table: Vec<(String, Vec<String>)> =
         differing.iter().map(|row| (row.key.clone(), row.values.iter().map(value).collect())).collect();
     write_text(page, &html(&studies, &table).map_err(ReportError::from)?)?;
     write_text(&numbers, &csv(&studies))?;
-    let gains = gains(&studies);
+    let gains = gains(&studies, &table);
     if as_json {
         let document = json!({ "page": page, "csv": numbers, "differences": differing, "gains": gains });
         return print(&to_json(&document)?);
@@ -97,25 +101,26 @@ struct GainInLife {
 }
 
 /// Gains of all studies but the first, per curve and level; none for studies of a single checkpoint.
-fn gains(studies: &[ComparedStudy]) -> Vec<GainInLife> {
-    let Some((first, others)) = studies.split_first().filter(|(first, _)| !first.summary.is_static()) else {
+fn gains(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> Vec<GainInLife> {
+    let first = &studies[0];
+    if first.summary.is_static() {
         return vec![];
-    };
+    }
     let curves = first.summary.limit_states.iter().map(String::as_str).chain(["total"]);
     let of_curve = |name: &str| {
-        let of_study = |other: &ComparedStudy, level: f64| {
-            let change = change_between(&first.summary, &other.summary, name, level);
+        let of_study = |k: usize, level: f64| {
+            let (change, in_words) = gain(studies, differing, k, (name, level));
             GainInLife {
-                study: other.name.clone(),
+                study: studies[k].name.clone(),
                 limit_state: name.to_owned(),
                 reliability: level,
                 cycles: change.map(|change| change.value),
                 lower: change.and_then(|change| change.lower),
                 upper: change.and_then(|change| change.upper),
-                in_words: gain(&first.summary, &other.summary, name, level).replace('\u{a0}', " "),
+                in_words: in_words.replace('\u{a0}', " "),
             }
         };
-        others.iter().flat_map(|other| LEVELS.map(|level| of_study(other, level))).collect::<Vec<_>>()
+        (1..studies.len()).flat_map(|k| LEVELS.map(|level| of_study(k, level))).collect::<Vec<_>>()
     };
     curves.flat_map(of_curve).collect()
 }

@@ -1,7 +1,6 @@
 //! Errors of the commands that decide from a finished study.
 
 use coordinator::analyses::replace::ReplacementError;
-use coordinator::analyses::update::UpdateError;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -11,9 +10,6 @@ pub enum DecisionError {
     /// The question about a replacement has no answer.
     #[error(transparent)]
     Replacement(#[from] ReplacementError),
-    /// The observations of units cannot be used.
-    #[error(transparent)]
-    Update(#[from] UpdateError),
     /// A study without design variables.
     #[error(
         "{}: this study has no design variables; start one with `coordinator run --design KEY=LOWER..UPPER`",

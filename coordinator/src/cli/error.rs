@@ -314,9 +314,8 @@ impl CommandError {
             | Self::NotComparable { .. }
             | Self::TooFewSimulations { .. }
             | Self::Replay { error: ReplayError::Foreign(_), .. }
-            | Self::Calibration(CalibrationError::Targets { .. } | CalibrationError::Scene(_))
+            | Self::Calibration(CalibrationError::Scene(_))
             | Self::Decision(_)
-            | Self::Optimise(OptimiseError::Problem(_))
             | Self::Monitor(_)
             | Self::MisplacedOptions => BAD_INPUT,
             Self::Interrupted { .. }

@@ -9,7 +9,7 @@ use super::shared::{FarmArguments, Verbosity, whole};
 use super::stored_study::{StoredStudy, stored_space, summary_of};
 use super::what_if::{failed, known_outcomes, population};
 use clap::Args;
-use common::scene::Scene;
+use common::scene::{InputFile, Scene};
 use coordinator::analyses::optimise::{
     DesignProblem, OptimisationProgress, OptimisationResult, OptimiseError, StudyBasis, design_names,
     design_settings, for_designs, markdown, optimise as find, page, read_problem,
@@ -80,9 +80,9 @@ pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(
         Some(space) => space.present(&[])?.0,
     };
     let names = space.as_ref().map(design_names).unwrap_or_default();
-    let mut problem = read_problem(&arguments.problem, &base, &names)?;
+    let file = InputFile::load(&arguments.problem)?;
+    let mut problem = read_problem(&file, &base, &names)?;
     if let Some(space) = &space {
-        let file = arguments.problem.display().to_string();
         problem = for_designs(problem, space, study.scene(), &file)?;
     }
     let settings = Settings {
@@ -102,6 +102,7 @@ pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(
         summary: Some(&summary).filter(|_| space.is_none()),
     };
     let answer = ask(&finished, changed.nominal()).map_err(|error| failed(error, dir.clone()))?;
+    let result = result.with_numerical_errors(&answer.after);
     let mut document = json(&answer, result.evaluations.added);
     document["optimum"] = serde_json::to_value(&result)?;
     let document = to_json(&document)?;
@@ -142,7 +143,7 @@ fn search(
     let mut progress = |progress: OptimisationProgress| {
         if !verbosity.quiet {
             let OptimisationProgress { round, cost, feasible, added } = progress;
-            let met = if feasible { "" } else { ", no design within the bounds meets the targets" };
+            let met = if feasible { "" } else { ", none within the trust region meets the targets" };
             print_message(format_args!(
                 "round {round}: cost {cost:.5} on the present surrogates{met}; {added} simulations added"
             ));

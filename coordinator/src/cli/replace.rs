@@ -15,7 +15,8 @@ use coordinator::study::{LifeModel, Method, Settings, learn_from_results};
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
-Costs are in any currency; only their ratios decide. Intervals are 95 % intervals with every error that the study states. \
+Costs are in any currency; only their ratios decide. The cost of a failure is its total, with the replacement: run to failure costs \
+failure cost / mean life per cycle. Intervals are 95 % intervals with every error that the study states. \
 What lies beyond the last checkpoint is not known: it is stated as a bound. With --inspect-every or --inspect-at the study must \
 have surrogates (--method ak), from which lives and measured values of 20 000 units follow.
 
@@ -36,7 +37,7 @@ pub struct ReplaceArguments {
     /// Cost of a planned replacement
     #[arg(long, value_name = "C", default_value = "1", value_parser = cost)]
     pub planned_cost: f64,
-    /// Cost of a failure, with its replacement
+    /// Total cost of a failure, its replacement included, not a surcharge
     #[arg(long, value_name = "C", value_parser = cost)]
     pub failure_cost: f64,
     /// Failures that count: a limit state, or total

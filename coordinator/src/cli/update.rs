@@ -1,6 +1,5 @@
 //! `coordinator update`: reliability and remaining life of single units from what was measured of them.
 
-use super::decision_error::DecisionError;
 use super::error::CommandError;
 use super::output::{print, to_json};
 use super::replace::life_model;
@@ -70,7 +69,7 @@ pub fn update(arguments: &UpdateArguments, as_json: bool) -> Result<(), CommandE
     let study = StoredStudy::look(&arguments.dir)?;
     let summary = summary_of(&study.campaign)?;
     let model = life_model(&study)?;
-    let units = read_units(&arguments.measured, &study.source, &model).map_err(DecisionError::from)?;
+    let units = read_units(&arguments.measured, &study.source, &model)?;
     let mut settings = FleetSettings::new(study.settings.seed);
     settings.population = arguments.points;
     settings.monte_carlo.particles = arguments.particles;
@@ -87,7 +86,7 @@ fn write_files(report: &FleetReport, out: &Path) -> Result<(), CommandError> {
     let unit = |unit: &coordinator::analyses::update::UnitReport| DrawnUnit {
         name: unit.unit.clone(),
         observed_until: unit.observed_until,
-        failed: unit.failed_by.is_some() || unit.reliability.is_empty(),
+        failed: unit.failed_by.is_some() || !unit.resolved,
         remaining: [unit.remaining.p5, unit.remaining.p50, unit.remaining.p95],
         curve: unit.reliability.iter().map(|row| (f64::from(row.cycles), row.reliability["total"])).collect(),
         effective_size: unit.effective_size,

@@ -25,7 +25,7 @@ mod tests;
 pub use design::{CalibrationProgress, CalibrationSettings, calibrate};
 pub use report::{CalibrationResult, Conflict, FittedParameter, FittedTarget, TargetCost, markdown};
 pub use space::{FreeParameter, ParameterKind, Space};
-pub use target_file::{parse as parse_targets, read as read_targets};
+pub use target_file::{of_parameters, read as read_targets};
 pub use targets::{CalibrationTargets, ShownUnit, Target, TargetQuantity};
 
 use crate::farm::evaluate::EvaluateError;
@@ -36,17 +36,7 @@ use thiserror::Error;
 /// Reasons why a calibration fails.
 #[derive(Debug, Error)]
 pub enum CalibrationError {
-    /// The file of targets is faulty.
-    #[error("{file}: {key}: {what}")]
-    Targets {
-        /// Path of the file.
-        file: String,
-        /// Key of the fault.
-        key: String,
-        /// Fault and allowed values.
-        what: String,
-    },
-    /// The free parameters do not fit the scene.
+    /// The file of targets is faulty, or the free parameters do not fit the scene.
     #[error(transparent)]
     Scene(#[from] Faults),
     /// The evaluator failed or was interrupted.

@@ -1,260 +1,294 @@
-//! Reader of the file of free parameters and targets, TOML.
+//! Reader of the file of free parameters and targets, TOML; every fault is reported at once.
 
 use super::CalibrationError;
 use super::space::{FreeParameter, ParameterKind};
 use super::targets::{CalibrationTargets, ShownUnit, Target, TargetQuantity};
-use common::scene::expression::{ExpressionError, evaluate};
-use common::scene::quantity::{ANGLE, Dimension, FORCE, Kind, LENGTH, NUMBER};
-use common::scene::{JointKind, Scene};
-use serde::Deserialize;
+use crate::analyses::quantity::checkpoint;
+use common::scene::expression::read_unit;
+use common::scene::quantity::{ANGLE, FORCE, Kind, LENGTH, NUMBER};
+use common::scene::{
+    Fault, FaultKind, Faults, InputFile, JointKind, Range, Scene, SceneSource, Section, csv_rows, read_text,
+};
+use std::cell::RefCell;
 use std::path::Path;
 use toml::{Table, Value};
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    /// File with a table `[published]`, whose values targets may name.
-    reference: Option<String>,
-    #[serde(default)]
-    parameters: Vec<ParameterRow>,
-    #[serde(default)]
-    targets: Vec<TargetRow>,
+/// Keys of a row of targets, of which each statistic needs some.
+const KEYS: [&str; 10] = [
+    "name",
+    "output",
+    "limit_state",
+    "joint",
+    "statistic",
+    "angle",
+    "cycles",
+    "value",
+    "profile",
+    "tolerance",
+];
+
+/// The words of `statistic`.
+#[derive(Clone, Copy, PartialEq)]
+enum Statistic {
+    Mean,
+    Std,
+    Nominal,
+    Reliability,
+    PeakForce,
+    Depth,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ParameterRow {
-    name: String,
-    #[serde(default)]
-    changes: Vec<String>,
-    #[serde(default)]
-    mean_of: Vec<String>,
-    #[serde(default)]
-    spread_of: Vec<String>,
-    lower: Value,
-    upper: Value,
-}
+const STATISTICS: [(&str, Statistic); 6] = [
+    ("mean", Statistic::Mean),
+    ("std", Statistic::Std),
+    ("nominal", Statistic::Nominal),
+    ("reliability", Statistic::Reliability),
+    ("peak-force", Statistic::PeakForce),
+    ("depth", Statistic::Depth),
+];
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TargetRow {
-    name: Option<String>,
-    output: Option<String>,
-    limit_state: Option<String>,
-    joint: Option<String>,
-    statistic: Option<String>,
-    angle: Option<Value>,
-    cycles: Option<u32>,
-    value: Option<Value>,
-    profile: Option<String>,
-    tolerance: Value,
-}
-
-/// Reads a file of targets for a scene.
+/// Reads a file of targets for a scene; paths in it are relative to its folder.
 ///
 /// # Errors
-/// [`CalibrationError::Targets`] with the first fault.
-pub fn read(path: &Path, scene: &Scene) -> Result<CalibrationTargets, CalibrationError> {
-    let text = std::fs::read_to_string(path).map_err(|error| fault(path, "", unreadable(&error)))?;
-    parse(&text, path, scene)
-}
-
-/// Reads the text of such a file; paths of profiles are relative to the folder of `path`.
-///
-/// # Errors
-/// [`CalibrationError::Targets`] with the first fault.
-pub fn parse(text: &str, path: &Path, scene: &Scene) -> Result<CalibrationTargets, CalibrationError> {
-    let file: File =
-        toml::from_str(text).map_err(|error| fault(path, "", error.to_string().trim_end().to_owned()))?;
-    if file.parameters.is_empty() || file.targets.is_empty() {
-        let what = "at least one [[parameters]] and one [[targets]] are needed";
-        return Err(fault(path, "", what.to_owned()));
-    }
-    let published =
-        file.reference.as_deref().map(|file| published(path, file)).transpose()?.unwrap_or_default();
-    let reader = Reader { path, scene, published };
-    let free = file.parameters.iter().map(|row| reader.free(row)).collect::<Result<Vec<_>, _>>()?;
-    let targets: Vec<Vec<Target>> = file
-        .targets
-        .iter()
-        .enumerate()
-        .map(|(place, row)| reader.target(place, row))
-        .collect::<Result<_, _>>()?;
-    Ok(CalibrationTargets { free, targets: targets.into_iter().flatten().collect() })
-}
-
-fn fault(path: &Path, key: &str, what: String) -> CalibrationError {
-    let key = if key.is_empty() { "file".to_owned() } else { key.to_owned() };
-    CalibrationError::Targets { file: path.display().to_string(), key, what }
-}
-
-/// Why a file cannot be read, in the words of the reader of scenes.
-fn unreadable(error: &std::io::Error) -> String {
-    match error.kind() {
-        std::io::ErrorKind::NotFound => "cannot be read: there is no such file".to_owned(),
-        _ => format!("cannot be read: {error}"),
+/// All faults.
+pub fn read(file: &InputFile, source: &SceneSource) -> Result<CalibrationTargets, Faults> {
+    let folder = Path::new(file.origin()).parent().unwrap_or(Path::new("."));
+    let profile_faults = RefCell::default();
+    let read = file.read(|file| {
+        let published = published(file, folder);
+        let reader =
+            TargetReader { folder, source, scene: source.nominal(), published, faults: &profile_faults };
+        for key in ["parameters", "targets"] {
+            if file.get(key).and_then(Value::as_array).is_none_or(Vec::is_empty) {
+                file.inconsistent(key, format!("at least one [[{key}]] is needed"));
+            }
+        }
+        let free =
+            file.rows("parameters").into_iter().filter_map(|(name, mut row)| reader.free(name, &mut row));
+        let free = free.collect();
+        let mut targets = file.unnamed_rows("targets");
+        let targets = targets.iter_mut().filter_map(|row| reader.target(row)).flatten().collect();
+        CalibrationTargets { free, targets }
+    });
+    let mut faults = profile_faults.take();
+    match read {
+        Ok(targets) if faults.is_empty() => Ok(targets),
+        Ok(_) => Err(Faults(faults)),
+        Err(Faults(found)) => {
+            faults.splice(0..0, found);
+            Err(Faults(faults))
+        }
     }
 }
 
-/// Reads the table `[published]` of a reference file in the folder of the file of targets.
-fn published(path: &Path, file: &str) -> Result<Table, CalibrationError> {
-    let refuse = |what: String| fault(path, "reference", format!("{file}: {what}"));
-    let text = std::fs::read_to_string(path.parent().unwrap_or(Path::new(".")).join(file))
-        .map_err(|error| refuse(unreadable(&error)))?;
-    let mut table: Table = text.parse().map_err(|error: toml::de::Error| refuse(error.to_string()))?;
-    match table.remove("published") {
-        Some(Value::Table(published)) => Ok(published),
-        _ => Err(refuse("has no table [published]".to_owned())),
-    }
+/// The error of a space of free parameters; a fault of the variable that stands for one is that of the parameter in its file.
+pub fn of_parameters(
+    file: &InputFile,
+    targets: &CalibrationTargets,
+    error: CalibrationError,
+) -> CalibrationError {
+    let CalibrationError::Scene(Faults(faults)) = error else { return error };
+    let of_parameter = |fault: &Fault| {
+        let name =
+            &targets.free.iter().find(|free| fault.key.contains(&format!("variables.{}", free.name)))?.name;
+        Some((format!("parameters.{name}"), fault.kind.to_string()))
+    };
+    let (own, other): (Vec<Fault>, Vec<Fault>) =
+        faults.into_iter().partition(|fault| of_parameter(fault).is_some());
+    let own = file.refuse_for(own.iter().filter_map(of_parameter)).err().map_or(vec![], |Faults(own)| own);
+    CalibrationError::Scene(Faults([own, other].concat()))
 }
 
-struct Reader<'a> {
-    path: &'a Path,
+/// The table `[published]` of the reference file that a file of targets may name.
+fn published(file: &mut Section, folder: &Path) -> Table {
+    if file.get("reference").is_none() {
+        return Table::new();
+    }
+    let Some(name) = file.text("reference", "a file with a table [published]") else { return Table::new() };
+    let table = read_text(&folder.join(name)).map_err(|faults| faults.to_string()).and_then(|text| {
+        let mut table: Table = text.parse().map_err(|error: toml::de::Error| format!("{name}: {error}"))?;
+        match table.remove("published") {
+            Some(Value::Table(published)) => Ok(published),
+            _ => Err(format!("{name} has no table [published]")),
+        }
+    });
+    table.map_err(|what| file.inconsistent("reference", what)).unwrap_or_default()
+}
+
+struct TargetReader<'a> {
+    folder: &'a Path,
+    source: &'a SceneSource,
     scene: &'a Scene,
     /// Results that targets may name.
     published: Table,
+    /// Faults in the files of profiles.
+    faults: &'a RefCell<Vec<Fault>>,
 }
 
-impl Reader<'_> {
-    fn free(&self, row: &ParameterRow) -> Result<FreeParameter, CalibrationError> {
-        let key = |key: &str| format!("parameters.{}.{key}", row.name);
-        let variables = |names: &[String], list: &str| -> Result<Vec<usize>, CalibrationError> {
-            names.iter().map(|name| self.find(&key(list), name, "variable", self.variables())).collect()
-        };
-        let kind = match (row.changes.as_slice(), row.mean_of.as_slice(), row.spread_of.as_slice()) {
-            (keys @ [_, ..], [], []) => ParameterKind::Keys(keys.to_vec()),
-            ([], names @ [_, ..], []) => ParameterKind::Mean(variables(names, "mean_of")?),
-            ([], [], names @ [_, ..]) => ParameterKind::Spread(variables(names, "spread_of")?),
+impl TargetReader<'_> {
+    fn free(&self, name: &str, row: &mut Section) -> Option<FreeParameter> {
+        let lists = ["changes", "mean_of", "spread_of"];
+        let given: Vec<&str> = lists.into_iter().filter(|key| row.get(key).is_some()).collect();
+        let bounds = ["lower", "upper"].map(|key| row.get(key).map(text_of).unwrap_or_default());
+        let (kind, of) = match given.as_slice() {
+            ["changes"] => {
+                let keys = row.texts("changes", "a list of keys of the scene").unwrap_or_default();
+                let of = self.check_keys(name, row, &keys);
+                (ParameterKind::Keys(keys.into_iter().map(str::to_owned).collect()), of)
+            }
+            [list] => {
+                let list = if *list == "mean_of" { "mean_of" } else { "spread_of" };
+                let known = self.scene.variables.iter().map(|variable| variable.name.as_str());
+                let names = row.texts(list, "a list of random variables").unwrap_or_default();
+                let variable = |name: &&str| row.reference(list, "variable", name, known.clone());
+                let found: Vec<usize> = names.iter().filter_map(variable).collect();
+                if names.is_empty() {
+                    row.inconsistent(list, "is empty, expected the names of random variables");
+                }
+                let kind =
+                    if list == "mean_of" { ParameterKind::Mean(found) } else { ParameterKind::Spread(found) };
+                (kind, Some(NUMBER))
+            }
             _ => {
-                let what = "expected exactly one of changes (keys of the scene), mean_of and spread_of (names of \
-                            variables)";
-                return Err(fault(self.path, &format!("parameters.{}", row.name), what.to_owned()));
+                let what = "expected exactly one of changes (keys of the scene), mean_of and spread_of (names of variables)";
+                row.inconsistent("name", what);
+                return None;
             }
         };
-        let (lower, upper) = (text_of(&row.lower), text_of(&row.upper));
-        let mut free = FreeParameter {
-            name: row.name.clone(),
-            kind,
-            lower: 0.0,
-            upper: 0.0,
-            unit: String::new(),
-            bounds: [lower, upper],
+        // A factor is above 0.
+        let range = if let ParameterKind::Keys(_) = kind { Range::Any } else { Range::Positive };
+        let (lower, upper) = match of {
+            Some(of) => (row.quantity("lower", of, range), row.quantity("upper", of, range)),
+            None => (None, None),
         };
-        if !matches!(free.kind, ParameterKind::Keys(_)) {
-            free.lower = self.number(&key("lower"), &row.lower, NUMBER)?.0;
-            free.upper = self.number(&key("upper"), &row.upper, NUMBER)?.0;
-            if !(free.lower > 0.0 && free.lower < free.upper) {
-                let what =
-                    format!("a factor from {} to {}: expected 0 < lower < upper", free.lower, free.upper);
-                return Err(fault(self.path, &key("lower"), what));
-            }
+        if let (Some(from), Some(to)) = (lower, upper)
+            && from >= to
+        {
+            row.out_of_range("lower", bounds[0].clone(), format!("below upper, {}", bounds[1]));
         }
-        Ok(free)
+        row.finish();
+        let (lower, upper) = (lower?, upper?);
+        Some(FreeParameter { name: name.to_owned(), kind, lower, upper, unit: String::new(), bounds })
     }
 
-    /// The targets of a row: one, or one per line of its profile. `place`: number of the row, from 0.
-    fn target(&self, place: usize, row: &TargetRow) -> Result<Vec<Target>, CalibrationError> {
-        let path = match &row.name {
-            Some(name) => format!("targets.{name}"),
-            None => format!("targets[{}]", place + 1),
-        };
-        if let Some(profile) = &row.profile {
-            return self.profile(&path, profile, row);
+    /// The kind of the quantity at `keys` of the scene, which the parameter `name` sets. The parameter becomes a variable.
+    fn check_keys(&self, name: &str, row: &Section, keys: &[&str]) -> Option<Kind> {
+        let variables = &self.scene.variables;
+        if variables.iter().any(|variable| variable.name == name) {
+            let what = "is the name of a random variable of the scene: give the parameter another name, or use mean_of";
+            row.inconsistent("name", format!("\"{name}\" {what}"));
         }
-        let key = |key: &str| format!("{path}.{key}");
-        let Some(value) = &row.value else {
-            return Err(fault(self.path, &key("value"), "is missing, or a profile instead of it".to_owned()));
-        };
-        let (quantity, kind, label) = self.quantity(&key, row)?;
-        let (value, unit) = self.number(&key("value"), value, kind)?;
-        let (tolerance, _) = self.number(&key("tolerance"), &row.tolerance, kind)?;
-        if tolerance <= 0.0 {
-            return Err(fault(self.path, &key("tolerance"), "expected above zero".to_owned()));
+        if keys.is_empty() {
+            row.inconsistent("changes", "is empty, expected keys of the scene");
         }
-        let label = row.cycles.map_or(label.clone(), |cycles| format!("{label} at {cycles}"));
-        Ok(vec![Target { name: row.name.clone().unwrap_or(label), quantity, value, tolerance, unit }])
+        let known = self.source.quantities();
+        for key in keys {
+            row.reference("changes", "quantity", key, known.keys().map(String::as_str));
+            let owner = variables.iter().find(|variable| variable.changes.iter().any(|other| other == key));
+            if let Some(owner) = owner {
+                let what = format!(
+                    "\"{key}\" is what the random variable \"{0}\" changes: use mean_of = [\"{0}\"]",
+                    owner.name
+                );
+                row.inconsistent("changes", what);
+            }
+        }
+        keys.iter().find_map(|key| Some(known.get(*key)?.kind()))
+    }
+
+    /// The targets of a row: one, or one per line of its profile.
+    fn target(&self, row: &mut Section) -> Option<Vec<Target>> {
+        // Known keys, whatever statistic needs them.
+        for key in KEYS {
+            let _ = row.get(key);
+        }
+        row.finish();
+        let name = row.get("name").and_then(|_| row.text("name", "a name"));
+        if row.get("profile").is_some() {
+            return self.profile(name, row);
+        }
+        let found = self.quantity(row);
+        let kind = found.as_ref().map(|(_, kind, _)| *kind);
+        let (value, tolerance) = (
+            self.number(row, "value", kind, Range::Any),
+            self.number(row, "tolerance", kind, Range::Positive),
+        );
+        let (quantity, _, label) = found?;
+        let (value, unit) = value?;
+        let at = row.get("cycles").and_then(Value::as_integer);
+        let label = at.map_or(label.clone(), |cycles| format!("{label} at {cycles}"));
+        let name = name.map_or(label, str::to_owned);
+        Some(vec![Target { name, quantity, value, tolerance: tolerance?.0, unit }])
     }
 
     /// Quantity, kind of unit, and default name of a row without profile.
-    fn quantity(
-        &self,
-        key: &dyn Fn(&str) -> String,
-        row: &TargetRow,
-    ) -> Result<(TargetQuantity, Kind, String), CalibrationError> {
-        let default = if row.limit_state.is_some() { "reliability" } else { "" };
-        let statistic = row.statistic.as_deref().unwrap_or(default);
-        match statistic {
-            "mean" | "std" | "nominal" => {
-                let (output, n) = (self.output(&key("output"), row)?, self.checkpoint(&key("cycles"), row)?);
-                let quantity = match statistic {
-                    "mean" => TargetQuantity::Mean { output, n },
-                    "std" => TargetQuantity::Std { output, n },
-                    _ => TargetQuantity::Nominal { output, n },
-                };
-                let label = format!("{statistic} of {}", self.scene.outputs[output].name);
-                Ok((quantity, self.kind(output), label))
+    fn quantity(&self, row: &mut Section) -> Option<(TargetQuantity, Kind, String)> {
+        let statistic = if row.get("limit_state").is_some() {
+            row.word_or("statistic", &STATISTICS, Statistic::Reliability)
+        } else {
+            row.word("statistic", &STATISTICS)
+        };
+        match statistic? {
+            Statistic::Reliability => {
+                let name = row.text_or("limit_state", "the name of a limit state, or total", "total");
+                let limits = self.scene.limit_states.iter().map(|limit| limit.name.as_str());
+                let place = name
+                    .and_then(|name| row.meant("limit_state", "limit state", name, limits.chain(["total"])));
+                let n = checkpoint(row, &self.scene.life, None).map_or(0, |(n, _)| n);
+                let limit_state = Some(place?).filter(|place| *place < self.scene.limit_states.len());
+                Some((TargetQuantity::Reliability { limit_state, n }, NUMBER, format!("R {}", name?)))
             }
-            "reliability" => {
-                let name = row.limit_state.as_deref().unwrap_or("total");
-                let limit_state = if name == "total" {
-                    None
-                } else {
-                    let names = self.scene.limit_states.iter().map(|limit| limit.name.as_str()).collect();
-                    Some(self.find(&key("limit_state"), name, "limit state", names)?)
-                };
-                let n = self.checkpoint(&key("cycles"), row)?;
-                Ok((TargetQuantity::Reliability { limit_state, n }, NUMBER, format!("R {name}")))
-            }
-            "peak-force" => {
-                let joint = self.joint(&key("joint"), row)?;
+            Statistic::PeakForce => {
+                let joint = self.joint(row)?;
                 let label = format!("peak force in joint {}", self.scene.joints[joint].name);
-                Ok((TargetQuantity::PeakForce { joint }, FORCE, label))
+                Some((TargetQuantity::PeakForce { joint }, FORCE, label))
             }
-            "depth" => {
-                let joint = self.bore(&key("joint"), row)?;
-                let Some(angle) = &row.angle else {
-                    let what = "is missing, expected the angle on the bore in the frame of the bushing";
-                    return Err(fault(self.path, &key("angle"), what.to_owned()));
+            Statistic::Depth => {
+                let (joint, angle) = (self.bore(row), row.quantity("angle", ANGLE, Range::Any));
+                let (joint, angle) = (joint?, angle?);
+                let name = &self.scene.joints[joint].name;
+                let label = format!("depth of bore {name} at {:.0} deg", angle.to_degrees());
+                Some((TargetQuantity::Depth { joint, angle }, LENGTH, label))
+            }
+            statistic => {
+                let outputs = self.scene.outputs.iter().map(|output| output.name.as_str());
+                let name = row.text("output", "the name of an output");
+                let output = name.and_then(|name| row.meant("output", "output", name, outputs));
+                let n = checkpoint(row, &self.scene.life, None);
+                // After a fault it is read on with any checkpoint.
+                let (output, n) = (output?, n.map_or(0, |(n, _)| n));
+                let (quantity, word) = match statistic {
+                    Statistic::Mean => (TargetQuantity::Mean { output, n }, "mean"),
+                    Statistic::Std => (TargetQuantity::Std { output, n }, "std"),
+                    _ => (TargetQuantity::Nominal { output, n }, "nominal"),
                 };
-                let (angle, _) = self.number(&key("angle"), angle, ANGLE)?;
-                let label = format!(
-                    "depth of bore {} at {:.0} deg",
-                    self.scene.joints[joint].name,
-                    angle.to_degrees()
-                );
-                Ok((TargetQuantity::Depth { joint, angle }, LENGTH, label))
-            }
-            other => {
-                let what =
-                    format!("{other:?}: allowed are mean, std, nominal, reliability, peak-force and depth");
-                Err(fault(self.path, &key("statistic"), what))
+                let output = &self.scene.outputs[output];
+                Some((quantity, output.kind.unit().kind(), format!("{word} of {}", output.name)))
             }
         }
     }
 
     /// Targets of a measured profile: per line of the file an angle [deg] and a depth in the unit of the tolerance. Lines
     /// that do not begin with a number are skipped as headings.
-    fn profile(&self, path: &str, file: &str, row: &TargetRow) -> Result<Vec<Target>, CalibrationError> {
-        let key = format!("{path}.profile");
-        let joint = self.bore(&format!("{path}.joint"), row)?;
-        let (tolerance, unit) = self.number(&format!("{path}.tolerance"), &row.tolerance, LENGTH)?;
-        let name = row.name.clone().unwrap_or_else(|| format!("bore {}", self.scene.joints[joint].name));
-        let location = self.path.parent().unwrap_or(Path::new(".")).join(file);
-        let text = std::fs::read_to_string(&location)
-            .map_err(|error| fault(self.path, &key, format!("{file}: {}", unreadable(&error))))?;
+    fn profile(&self, name: Option<&str>, row: &mut Section) -> Option<Vec<Target>> {
+        let (joint, tolerance) =
+            (self.bore(row), self.number(row, "tolerance", Some(LENGTH), Range::Positive));
+        let path = self.folder.join(row.text("profile", "a CSV file of angles and depths")?);
+        let text = read_text(&path).map_err(|faults| row.inconsistent("profile", faults.to_string())).ok()?;
+        let (joint, (tolerance, unit)) = (joint?, tolerance?);
+        let file = path.display().to_string();
+        let name = name.map_or_else(|| format!("bore {}", self.scene.joints[joint].name), str::to_owned);
         let mut targets = Vec::new();
-        for (number, line) in text.lines().enumerate() {
-            let cells: Vec<&str> = line.split([',', ';', '\t']).map(str::trim).collect();
-            let Some(Ok(angle)) = cells.first().map(|cell| cell.parse::<f64>()) else { continue };
-            let depth =
-                cells.get(1).and_then(|cell| cell.parse::<f64>().ok()).filter(|depth| depth.is_finite());
-            let Some(depth) = depth.filter(|_| angle.is_finite()) else {
-                let what = format!(
-                    "{file}, line {}: expected an angle in degrees and a depth in {}",
-                    number + 1,
-                    unit.symbol
-                );
-                return Err(fault(self.path, &key, what));
+        let rows = csv_rows(&text);
+        for cells in rows.iter().map(|row| &row.cells) {
+            let Ok(angle) = cells[0].text.parse::<f64>() else { continue };
+            let depth = cells.get(1).and_then(|cell| cell.text.parse::<f64>().ok());
+            let Some(depth) = depth.filter(|depth| depth.is_finite() && angle.is_finite()) else {
+                let message = format!("expected an angle in degrees and a depth in {}", unit.symbol);
+                let span = cells[0].span.start..cells[cells.len() - 1].span.end;
+                let kind = FaultKind::Inconsistent { message };
+                self.faults.borrow_mut().push(Fault::at(&file, &text, span, "profile", kind));
+                continue;
             };
             targets.push(Target {
                 name: format!("{name} at {angle} deg"),
@@ -264,84 +298,50 @@ impl Reader<'_> {
                 unit: unit.clone(),
             });
         }
-        if targets.is_empty() {
-            return Err(fault(self.path, &key, format!("{file} has no line with an angle and a depth")));
+        if targets.is_empty() && self.faults.borrow().is_empty() {
+            row.inconsistent("profile", format!("{file} has no line with an angle and a depth"));
         }
-        Ok(targets)
+        Some(targets)
     }
 
-    fn variables(&self) -> Vec<&str> {
-        self.scene.variables.iter().map(|variable| variable.name.as_str()).collect()
-    }
-
-    fn find(&self, key: &str, name: &str, what: &str, known: Vec<&str>) -> Result<usize, CalibrationError> {
-        known.iter().position(|other| *other == name).ok_or_else(|| {
-            fault(self.path, key, format!("there is no {what} {name:?}; there are {}", known.join(", ")))
-        })
-    }
-
-    fn output(&self, key: &str, row: &TargetRow) -> Result<usize, CalibrationError> {
-        let names: Vec<&str> = self.scene.outputs.iter().map(|output| output.name.as_str()).collect();
-        self.find(key, row.output.as_deref().unwrap_or_default(), "output", names)
-    }
-
-    fn joint(&self, key: &str, row: &TargetRow) -> Result<usize, CalibrationError> {
-        let names: Vec<&str> = self.scene.joints.iter().map(|joint| joint.name.as_str()).collect();
-        self.find(key, row.joint.as_deref().unwrap_or_default(), "joint", names)
+    fn joint(&self, row: &mut Section) -> Option<usize> {
+        let name = row.text("joint", "the name of a joint")?;
+        row.meant("joint", "joint", name, self.scene.joints.iter().map(|joint| joint.name.as_str()))
     }
 
     /// A joint with a bore.
-    fn bore(&self, key: &str, row: &TargetRow) -> Result<usize, CalibrationError> {
-        let joint = self.joint(key, row)?;
-        if matches!(self.scene.joints[joint].kind, JointKind::Clearance(_)) {
-            return Ok(joint);
+    fn bore(&self, row: &mut Section) -> Option<usize> {
+        let joint = self.joint(row)?;
+        let has_bore = matches!(self.scene.joints[joint].kind, JointKind::Clearance(_));
+        if !has_bore {
+            row.inconsistent("joint", format!("joint \"{}\" has no bore", self.scene.joints[joint].name));
         }
-        let what = format!("joint \"{}\" has no bore", self.scene.joints[joint].name);
-        Err(fault(self.path, key, what))
+        has_bore.then_some(joint)
     }
 
-    fn checkpoint(&self, key: &str, row: &TargetRow) -> Result<usize, CalibrationError> {
-        let all = self.scene.life.checkpoints();
-        let found = row.cycles.and_then(|cycles| all.iter().position(|other| *other == cycles));
-        found.ok_or_else(|| {
-            let (first, last) = (all.first().unwrap_or(&0), all.last().unwrap_or(&0));
-            let what = format!(
-                "expected a checkpoint of the life: {first} to {last} by {}",
-                self.scene.life.checkpoint_every
+    /// A quantity in SI, and the unit in which it was written; a text may be the name of a published result.
+    fn number(
+        &self,
+        row: &mut Section,
+        key: &'static str,
+        kind: Option<Kind>,
+        range: Range,
+    ) -> Option<(f64, ShownUnit)> {
+        let written = row.get(key);
+        if written.is_none() {
+            let or = if key == "value" { ", or a profile instead of it" } else { "" };
+            row.missing(
+                key,
+                format!("{}{or}", kind.map_or_else(|| "a quantity".to_owned(), |kind| kind.in_words())),
             );
-            fault(self.path, key, what)
-        })
-    }
-
-    fn kind(&self, output: usize) -> Kind {
-        self.scene.outputs[output].kind.unit().kind()
-    }
-
-    /// A quantity in SI, and the unit in which it was written.
-    fn number(&self, key: &str, value: &Value, kind: Kind) -> Result<(f64, ShownUnit), CalibrationError> {
-        let refuse = |what: String| Err(fault(self.path, key, what));
-        let value = value.as_str().and_then(|name| self.published.get(name)).unwrap_or(value);
-        let text = match value {
-            Value::Float(_) | Value::Integer(_) if kind.dimension != Dimension::NONE => {
-                return refuse(format!("{value} has no unit, expected {}", kind.in_words()));
-            }
-            other => text_of(other),
-        };
-        let mut nothing =
-            |name: &str| Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None });
-        match evaluate(&text, &mut nothing) {
-            Err(error) => refuse(format!("{text:?}: {error}")),
-            Ok(found) if found.dimension != kind.dimension => {
-                refuse(format!("{text:?} is {}, expected {}", found.dimension, kind.in_words()))
-            }
-            Ok(found) if !found.value.is_finite() => refuse(format!("{text:?} is not finite")),
-            Ok(found) => {
-                let unit =
-                    text.trim_start_matches(|c: char| c.is_ascii_digit() || "+-.eE ".contains(c)).trim();
-                let one = evaluate(&format!("1 {unit}"), &mut nothing).map_or(1.0, |one| one.value);
-                Ok((found.value, ShownUnit { symbol: unit.to_owned(), si: one }))
-            }
         }
+        let (written, kind) = (written?, kind?);
+        let value = written.as_str().and_then(|name| self.published.get(name)).unwrap_or(written);
+        let found = row.as_quantity(key, value, kind, range)?;
+        let text = text_of(value);
+        let symbol = text.trim_start_matches(|c: char| c.is_ascii_digit() || "+-.eE ".contains(c)).trim();
+        let si = read_unit(symbol).map_or(1.0, |unit| unit.multiply / unit.divide);
+        Some((found, ShownUnit { symbol: symbol.to_owned(), si }))
     }
 }
 

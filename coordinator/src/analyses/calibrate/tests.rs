@@ -3,7 +3,8 @@
 use super::responses::depth;
 use super::targets::TargetQuantity;
 use super::{
-    CalibrationError, CalibrationResult, CalibrationSettings, Space, calibrate, markdown, parse_targets,
+    CalibrationError, CalibrationResult, CalibrationSettings, CalibrationTargets, Space, calibrate, markdown,
+    of_parameters, read_targets,
 };
 use crate::farm::evaluate::Request;
 use crate::farm::evaluate::local::LocalEvaluator;
@@ -11,7 +12,7 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation, JointSummary};
 use common::random::standard_normal_cdf;
-use common::scene::{Scene, SceneSource};
+use common::scene::{Faults, InputFile, Scene, SceneSource};
 use std::path::Path;
 
 const PARAMETERS: &str = r#"
@@ -66,10 +67,14 @@ fn stand_in(scene: &Scene, request: &Request) -> Result<Evaluation, SimulationFa
     })
 }
 
+fn parse_targets(text: &str, path: &Path, source: &SceneSource) -> Result<CalibrationTargets, Faults> {
+    read_targets(&InputFile::parse(text, &path.display().to_string())?, source)
+}
+
 fn fitted(targets: &str) -> Result<CalibrationResult, CalibrationError> {
     let source = four_bar();
     let scene = source.nominal();
-    let targets = parse_targets(&format!("{PARAMETERS}{targets}"), Path::new("targets.toml"), scene)?;
+    let targets = parse_targets(&format!("{PARAMETERS}{targets}"), Path::new("targets.toml"), &source)?;
     let space = Space::new(&source, &targets.free)?;
     let settings = CalibrationSettings { simulations: 60, rounds: 1, seed: 1, accuracy: Accuracy::draft() };
     let mut evaluator = LocalEvaluator::new(2, |request: &Request| stand_in(scene, request));
@@ -151,7 +156,7 @@ fn a_measured_profile_is_read_from_a_file() {
         "{PARAMETERS}[[targets]]\njoint = \"rocker\"\nprofile = \"bore.csv\"\ntolerance = \"0.1 um\"\n"
     );
     let source = four_bar();
-    let read = |text: &str| parse_targets(text, &folder.path().join("targets.toml"), source.nominal());
+    let read = |text: &str| parse_targets(text, &folder.path().join("targets.toml"), &source);
     let targets = read(&text).unwrap().targets;
     let values: Vec<f64> = targets.iter().map(|target| (target.value * 1e9).round()).collect();
     assert_eq!(values, [5000.0, 10_000.0, 0.0]);
@@ -163,7 +168,7 @@ fn a_measured_profile_is_read_from_a_file() {
     );
     std::fs::write(folder.path().join("bore.csv"), "0,five\n").unwrap();
     let error = read(&text).unwrap_err().to_string();
-    assert!(error.contains("bore.csv, line 1: expected an angle in degrees and a depth in um"), "{error}");
+    assert!(error.contains("bore.csv: profile: expected an angle in degrees and a depth in um"), "{error}");
 }
 
 #[test]
@@ -173,7 +178,7 @@ fn a_target_is_the_depth_at_one_angle() {
         let text = format!(
             "{PARAMETERS}[[targets]]\njoint = \"rocker\"\nstatistic = \"depth\"\n{angle}\nvalue = \"5 um\"\ntolerance = \"0.1 um\"\n"
         );
-        parse_targets(&text, Path::new("targets.toml"), source.nominal())
+        parse_targets(&text, Path::new("targets.toml"), &source)
     };
     let target = &row("angle = \"-90 deg\"").unwrap().targets[0];
     let TargetQuantity::Depth { joint, angle } = target.quantity else { panic!("{target:?}") };
@@ -193,13 +198,13 @@ fn a_target_may_name_a_published_result() {
     let source = four_bar();
     let read = |reference: &str| {
         let text = format!("{reference}\n{PARAMETERS}{target}");
-        parse_targets(&text, &folder.path().join("targets.toml"), source.nominal())
+        parse_targets(&text, &folder.path().join("targets.toml"), &source)
     };
     let target = &read("reference = \"published.toml\"").unwrap().targets[0];
     assert!((target.value - 12e-6).abs() < 1e-20 && target.unit.symbol == "um", "{target:?}");
     assert!(read("").unwrap_err().to_string().contains("no unit, parameter or function `wear`"));
     let error = read("reference = \"none.toml\"").unwrap_err().to_string();
-    assert!(error.contains("reference: none.toml: "), "{error}");
+    assert!(error.contains("none.toml: cannot be read: there is no such file"), "{error}");
 }
 
 #[test]
@@ -207,24 +212,53 @@ fn faults_of_the_file_are_named_with_their_key() {
     let target = "[[targets]]\noutput = \"max_wear_depth\"\ncycles = 8000\nstatistic = \"mean\"\nvalue = \"12 um\"\ntolerance = \"1 um\"\n";
     for (from, to, expected) in [
         ("12 um", "12 N", "targets[1].value: \"12 N\" is a force, expected a length"),
-        ("cycles = 8000", "cycles = 8001", "targets[1].cycles: expected a checkpoint of the life"),
         (
-            "max_wear_depth",
-            "wear",
-            "targets[1].output: there is no output \"wear\"; there are max_wear_depth",
+            "cycles = 8000",
+            "cycles = 8001",
+            "8001 is out of range, allowed: a checkpoint of the life: 1000 to 8000",
         ),
-        ("\"mean\"", "\"median\"", "\"median\": allowed are mean, std, nominal"),
-        ("\"1 um\"", "\"0 um\"", "targets[1].tolerance: expected above zero"),
-        ("lower = 0.5", "lower = 3", "expected 0 < lower < upper"),
-        ("mean_of", "means_of", "unknown field `means_of`"),
-        ("[\"parameters.width\"]", "[\"parameters.widht\"]", "widht"),
+        ("max_wear_depth", "max_wear_dpth", "no output \"max_wear_dpth\", did you mean \"max_wear_depth\"?"),
+        ("\"mean\"", "\"maen\"", "\"maen\" is unknown, did you mean \"mean\"?"),
+        ("\"1 um\"", "\"0 um\"", "targets[1].tolerance: \"0 um\" is out of range, allowed: > 0"),
+        ("lower = 0.5", "lower = 3", "parameters.wear.lower: 3 is out of range, allowed: below upper, 2.0"),
+        ("mean_of", "means_of", "expected exactly one of changes"),
+        ("\"parameters.width\"", "\"parameters.widht\"", "did you mean \"parameters.width\"?"),
+        ("\"parameters.width\"", "\"parameters.clearance\"", "expected a length"),
+        ("name = \"width\"", "name = \"friction\"", "is the name of a random variable of the scene"),
+        (
+            "\"5 mm\"",
+            "\"-5 mm\"",
+            "parameters.width: at -5 mm, a bound of this variable, the scene is invalid",
+        ),
     ] {
         let text = format!("{PARAMETERS}{target}");
         assert!(text.contains(from), "{from}");
         let source = four_bar();
-        let found = parse_targets(&text.replacen(from, to, 1), Path::new("t.toml"), source.nominal())
-            .and_then(|targets| Space::new(&source, &targets.free));
-        let error = found.err().map(|error| error.to_string()).unwrap_or_default();
-        assert!(error.contains(expected), "{to}: {error}");
+        let text = text
+            .replacen(from, to, 1)
+            .replace("clearance\"]\nlower = \"5 mm\"", "clearance\"]\nlower = \"5 N\"");
+        let file = InputFile::parse(&text, "t.toml").unwrap();
+        let found = read_targets(&file, &source).map_err(CalibrationError::from).and_then(|targets| {
+            Space::new(&source, &targets.free).map_err(|error| of_parameters(&file, &targets, error))
+        });
+        let Err(CalibrationError::Scene(faults)) = found else { panic!("{to}") };
+        assert!(faults.to_string().contains(expected), "{to}: {faults}");
+        assert!(faults.0.iter().all(|fault| fault.location.is_some()), "{to}: {faults:?}");
+    }
+}
+
+#[test]
+fn issue_all_faults_of_targets_are_reported_at_once_with_their_lines() {
+    let text = "[[parameters]]\nname = \"friction\"\nmean_of = [\"frictoin\"]\nlower = 0.5\nupper = 2\n\
+        [[targets]]\noutput = \"max_wear_dpth\"\ncycles = 8000\nstatistic = \"mean\"\nvalue = \"12 um\"\n\
+        tolerance = \"1 N\"\n[[targets]]\nlimit_state = \"waer\"\ncycles = 8000\nvalue = 0.9\ntolerance = \"1 N\"\n";
+    let Faults(faults) = parse_targets(text, Path::new("t.toml"), &four_bar()).unwrap_err();
+    let lines: Vec<usize> = faults.iter().map(|fault| fault.location.as_ref().unwrap().line).collect();
+    assert_eq!(lines, [3, 7, 11, 13, 16], "{faults:#?}");
+    for (fault, meant) in faults.iter().zip(["friction", "max_wear_depth", "", "wear"]) {
+        assert!(
+            meant.is_empty() || fault.to_string().contains(&format!("did you mean \"{meant}\"?")),
+            "{fault}"
+        );
     }
 }

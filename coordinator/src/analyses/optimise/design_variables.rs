@@ -2,10 +2,9 @@
 //! variables that follow them must do so along straight lines.
 
 use super::problem::{DesignProblem, StudiedDesigns};
-use super::{OptimiseError, ProblemFault};
 use crate::analyses::designs::DesignSpace;
 use crate::statistics::design::InputModel;
-use common::scene::{Faults, Scene};
+use common::scene::{Faults, InputFile, Scene};
 
 /// Share of a range by which a bound may lie outside of it, for rounding.
 const ROUNDING: f64 = 1e-9;
@@ -22,20 +21,15 @@ pub fn design_names(space: &DesignSpace) -> Vec<(String, String)> {
 /// The problem, read for the present design of a study with the design variables of `space` and the `augmented` scene.
 ///
 /// # Errors
-/// [`OptimiseError::Problem`] if a bound lies outside the range of the study, or a random variable does not follow a design
+/// A bound lies outside the range of the study, or a random variable does not follow a design
 /// variable along a straight line.
 pub fn for_designs(
     problem: DesignProblem,
     space: &DesignSpace,
     augmented: &Scene,
-    file: &str,
-) -> Result<DesignProblem, OptimiseError> {
-    let fault = |key: String, what: String| ProblemFault { file: file.to_owned(), key, what };
-    let of_space = |Faults(faults): Faults| {
-        let faults = faults.into_iter().map(|found| fault(found.key.clone(), found.to_string()));
-        OptimiseError::Problem(faults.collect())
-    };
-    let followers = space.followers().map_err(of_space)?;
+    file: &InputFile,
+) -> Result<DesignProblem, Faults> {
+    let followers = space.followers()?;
     let mut faults = Vec::new();
     for (place, quantity) in problem.quantities.iter().enumerate() {
         for (variable, k, _) in space.quantities() {
@@ -48,7 +42,7 @@ pub fn for_designs(
             if quantity.lower < lower - margin || quantity.upper > upper + margin {
                 let range = [variable.lower, variable.upper].map(|end| variable.with_unit(end)).join(" to ");
                 let what = format!("the study has designs with {} from {range} only", variable.key);
-                faults.push(fault(key.clone(), what));
+                faults.push((key.clone(), what));
             }
             if let Some(bent) = followers.iter().find(|f| f.leader == k && !f.is_straight) {
                 let what = format!(
@@ -56,13 +50,11 @@ pub fn for_designs(
                      of {0} as a quantity instead",
                     augmented.variables[bent.variable].name, variable.key
                 );
-                faults.push(fault(key, what));
+                faults.push((key, what));
             }
         }
     }
-    if !faults.is_empty() {
-        return Err(OptimiseError::Problem(faults));
-    }
+    file.refuse_for(faults)?;
     let augmented = InputModel::from_scene(augmented);
     Ok(DesignProblem { designs: Some(StudiedDesigns { augmented, followers }), ..problem })
 }

@@ -14,13 +14,13 @@
 
 mod campaign;
 mod design_variables;
+mod finding;
 mod front_figure;
 mod moments;
 mod optimum;
 mod problem;
 mod problem_costs;
 mod problem_file;
-mod problem_rows;
 mod reliability;
 mod report;
 mod result;
@@ -28,6 +28,7 @@ mod settings;
 mod solve;
 #[cfg(test)]
 mod tests;
+mod trust;
 
 pub use campaign::StudyBasis;
 pub use design_variables::{design_names, for_designs};
@@ -36,10 +37,11 @@ pub use optimum::{OptimisationProgress, optimise};
 pub use problem::{
     DesignProblem, DesignQuantity, Grade, PrintedUnit, QuantityKind, ReliabilityTarget, StudiedDesigns,
 };
-pub use problem_file::{parse as parse_problem, read as read_problem};
+pub use problem_file::read as read_problem;
 pub use report::{markdown, page};
 pub use result::{
     Advice, Bound, FrontPoint, Grades, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations,
+    TargetState,
 };
 pub use settings::design_settings;
 
@@ -52,24 +54,9 @@ use thiserror::Error;
 /// [`complete_outcomes`](crate::study::complete_outcomes).
 pub type Simulate<'a> = dyn FnMut(&[SampleRequest]) -> Result<Vec<ObservedOutcome>, OptimiseError> + 'a;
 
-/// A fault in the file of an optimisation problem.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("{file}: {key}: {what}")]
-pub struct ProblemFault {
-    /// Path of the file.
-    pub file: String,
-    /// Key of the fault.
-    pub key: String,
-    /// Fault and allowed values.
-    pub what: String,
-}
-
 /// Reasons why an optimisation fails.
 #[derive(Debug, Error)]
 pub enum OptimiseError {
-    /// The file of the problem is faulty.
-    #[error("{}", joined(.0))]
-    Problem(Vec<ProblemFault>),
     /// A design has a distribution that does not exist.
     #[error("the distribution of a variable does not exist at a design: {0}")]
     Law(#[from] LawError),
@@ -92,8 +79,4 @@ impl From<StudyError> for OptimiseError {
             error => Self::Study(error),
         }
     }
-}
-
-fn joined(faults: &[ProblemFault]) -> String {
-    faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }

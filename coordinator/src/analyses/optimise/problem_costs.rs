@@ -1,155 +1,137 @@
 //! Costs and grades of the file of an optimisation problem.
 
-use super::problem::{Grade, PrintedUnit};
-use super::problem_rows::{CostRow, ProblemReader, QuantityRow, VariableUnit};
+use super::problem::Grade;
+use super::problem_file::VariableUnit;
 use crate::statistics::optimisation::{CostModel, CostTable};
 use common::random::ToleranceClass;
 use common::scene::expression::read_unit;
-use common::scene::quantity::{Dimension, LENGTH};
+use common::scene::quantity::{LENGTH, NUMBER};
+use common::scene::{Range, Section};
+use toml::Value;
 
 /// Grades of the table: IT5 to IT11 are read, IT12 is ten times IT7.
 const GRADES: std::ops::RangeInclusive<u8> = 5..=12;
-impl ProblemReader<'_> {
-    /// The grades of a quantity by ascending width; none if it has none, or after a fault.
-    pub(super) fn grades(
-        &mut self,
-        path: &str,
-        row: &QuantityRow,
-        word: &str,
-        dimension: Dimension,
-    ) -> Vec<Grade> {
-        if row.grades.is_empty() {
-            if row.diameter.is_some() {
-                self.fault(&format!("{path}.diameter"), "is for grades only".to_owned());
-            }
-            return vec![];
-        }
-        let key = format!("{path}.grades");
-        if word != "tolerance" || dimension != LENGTH.dimension {
-            self.fault(
-                &key,
-                "grades are for the tolerance of a length, e.g. \"rod_length.tolerance\"".to_owned(),
-            );
-            return vec![];
-        }
-        let Some(diameter) = &row.diameter else {
-            self.fault(
-                &format!("{path}.diameter"),
-                "is missing: the nominal size that the grades refer to".to_owned(),
-            );
-            return vec![];
-        };
-        let length = VariableUnit { dimension, printed: PrintedUnit { symbol: "mm".to_owned(), si: 1e-3 } };
-        let Some(diameter) = self.number(&format!("{path}.diameter"), diameter, &length, None) else {
-            return vec![];
-        };
-        let mut grades: Vec<Grade> = Vec::new();
-        for name in &row.grades {
-            match grade_width(name, diameter) {
-                Ok(width) => grades.push(Grade { name: name.clone(), width }),
-                Err(what) => self.fault(&key, what),
-            }
-        }
-        grades.sort_by(|a, b| a.width.total_cmp(&b.width));
-        if grades.windows(2).any(|pair| pair[0].width == pair[1].width) {
-            self.fault(&key, "a grade is named twice".to_owned());
-        } else if grades.len() == 1 && row.grades.len() == 1 {
-            self.fault(&key, "expected at least two grades to choose from".to_owned());
-        }
-        grades
-    }
 
-    /// The cost of a quantity and the unit of the quantity in it [SI].
-    pub(super) fn cost(
-        &mut self,
-        path: &str,
-        row: &CostRow,
-        unit: &VariableUnit,
-        grades: &[Grade],
-    ) -> Option<(CostModel, f64)> {
-        let before = self.faults.len();
-        let cost_unit = match &row.unit {
-            None => unit.printed.si,
-            Some(text) => match read_unit(text) {
-                Ok(found) if found.dimension == unit.dimension => found.multiply / found.divide,
-                _ => {
-                    let what = format!("{text:?} is not a unit of {}", unit.dimension);
-                    self.fault(&format!("{path}.unit"), what);
-                    1.0
-                }
-            },
-        };
-        let c0 = row.c0.unwrap_or(0.0);
-        let needed: &[(&str, Option<f64>)] = match row.model.as_str() {
-            "reciprocal-power" => &[("c1", row.c1)],
-            "exponential" => &[("c1", row.c1), ("k", row.k)],
-            "linear" => &[("c1", row.c1)],
-            _ => &[],
-        };
-        for (key, _) in needed.iter().filter(|(_, value)| value.is_none()) {
-            self.fault(&format!("{path}.{key}"), "is missing".to_owned());
-        }
-        for (key, value) in [("c0", row.c0), ("c1", row.c1), ("k", row.k)] {
-            if value.is_some_and(|value| !value.is_finite()) {
-                self.fault(&format!("{path}.{key}"), "expected a finite number".to_owned());
-            }
-        }
-        let (c1, k) = (row.c1.unwrap_or(0.0), row.k.unwrap_or(1.0));
-        if row.model != "linear" {
-            for (key, value) in [("c1", row.c1), ("k", row.k)] {
-                if value.is_some_and(|value| value <= 0.0) {
-                    self.fault(
-                        &format!("{path}.{key}"),
-                        "expected above 0: a wider tolerance costs less".to_owned(),
-                    );
-                }
-            }
-        }
-        let model = match row.model.as_str() {
-            "reciprocal-power" => Some(CostModel::ReciprocalPower { c0, c1, k }),
-            "exponential" => Some(CostModel::Exponential { c0, c1, k }),
-            "linear" => Some(CostModel::Linear { c0, c1 }),
-            "table" => self.table(path, row, unit, grades, cost_unit).map(CostModel::Table),
-            other => {
-                let what = format!("{other:?}: allowed are reciprocal-power, exponential, linear and table");
-                self.fault(&format!("{path}.model"), what);
-                None
-            }
-        };
-        model.filter(|_| self.faults.len() == before).map(|model| (model, cost_unit))
-    }
+/// The words of `model`.
+#[derive(Clone, Copy)]
+enum CostWord {
+    ReciprocalPower,
+    Exponential,
+    Linear,
+    Table,
+}
 
-    fn table(
-        &mut self,
-        path: &str,
-        row: &CostRow,
-        unit: &VariableUnit,
-        grades: &[Grade],
-        cost_unit: f64,
-    ) -> Option<CostTable> {
-        let key = format!("{path}.points");
-        let Some(rows) = &row.points else {
-            self.fault(&key, "is missing, e.g. [[\"1 um\", 8.0], [\"2 um\", 5.0]]".to_owned());
-            return None;
-        };
-        let mut points = Vec::new();
-        for (at, cost) in rows {
-            let grade = grades.iter().find(|grade| at.as_str() == Some(&grade.name));
-            let at = match grade {
-                Some(grade) => grade.width,
-                None => self.number(&key, at, unit, None)?,
-            };
-            points.push((at / cost_unit, *cost));
+const MODELS: [(&str, CostWord); 4] = [
+    ("reciprocal-power", CostWord::ReciprocalPower),
+    ("exponential", CostWord::Exponential),
+    ("linear", CostWord::Linear),
+    ("table", CostWord::Table),
+];
+
+/// The grades of a quantity by ascending width; none if it has none. `word` is its parameter, as far as it is known.
+pub(super) fn grades(row: &mut Section, word: Option<&str>, unit: Option<&VariableUnit>) -> Vec<Grade> {
+    if row.get("grades").is_none() {
+        if row.get("diameter").is_some() {
+            row.inconsistent("diameter", "is for grades only");
         }
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        match CostTable::new(&points) {
-            Ok(table) => Some(table),
-            Err(error) => {
-                self.fault(&key, error.to_string());
-                None
-            }
+        return vec![];
+    }
+    let names = row.texts("grades", "a list of grades, e.g. [\"IT6\", \"IT7\"]").unwrap_or_default();
+    let diameter = row.quantity("diameter", LENGTH, Range::Positive);
+    let is_length = unit.is_none_or(|unit| unit.kind.dimension == LENGTH.dimension);
+    if word.is_some_and(|word| word != "tolerance") || !is_length {
+        row.inconsistent("grades", "grades are for the tolerance of a length, e.g. \"rod_length.tolerance\"");
+    }
+    let mut grades: Vec<Grade> = Vec::new();
+    // Names are checked at a size of every table if the one meant is not known.
+    for name in &names {
+        match grade_width(name, diameter.unwrap_or(0.01)) {
+            Ok(width) => grades.push(Grade { name: (*name).to_owned(), width }),
+            Err(what) => row.inconsistent("grades", what),
         }
     }
+    grades.sort_by(|a, b| a.width.total_cmp(&b.width));
+    if grades.windows(2).any(|pair| pair[0].width == pair[1].width) {
+        row.inconsistent("grades", "a grade is named twice");
+    } else if names.len() < 2 {
+        row.inconsistent("grades", "expected at least two grades to choose from");
+    }
+    grades
+}
+
+/// The cost of a quantity and the unit of the quantity in it [SI]. `unit` is that of the quantity, as far as it is known.
+pub(super) fn cost(
+    row: &mut Section,
+    unit: Option<&VariableUnit>,
+    grades: &[Grade],
+) -> Option<(CostModel, f64)> {
+    let mut row = row.section("cost", "a table { model, ... }")?;
+    let text = row.text_or("unit", "a unit", "").filter(|text| !text.is_empty());
+    let read = text.map(|text| read_unit(text).map_err(|error| error.to_string()));
+    let of_kind = |dimension| unit.is_none_or(|unit| unit.kind.dimension == dimension);
+    let cost_unit = match read {
+        None => unit.map_or(1.0, |unit| unit.printed.si),
+        Some(Ok(found)) if of_kind(found.dimension) => found.multiply / found.divide,
+        Some(found) => {
+            let expected = unit.map_or("", |unit| unit.kind.name);
+            let what = found.map_or_else(|error| error, |found| format!("is of {}", found.dimension));
+            row.inconsistent("unit", format!("{what}; expected a unit of {expected}"));
+            1.0
+        }
+    };
+    let word = row.word("model", &MODELS)?;
+    let model = if let CostWord::Table = word {
+        table(&mut row, unit, grades, cost_unit).map(CostModel::Table)
+    } else {
+        // A wider tolerance costs less.
+        let range = if let CostWord::Linear = word { Range::Any } else { Range::Positive };
+        let c0 = row.quantity_or("c0", NUMBER, Range::Any, 0.0);
+        let c1 = row.quantity("c1", NUMBER, range);
+        let k = match word {
+            CostWord::ReciprocalPower => row.quantity_or("k", NUMBER, Range::Positive, 1.0),
+            CostWord::Exponential => row.quantity("k", NUMBER, Range::Positive),
+            CostWord::Linear | CostWord::Table => Some(1.0),
+        };
+        c0.zip(c1).zip(k).map(|((c0, c1), k)| match word {
+            CostWord::ReciprocalPower => CostModel::ReciprocalPower { c0, c1, k },
+            CostWord::Exponential => CostModel::Exponential { c0, c1, k },
+            CostWord::Linear | CostWord::Table => CostModel::Linear { c0, c1 },
+        })
+    };
+    row.finish();
+    Some((model?, cost_unit))
+}
+
+fn table(
+    row: &mut Section,
+    unit: Option<&VariableUnit>,
+    grades: &[Grade],
+    cost_unit: f64,
+) -> Option<CostTable> {
+    let expected = "a list of points, e.g. [[\"1 um\", 8.0], [\"2 um\", 5.0]]";
+    let Some(value) = row.get("points") else {
+        row.missing("points", expected);
+        return None;
+    };
+    let pair = |value: &'_ Value| value.as_array().is_some_and(|pair| pair.len() == 2);
+    let Some(rows) = value.as_array().filter(|rows| rows.iter().all(pair)) else {
+        row.wrong_type("points", value, expected);
+        return None;
+    };
+    let read = |(place, point): (usize, &Value)| {
+        let (at, cost) = (&point[0], &point[1]);
+        let key = |end: &str| format!("points.{}.{end}", place + 1);
+        let cost = row.as_quantity(&key("y"), cost, NUMBER, Range::Any);
+        let at = match grades.iter().find(|grade| at.as_str() == Some(&grade.name)) {
+            Some(grade) => Some(grade.width),
+            None => row.as_quantity(&key("x"), at, unit?.kind, Range::Any),
+        };
+        Some((at? / cost_unit, cost?))
+    };
+    let read: Vec<Option<(f64, f64)>> = rows.iter().enumerate().map(read).collect();
+    let mut points: Vec<(f64, f64)> = read.into_iter().collect::<Option<_>>()?;
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    CostTable::new(&points).map_err(|error| row.inconsistent("points", error.to_string())).ok()
 }
 
 /// Width of the tolerance zone of a grade at a nominal size [m], from the tables of ISO 286-1. IT12 is ten times IT7, as

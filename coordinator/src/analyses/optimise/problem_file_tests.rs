@@ -1,6 +1,6 @@
 use super::super::problem_costs::grade_width;
 use super::*;
-use common::scene::SceneSource;
+use common::scene::{Fault, SceneSource};
 
 const SCENE: &str = r#"
     scene = { name = "stack" }
@@ -18,10 +18,12 @@ const SCENE: &str = r#"
 
 fn read(text: &str) -> Result<DesignProblem, Vec<String>> {
     let source = SceneSource::parse(SCENE, "stack").unwrap();
-    parse(text, "p.toml", &source, &[]).map_err(|error| match error {
-        OptimiseError::Problem(faults) => faults.iter().map(ToString::to_string).collect(),
-        other => panic!("{other}"),
-    })
+    let line = |fault: &Fault| {
+        let line = fault.location.as_ref().expect("every fault has its line").line;
+        format!("{line}: {}: {}", fault.key, fault.kind)
+    };
+    let read = InputFile::parse(text, "p.toml").and_then(|file| super::read(&file, &source, &[]));
+    read.map_err(|Faults(faults)| faults.iter().map(line).collect())
 }
 
 #[test]
@@ -92,18 +94,57 @@ fn all_faults_are_reported_at_once() {
     )
     .unwrap_err();
     let expected = [
-        "p.toml: quantities[1].change: there is no random variable \"d\"; there are a, b, c, n",
-        "p.toml: quantities[2].lower: 0.009 mm is not below upper, 0.003 mm",
-        "p.toml: quantities[2].cost.model: \"cubic\": allowed are reciprocal-power, exponential, linear and table",
-        "p.toml: quantities[3].upper: 3 has no unit, expected e.g. \"3 mm\"",
-        "p.toml: quantities[3].cost.k: is missing",
-        "p.toml: quantities[4].change: \"c.median\": allowed after the variable are .mean, .std and .tolerance",
-        "p.toml: quantities[5].grades: grades are for the tolerance of a length, e.g. \"rod_length.tolerance\"",
-        "p.toml: targets[1].reliability: 1.5: expected above 0 and below 1",
-        "p.toml: targets[2].limit_state: there is no limit state \"wear\"; there are touch, total",
-        "p.toml: targets[2].cycles: 400: expected a checkpoint of the study, 100 to 300 by 100",
+        "3: quantities[1].change: there is no random variable \"d\"; there are: a, b, c, n",
+        "4: quantities[2].lower: 0.009 mm is out of range, allowed: below upper, 0.003 mm",
+        "4: quantities[2].cost.model: \"cubic\" is unknown; allowed: reciprocal-power, exponential, linear, table",
+        "5: quantities[3].upper: 3 has no unit, expected a length (mm, um, m, ...)",
+        "5: quantities[3].cost.k: is missing, expected a plain number",
+        "6: quantities[4].change: \"median\" is unknown; allowed: mean, std, tolerance",
+        "7: quantities[5].grades: grades are for the tolerance of a length, e.g. \"rod_length.tolerance\"",
+        "9: targets[1].reliability: 1.5 is out of range, allowed: > 0 and < 1",
+        "9: targets[2].limit_state: there is no limit state \"wear\"; there are: touch, total",
+        "9: targets[2].cycles: 400 is out of range, allowed: a checkpoint of the life: 100 to 300 by 100",
     ];
     assert_eq!(faults, expected);
+}
+
+#[test]
+fn issue_a_fault_of_a_row_hides_no_other_and_names_what_was_meant() {
+    let faults = read(
+        r#"
+        [[quantities]]
+        change = "a.sdt"
+        capability = 2
+        lower = "1 um"
+        upper = "2 um"
+        cost = { model = "reciprocal-powr", c1 = 1 }
+        [[quantities]]
+        change = "stp.std"
+        lower = "4 N"
+        [quantities.cost]
+        model = "linear"
+        c1 = "1 mm"
+        c2 = 3
+        [[targets]]
+        limit_state = "tuoch"
+        cycles = 301
+        reliability = 1.99
+        "#,
+    )
+    .unwrap_err();
+    let said = |line: usize, parts: &[&str]| {
+        let line = format!("{line}: ");
+        let found = faults.iter().any(|f| f.starts_with(&line) && parts.iter().all(|part| f.contains(part)));
+        assert!(found, "{line}{parts:?} {faults:#?}");
+    };
+    said(3, &["did you mean \"std\"?"]);
+    said(7, &["did you mean \"reciprocal-power\"?"]);
+    said(9, &["there is no random variable \"stp\""]);
+    said(13, &["c1", "a length, expected a plain number"]);
+    said(14, &["unknown key"]);
+    said(16, &["did you mean \"touch\"?"]);
+    said(17, &["301", "100 to 300 by 100"]);
+    said(18, &["1.99"]);
 }
 
 #[test]
@@ -114,9 +155,9 @@ fn bounds_at_which_no_distribution_exists_are_refused() {
     let spread = with(
         "{ change = \"b.std\", lower = \"0 um\", upper = \"3 um\", cost = { model = \"linear\", c1 = 1 } }",
     );
-    assert_eq!(spread, "p.toml: quantities[1].lower: 0 mm: a spread is above 0");
+    assert_eq!(spread, "1: quantities[1].lower: 0 mm is out of range, allowed: > 0: it is a spread");
     let mean = with(
         "{ change = \"c.mean\", lower = \"-1 mm\", upper = \"3 mm\", cost = { model = \"linear\", c1 = 1 } }",
     );
-    assert!(mean.starts_with("p.toml: quantities[1].lower: -1 mm: mean = -0.001 is out of range"), "{mean}");
+    assert!(mean.starts_with("1: quantities[1].lower: -1 mm: mean = -0.001 is out of range"), "{mean}");
 }

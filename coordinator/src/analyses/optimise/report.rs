@@ -1,14 +1,14 @@
 //! The result of an optimisation as Markdown and as a page.
 
 use super::front_figure::front_figure;
-use super::result::{Advice, Bound, FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget};
+use super::result::{
+    Advice, Bound, FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, TargetState,
+};
 use crate::presentation::report::PlotError;
 use crate::presentation::report::decision::{DecisionPage, DecisionTable};
 use crate::results::summary::StudySummary;
+use crate::statistics::reliability::REACH;
 use common::random::{standard_normal_pdf, standard_normal_quantile};
-
-/// Half-width of a 95 % interval in standard errors [1].
-const REACH: f64 = 1.96;
 
 /// The result, Markdown.
 pub fn markdown(result: &OptimisationResult) -> String {
@@ -44,28 +44,41 @@ pub fn page(
     })
 }
 
-/// Cost and confirmation in sentences.
+/// Cost, limits of the search and confirmation in sentences.
 fn verdict(result: &OptimisationResult) -> String {
     let added = match result.evaluations.added {
         1 => "1 simulation was added".to_owned(),
         n => format!("{n} simulations were added"),
     };
     let work = format!("{added} to the {} that the study had.", result.evaluations.study);
+    let (limits, confirmation) = (limits(result), confirmation(result));
     if !result.feasible {
-        let short = |target: &OptimisedTarget| {
-            let reached = with_interval(target.reliability, target.standard_error);
-            format!("{} is {reached} there, the target is {}", target.name, share(target.target))
+        let missed: Vec<String> = result
+            .targets
+            .iter()
+            .filter(|target| target.state == TargetState::NotMet)
+            .map(|target| {
+                format!("{} is {}, the target is {}", target.name, interval(target), share(target.target))
+            })
+            .collect();
+        let head = if result.supports_all() {
+            "**No design within the bounds was found that meets every target.**".to_owned()
+        } else {
+            format!("**Within what the simulations support, no design meets every target.** {limits}")
         };
-        let missed: Vec<String> =
-            result.targets.iter().filter(|target| target.reliability < target.target).map(short).collect();
+        let missed = if missed.is_empty() {
+            "a target is missed by less than its error".to_owned()
+        } else {
+            missed.join("; ")
+        };
+        return format!("{head} The design below comes nearest: {missed}. {confirmation} {work}");
+    }
+    let before = number(result.cost_before);
+    if result.is_held() {
         return format!(
-            "**No design within the bounds meets every target.** The design below comes nearest: {}. {} {work}",
-            if missed.is_empty() {
-                "a target is missed by less than its error".to_owned()
-            } else {
-                missed.join("; ")
-            },
-            confirmation(result)
+            "Cost {before} with the design of the study, {} on the edge of what the simulations support, which is no optimum. \
+             {limits} {confirmation} {work}",
+            number(result.cost)
         );
     }
     let error = if result.grades.is_none() && result.cost_standard_error > 0.0 {
@@ -76,17 +89,63 @@ fn verdict(result: &OptimisationResult) -> String {
     } else {
         String::new()
     };
+    let cost = number(result.cost);
+    let states = states(result);
     format!(
-        "Cost {} with the design of the study, {}{error} at the optimum. {} {work}",
-        number(result.cost_before),
-        number(result.cost),
-        confirmation(result)
+        "Cost {before} with the design of the study, {cost}{error} at the optimum. {states} {confirmation} {work}"
     )
+}
+
+/// The trust region, where it limits the search, and what to do.
+fn limits(result: &OptimisationResult) -> String {
+    let is_held = result.is_held();
+    let region = |quantity: &OptimisedQuantity| {
+        let [from, to] = quantity.supported.map(number);
+        format!("{} ({from} to {to}{})", quantity.name, unit_of(quantity))
+    };
+    let limiting = result.quantities.iter().filter(|q| if is_held { q.held } else { !q.all_supported });
+    let limiting = limiting.map(region).collect::<Vec<_>>().join(", ");
+    let verb = if is_held { "The search was stopped by" } else { "The search was within" };
+    format!(
+        "{verb} the trust region of {limiting}; designs beyond it, within the bounds, were not examined. More --max-evaluations \
+         move the region."
+    )
+}
+
+fn unit_of(quantity: &OptimisedQuantity) -> String {
+    if quantity.unit.is_empty() { String::new() } else { format!(" {}", quantity.unit) }
+}
+
+/// What the intervals say of the targets.
+fn states(result: &OptimisationResult) -> String {
+    let of = |state: TargetState| {
+        let targets: Vec<String> = result
+            .targets
+            .iter()
+            .filter(|target| target.state == state)
+            .map(|target| format!("{} = {} for {}", target.name, interval(target), share(target.target)))
+            .collect();
+        targets.join("; ")
+    };
+    let (within, missed) = (of(TargetState::MetWithinErrors), of(TargetState::NotMet));
+    let mut said = Vec::new();
+    if within.is_empty() && missed.is_empty() {
+        said.push("Every target is met by the whole interval of its reliability.".to_owned());
+    }
+    if !missed.is_empty() {
+        said.push(format!("Not met: {missed}."));
+    }
+    if !within.is_empty() {
+        said.push(format!(
+            "Met within the stated errors only, since the optimum lies on its target and the interval on both sides of it: {within}."
+        ));
+    }
+    said.join(" ")
 }
 
 fn confirmation(result: &OptimisationResult) -> String {
     if result.confirmed {
-        "Simulations at this design confirm its reliability.".to_owned()
+        "Simulations at this design agree with the surrogates within the stated errors.".to_owned()
     } else {
         format!("This design is not confirmed by simulations: {}.", result.stopped_because)
     }
@@ -99,7 +158,11 @@ fn tables(result: &OptimisationResult) -> Vec<DecisionTable> {
         head: head.iter().map(|cell| (*cell).to_owned()).collect(),
         rows,
     };
-    let found = if result.feasible { "optimum" } else { "nearest" };
+    let found = match (result.feasible, result.is_held()) {
+        (false, _) => "nearest",
+        (true, true) => "cheapest supported",
+        (true, false) => "optimum",
+    };
     let (cost, counted) = (format!("cost, {found}"), format!("{found}, counted"));
     let mut tables = vec![
         table(
@@ -109,11 +172,11 @@ fn tables(result: &OptimisationResult) -> Vec<DecisionTable> {
         ),
         table(
             "Reliability",
-            &["reliability", "target", "study", found, &counted, "state"],
+            &["reliability", "target", "study", found, "95 % interval", &counted, "state"],
             result.targets.iter().map(target_row).collect(),
         ),
     ];
-    if result.feasible {
+    if !result.front.is_empty() && result.feasible {
         let head = ["failure probability allowed", "targets", "least cost"];
         tables.push(table("Cost against reliability", &head, result.front.iter().map(front_row).collect()));
     }
@@ -123,6 +186,7 @@ fn tables(result: &OptimisationResult) -> Vec<DecisionTable> {
 fn quantity_row(quantity: &OptimisedQuantity) -> Vec<String> {
     let grade = quantity.grade.as_ref().map_or(String::new(), |grade| format!(" ({grade})"));
     let bound = match quantity.on_bound {
+        None if quantity.held => ", on the edge of the trust region",
         None => "",
         Some(Bound::Lower) => ", on its lower bound",
         Some(Bound::Upper) => ", on its upper bound",
@@ -147,18 +211,20 @@ fn quantity_row(quantity: &OptimisedQuantity) -> Vec<String> {
 }
 
 fn target_row(target: &OptimisedTarget) -> Vec<String> {
-    let state = match (target.met, target.active) {
-        (false, _) => "missed",
-        (true, true) => "met, decides the optimum",
-        (true, false) => "met with a reserve",
+    let state = match target.state {
+        TargetState::NotMet => "not met",
+        TargetState::MetWithinErrors => "met within the stated errors",
+        TargetState::Met => "met",
     };
+    let active = if target.active { ", decides the design" } else { "" };
     vec![
         target.name.clone(),
         share(target.target),
         with_interval(target.before, target.standard_error_before),
-        with_interval(target.reliability, target.standard_error),
+        share(target.reliability),
+        ends(target),
         with_interval(target.counted, target.counted_standard_error),
-        state.to_owned(),
+        format!("{state}{active}"),
     ]
 }
 
@@ -168,7 +234,9 @@ fn front_row(point: &FrontPoint) -> Vec<String> {
         factor if (factor - 1.0).abs() < 1e-12 => "as targeted".to_owned(),
         factor => format!("{factor} times as targeted"),
     };
-    let cost = point.cost.map_or("no design within the bounds".to_owned(), number);
+    let none =
+        if point.unsupported { "beyond what the simulations support" } else { "no design within the bounds" };
+    let cost = point.cost.map_or(none.to_owned(), number);
     vec![factor, targets.join(", "), cost]
 }
 
@@ -176,7 +244,8 @@ fn front_row(point: &FrontPoint) -> Vec<String> {
 fn notes(result: &OptimisationResult) -> Vec<String> {
     let mut notes = vec![
         "Reliabilities have 95 % intervals. That of the optimum is integrated along lines over the surrogates; its interval \
-         contains the surrogate error. The counted one is that of a population that the surrogates classify at the optimum."
+         contains the surrogate error and the numerical errors that the simulations state. The counted one is that of a population \
+         that the surrogates classify at the optimum, without numerical errors."
             .to_owned(),
     ];
     if let Some(grades) = result.grades {
@@ -192,7 +261,7 @@ fn notes(result: &OptimisationResult) -> Vec<String> {
             number(grades.relaxed_cost)
         ));
     }
-    if !result.feasible {
+    if !result.feasible || result.is_held() {
         return notes;
     }
     for target in result.targets.iter().filter(|target| target.multiplier > 0.0) {
@@ -245,6 +314,17 @@ fn share(r: f64) -> String {
     let decimals = (2.0 - distance.log10().floor()).clamp(2.0, 12.0) as usize;
     let text = format!("{r:.decimals$}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// A reliability and the ends of its 95 % interval with all errors.
+fn interval(target: &OptimisedTarget) -> String {
+    format!("{} ({})", share(target.reliability), ends(target))
+}
+
+/// The ends of the 95 % interval of a reliability.
+fn ends(target: &OptimisedTarget) -> String {
+    let [lower, upper] = target.interval.map(share);
+    format!("{lower} to {upper}")
 }
 
 /// A reliability with its 95 % interval; the digits follow the interval.

@@ -1,5 +1,6 @@
 //! Result of an optimisation as data; the fields are the keys of its JSON.
 
+use crate::results::summary::StudySummary;
 use serde::Serialize;
 
 /// What the optimum asks for, compared with the study's design.
@@ -47,6 +48,12 @@ pub struct OptimisedQuantity {
     pub grade: Option<String>,
     /// Bound on which the optimum lies.
     pub on_bound: Option<Bound>,
+    /// Range that the simulations support: the trust region around the last design simulated, within the bounds [unit].
+    pub supported: [f64; 2],
+    /// True if these are all values within the bounds.
+    pub all_supported: bool,
+    /// True if the trust region holds the quantity where it is: the optimum may lie beyond.
+    pub held: bool,
     /// What changes against the study.
     pub advice: Advice,
     /// Cost in the study and at the optimum.
@@ -55,11 +62,26 @@ pub struct OptimisedQuantity {
     pub cost_after: f64,
 }
 
+/// What the interval of a reliability says of its target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TargetState {
+    /// The whole interval meets it.
+    Met,
+    /// The interval contains it, as that of a target on which an optimum lies does.
+    MetWithinErrors,
+    /// It is missed.
+    NotMet,
+}
+
 /// A target before and at the optimum.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OptimisedTarget {
     /// Name, e.g. `R wear at 8000`.
     pub name: String,
+    /// Index of the limit state; `None` for all together.
+    #[serde(skip)]
+    pub limit_state: Option<usize>,
     /// Life at which the reliability is wanted [cycles].
     pub cycles: u32,
     /// Least reliability [1].
@@ -78,10 +100,61 @@ pub struct OptimisedTarget {
     pub counted_standard_error: f64,
     /// True if the target holds the optimum: a looser one would make it cheaper.
     pub active: bool,
-    /// True if the target is met within its 95 % interval.
+    /// 95 % interval of the reliability at the optimum: lines, surrogates and the numerical errors of the simulations [1].
+    pub interval: [f64; 2],
+    /// What that interval says of the target.
+    pub state: TargetState,
+    /// True if the whole interval meets the target.
     pub met: bool,
     /// Rise of the cost per unit of a larger reliability index; 0 if the target is not active.
     pub multiplier: f64,
+}
+
+impl OptimisedTarget {
+    /// The target with the state that its interval gives; `feasible` if the design meets all targets on the surrogates.
+    pub(super) fn judged(mut self, feasible: bool) -> Self {
+        let [lower, upper] = self.interval;
+        self.met = lower >= self.target;
+        self.state = if self.met {
+            TargetState::Met
+        } else if upper < self.target || (!feasible && self.reliability < self.target) {
+            TargetState::NotMet
+        } else {
+            TargetState::MetWithinErrors
+        };
+        self
+    }
+}
+
+impl OptimisationResult {
+    /// The result with the numerical errors in the intervals of its reliabilities: those of `optimum`, the study's answer for the
+    /// optimum. R may be lower by its statistical error and its numerical range together.
+    #[must_use]
+    pub fn with_numerical_errors(mut self, optimum: &StudySummary) -> Self {
+        let judged = |mut target: OptimisedTarget| {
+            let row = optimum.reliability.iter().find(|row| row.cycles == target.cycles);
+            let name = target.limit_state.map_or("total", |place| optimum.limit_states[place].as_str());
+            let range = row.and_then(|row| Some((row.reliability.get(name)?, row.numerical.get(name)?)));
+            if let Some((r, range)) = range {
+                let [lower, upper] = target.interval;
+                target.interval = [lower - (r - range.lower).max(0.0), upper + (range.upper - r).max(0.0)]
+                    .map(|end| end.clamp(0.0, 1.0));
+            }
+            target.judged(self.feasible)
+        };
+        self.targets = self.targets.into_iter().map(judged).collect();
+        self
+    }
+
+    /// True if the trust region holds a quantity: a cheaper design, or one nearer to the targets, may lie beyond it.
+    pub fn is_held(&self) -> bool {
+        self.quantities.iter().any(|quantity| quantity.held)
+    }
+
+    /// True if simulations support all designs within the bounds.
+    pub fn supports_all(&self) -> bool {
+        self.quantities.iter().all(|quantity| quantity.all_supported)
+    }
 }
 
 /// A point of the front of cost against reliability.
@@ -91,8 +164,10 @@ pub struct FrontPoint {
     pub factor: f64,
     /// Targets `(targets,)` [1].
     pub targets: Vec<f64>,
-    /// Least cost, with continuous quantities; `None` if no design within the bounds meets these targets.
+    /// Least cost, with continuous quantities; `None` if no design meets these targets, or none that simulations support.
     pub cost: Option<f64>,
+    /// True if the answer lies beyond what the simulations support.
+    pub unsupported: bool,
 }
 
 /// Numbers of simulations.
@@ -118,7 +193,7 @@ pub struct Grades {
 /// Result of an optimisation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OptimisationResult {
-    /// True if a design within the bounds meets all targets; else the design is the one that comes nearest.
+    /// True if a design was found that meets all targets on the surrogates; else the design is the one that comes nearest.
     pub feasible: bool,
     /// True if the optimum was confirmed by simulations there.
     pub confirmed: bool,

@@ -1,5 +1,6 @@
 //! Optima of known truth, from studies that a closure simulates.
 
+use super::TargetState::{Met, MetWithinErrors};
 use super::*;
 use crate::analyses::designs::DesignSpace;
 use crate::statistics::design::InputModel;
@@ -8,7 +9,7 @@ use crate::statistics::optimisation::CostModel;
 use crate::statistics::reliability::LineSampling;
 use crate::study::{Campaign, Observed, Plan, Problem, Settings};
 use common::random::{Distribution, standard_normal_cdf, standard_normal_quantile};
-use common::scene::SceneSource;
+use common::scene::{InputFile, SceneSource};
 use faer::{Mat, MatRef};
 
 /// A finished study of the margins of `f` (failure where one is not negative) at one checkpoint.
@@ -209,8 +210,8 @@ fn a_design_variable_is_optimised_with_the_dimensions_that_follow_it() {
         cost = { model = \"reciprocal-power\", c1 = 100, k = 1, unit = \"um\" }\n\
         [[targets]]\nreliability = 0.99";
     let read = |text: &str| {
-        let problem = problem_file::parse(text, "p.toml", &present, &design_names(&space))?;
-        for_designs(problem, &space, scene, "p.toml")
+        let file = InputFile::parse(text, "p.toml")?;
+        for_designs(read_problem(&file, &present, &design_names(&space))?, &space, scene, &file)
     };
     let mut problem = read(text).unwrap();
     problem.targets = vec![target(Some(0), 0.99)];
@@ -225,4 +226,105 @@ fn a_design_variable_is_optimised_with_the_dimensions_that_follow_it() {
     let beyond = text.replace("\"30 um\"", "\"32 um\"");
     let said = read(&beyond).unwrap_err().to_string();
     assert!(said.contains("16 um to 30 um"), "{said}");
+}
+
+/// Two means of standard deviation 0.3 with equal linear costs, and the three targets of Youn and Choi.
+fn youn_choi_problem(beta: f64) -> DesignProblem {
+    let linear = || CostModel::Linear { c0: 0.0, c1: 1.0 };
+    DesignProblem {
+        quantities: (0..2).map(|k| quantity(k, QuantityKind::Mean, (0.5, 9.5), linear())).collect(),
+        targets: (0..3).map(|g| target(Some(g), standard_normal_cdf(beta))).collect(),
+        fixed_bounds: vec![],
+        designs: None,
+    }
+}
+
+#[test]
+fn issue_the_edge_of_the_trust_region_is_neither_an_optimum_nor_the_end_of_the_bounds() {
+    let problem = youn_choi_problem(3.0);
+    let at = |means: [f64; 2]| means.map(|mean| Distribution::normal(mean, 0.3).unwrap());
+    // From a design that misses the targets: the feasible ones lie beyond what its simulations support.
+    let far = study(&at([2.2, 1.8]), 3, 10, &youn_choi);
+    for budget in [0, 5] {
+        let found = run(&far, &problem, budget, &youn_choi);
+        assert!(!found.feasible && !found.confirmed && !found.supports_all(), "{budget} {found:?}");
+        let text = markdown(&found);
+        assert!(text.contains("Within what the simulations support, no design meets every target"), "{text}");
+        assert!(text.contains("trust region of x") && !text.contains("within the bounds**"), "{text}");
+    }
+    let found = run(&far, &problem, 100, &youn_choi);
+    // By quadrature.
+    assert!(found.confirmed && (found.cost - 6.7289).abs() < 0.01, "{}", markdown(&found));
+
+    // From a design with a reserve, the cheapest supported design is none that the targets decide.
+    let reserve = study(&at([5.0, 5.0]), 3, 10, &youn_choi);
+    let found = run(&reserve, &problem, 0, &youn_choi);
+    let text = markdown(&found);
+    assert!(found.feasible && found.is_held() && found.front.is_empty(), "{text}");
+    assert!(
+        text.contains("8.200 on the edge of what the simulations support, which is no optimum"),
+        "{text}"
+    );
+    assert!(text.contains("The search was stopped by the trust region of x0 (4.100 to 5.900)"), "{text}");
+}
+
+#[test]
+fn issue_wide_bounds_are_crossed_by_visits_that_spread_over_them() {
+    // A short column in logarithms of its sides, of spread 1e-4, between 5 x 15 and 15 x 25; published optimum 8.668 x 25.
+    let column = |x: &[f64]| {
+        let (b, h) = (x[0].exp(), x[1].exp());
+        vec![4.0 * x[2] / (b * h * h * x[4]) + (x[3] / (b * h * x[4])).powi(2) - 1.0]
+    };
+    let normal = |mean: f64, std: f64| Distribution::normal(mean, std).unwrap();
+    let laws = [
+        normal(10_f64.ln(), 1e-4),
+        normal(20_f64.ln(), 1e-4),
+        normal(2000.0, 400.0),
+        normal(500.0, 100.0),
+        Distribution::lognormal(5.0, 0.5).unwrap(),
+    ];
+    let mut study = study(&laws, 1, 16, &column);
+    let correlation = common::random::Correlation { first: 2, second: 3, coefficient: 0.5 };
+    let copula = common::random::GaussianCopula::new(5, &[correlation]).unwrap();
+    study.problem.inputs = InputModel::new(laws.to_vec(), copula);
+    let linear = || CostModel::Linear { c0: 0.0, c1: 1.0 };
+    let bounds = [(5_f64.ln(), 15_f64.ln()), (15_f64.ln(), 25_f64.ln())];
+    let problem = DesignProblem {
+        quantities: (0..2).map(|k| quantity(k, QuantityKind::Mean, bounds[k], linear())).collect(),
+        targets: vec![target(None, standard_normal_cdf(2.5))],
+        fixed_bounds: vec![],
+        designs: None,
+    };
+    let found = run(&study, &problem, 100, &column);
+    let sides: Vec<f64> = found.values.iter().map(|side| side.exp()).collect();
+    assert!(found.feasible, "{sides:?} {}", markdown(&found));
+    assert!(
+        (sides[0] - 8.668).abs() < 0.05 && (sides[1] - 25.0).abs() < 0.05,
+        "{sides:?} {}",
+        markdown(&found)
+    );
+}
+
+#[test]
+fn issue_a_target_is_met_only_by_the_whole_interval_with_the_numerical_errors() {
+    let problem = youn_choi_problem(2.0);
+    let study = study(&vec![Distribution::normal(5.0, 0.3).unwrap(); 2], 3, 10, &youn_choi);
+    let found = run(&study, &problem, 70, &youn_choi);
+    let states = |found: &OptimisationResult| found.targets.iter().map(|t| t.state).collect::<Vec<_>>();
+    // The optimum lies on two of the targets.
+    assert_eq!(states(&found), [MetWithinErrors, MetWithinErrors, Met], "{}", markdown(&found));
+    assert!(markdown(&found).contains("Met within the stated errors only"), "{}", markdown(&found));
+    // Numerical errors that reach below the target of the third.
+    let mut summary = crate::test_study::study().summary;
+    let row = &mut summary.reliability[0];
+    row.cycles = 1;
+    summary.limit_states = ["a", "b", "c"].map(str::to_owned).to_vec();
+    row.reliability.insert("c".to_owned(), 0.999);
+    let range = crate::results::summary::ReliabilityRange { lower: 0.5, upper: 1.0 };
+    row.numerical.insert("c".to_owned(), range);
+    let reliability = found.targets[2].reliability;
+    let judged = found.with_numerical_errors(&summary);
+    assert_eq!(states(&judged), [MetWithinErrors; 3]);
+    let [lower, upper] = judged.targets[2].interval;
+    assert!(lower < reliability - 0.498 && upper >= reliability && !judged.targets[2].met, "{lower} {upper}");
 }

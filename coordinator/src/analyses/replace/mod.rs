@@ -15,20 +15,18 @@ pub use text::text;
 use crate::results::life_summary::{LifeCurveRow, LifeRow};
 use crate::results::summary::{ReliabilityRow, StudySummary};
 use crate::statistics::design::{Stream, open_stream};
-use crate::statistics::replacement::{CurveBand, Interval, ReplacementCosts, SurvivalCurve};
+use crate::statistics::replacement::{AgeReplacement, CurveBand, Interval, ReplacementCosts, SurvivalCurve};
 use serde::Serialize;
 use thiserror::Error;
 
 /// Points of the curve of the cost rate.
 const POINTS: usize = 200;
 
-/// The checkpoints that would resolve a fall before the first one; none where this is one cycle.
-fn finer(first: u32, checkpoint_every: u32) -> String {
-    if first <= 1 {
-        return String::new();
-    }
-    format!("; if not, a study with checkpoint_every = {checkpoint_every} resolves it")
-}
+/// Pieces of a curve of constant hazard before the first checkpoint.
+const PIECES: usize = 256;
+/// Share of the cost per cycle at the end of the study below which a minimum before it counts as none [1]: the straight pieces of a
+/// curve of constant hazard have such.
+const SHALLOW: f64 = 1e-3;
 
 /// Reasons why there is no answer.
 #[derive(Debug, Error, PartialEq)]
@@ -57,17 +55,6 @@ pub enum ReplacementError {
         planned: f64,
         /// Cost of a failure.
         failure: f64,
-    },
-    /// The curve falls before the first checkpoint.
-    #[error(
-        "the best age lies before the first checkpoint, {first} cycle{}, where the fall of R is not resolved: limits may be exceeded \
-         unworn, in the first cycle{}", if *.first == 1 { "" } else { "s" }, finer(*.first, *.checkpoint_every)
-    )]
-    Unresolved {
-        /// The first checkpoint [cycles].
-        first: u32,
-        /// Checkpoints that would resolve the fall of a curve over life [cycles].
-        checkpoint_every: u32,
     },
     /// A distance of inspections that does not fit into the life studied.
     #[error(
@@ -136,8 +123,10 @@ pub struct ReplacementReport {
     pub failure_cost: f64,
     /// Age of replacement with the least cost per cycle [cycles].
     pub age: Stated,
-    /// True if the cost per cycle has no minimum before the end of the study.
+    /// True if the cost per cycle has no minimum before the end of the study: the hazard does not rise enough, and units run to failure.
     pub no_minimum: bool,
+    /// Checkpoint before which the fall of R is not resolved and is taken as that of a constant hazard [cycles]; `None` without one.
+    pub constant_hazard_before: Option<u32>,
     /// Share of the curves within the limits that have no minimum before the end [1].
     pub share_without_minimum: f64,
     /// Cost per cycle at that age.
@@ -186,6 +175,33 @@ pub fn check_costs(costs: &ReplacementCosts) -> Result<(), ReplacementError> {
     if failure > planned { Ok(()) } else { Err(ReplacementError::Costs { planned, failure }) }
 }
 
+/// A curve of R with its 95 % limits `(g,)`.
+struct BoundedCurve {
+    cycles: Vec<f64>,
+    reliability: Vec<f64>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+}
+
+impl BoundedCurve {
+    /// The curve with a constant hazard from age 0 to a checkpoint, R(t) = R(first)^(t / first). Its limits there are all curves that
+    /// do not rise: R may fall at once, or not before the checkpoint.
+    fn with_constant_hazard_before(&self, first: f64) -> Self {
+        let from = self.cycles.partition_point(|t| *t < first).min(self.cycles.len() - 1);
+        let (r, lower) = (self.reliability[from], self.lower[from]);
+        let shares = (0..PIECES).map(|k| k as f64 / PIECES as f64);
+        let before = |values: &[f64], of: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            shares.clone().map(of).chain(values[from..].iter().copied()).collect()
+        };
+        Self {
+            cycles: before(&self.cycles, &|share| share * first),
+            reliability: before(&self.reliability, &|share| r.max(1e-12).powf(share)),
+            lower: before(&self.lower, &|share| if share > 0.0 { lower } else { 1.0 }),
+            upper: before(&self.upper, &|_| 1.0),
+        }
+    }
+}
+
 /// Age replacement from a curve of a study's summary.
 ///
 /// # Errors
@@ -200,10 +216,26 @@ pub fn replace(
     // With every error that is known.
     let or =
         |with: &'_ [f64], without: &'_ [f64]| if with.is_empty() { without.to_vec() } else { with.to_vec() };
-    let (lower, upper) = (or(&row.numerical_lower, &row.lower), or(&row.numerical_upper, &row.upper));
+    let mut curve = BoundedCurve {
+        cycles: row.cycles.clone(),
+        reliability: row.reliability.clone(),
+        lower: or(&row.numerical_lower, &row.lower),
+        upper: or(&row.numerical_upper, &row.upper),
+    };
+    let best_of = |curve: &SurvivalCurve| {
+        let (best, end) = (costs.best_age(curve), curve.end());
+        let cost_rate = costs.rate(curve, end);
+        let is_shallow = best.cost_rate > (1.0 - SHALLOW) * cost_rate;
+        if is_shallow { AgeReplacement { age: end, cost_rate, at_the_end: true } } else { best }
+    };
+    let first = best_of(&SurvivalCurve::new(&curve.cycles, &curve.reliability));
+    let unresolved = summary.unresolved_fall.filter(|fall| fall.from == 0 && first.age < f64::from(fall.to));
+    if let Some(fall) = unresolved {
+        curve = curve.with_constant_hazard_before(f64::from(fall.to));
+    }
     let mut rng = open_stream(summary.seed, Stream::Curve);
-    let population = summary.population;
-    let band = CurveBand::new(&row.cycles, &row.reliability, [&lower, &upper], population, &mut rng);
+    let limits = [curve.lower.as_slice(), &curve.upper];
+    let band = CurveBand::new(&curve.cycles, &curve.reliability, limits, summary.population, &mut rng);
     let stated = |of: &dyn Fn(&SurvivalCurve) -> Option<f64>| {
         let value = of(&band.best)?;
         band.interval(of).map(|Interval { lower, upper }| Stated { value, lower, upper })
@@ -211,13 +243,7 @@ pub fn replace(
     let sure = |of: &dyn Fn(&SurvivalCurve) -> f64| {
         stated(&|curve| Some(of(curve))).expect("every curve has this number")
     };
-    let best = costs.best_age(&band.best);
-    if let Some(fall) = summary.unresolved_fall
-        && (fall.from, best.at_the_end) == (0, false)
-        && best.age < f64::from(fall.to)
-    {
-        return Err(ReplacementError::Unresolved { first: fall.to, checkpoint_every: fall.checkpoint_every });
-    }
+    let best = best_of(&band.best);
     let end = band.best.end();
     let checkpoints: Vec<f64> = summary.reliability.iter().map(|row| f64::from(row.cycles)).collect();
     let rate = |k: usize| {
@@ -241,13 +267,14 @@ pub fn replace(
         curve: row.limit_state.clone(),
         planned_cost: costs.planned,
         failure_cost: costs.failure,
-        age: sure(&|curve| costs.best_age(curve).age),
+        age: sure(&|curve| best_of(curve).age),
         no_minimum: best.at_the_end,
-        share_without_minimum: band.share(|curve| costs.best_age(curve).at_the_end),
-        cost_rate: sure(&|curve| costs.best_age(curve).cost_rate),
+        constant_hazard_before: unresolved.map(|fall| fall.to),
+        share_without_minimum: band.share(|curve| best_of(curve).at_the_end),
+        cost_rate: sure(&|curve| best_of(curve).cost_rate),
         reliability_at_age: sure(&|curve| curve.at(best.age)),
         run_to_failure: sure(&|curve| costs.of_failures(curve)),
-        gain: sure(&|curve| 1.0 - costs.best_age(curve).cost_rate / costs.of_failures(curve)),
+        gain: sure(&|curve| 1.0 - best_of(curve).cost_rate / costs.of_failures(curve)),
         mean_life: sure(&SurvivalCurve::restricted_mean),
         mean_life_is_bound: band.best.last() > 0.0,
         end,

@@ -146,3 +146,34 @@ fn what_the_study_does_not_know_is_a_bound() {
     summary.curves.clear();
     assert_eq!(replace(&summary, "total", &COSTS), Err(ReplacementError::NoCurve));
 }
+
+#[test]
+fn issue_a_constant_hazard_has_no_best_age_and_runs_to_failure() {
+    // Mean life 1000 cycles, checkpoints from 200 on, the fall before them not resolved: R(200) = 0.819.
+    let cycles: Vec<f64> = std::iter::once(0.0).chain((20..=800).map(|k| 10.0 * f64::from(k))).collect();
+    let exact = |t: &f64| (-t / 1000.0).exp();
+    let around =
+        |by: f64| cycles.iter().map(|t| (exact(t) + by * t.min(1.0)).clamp(0.0, 1.0)).collect::<Vec<f64>>();
+    let curve = LifeCurveRow {
+        limit_state: "total".to_owned(),
+        reliability: around(0.0),
+        lower: around(-0.003),
+        upper: around(0.003),
+        cycles,
+        ..LifeCurveRow::default()
+    };
+    let mut summary = crate::test_study::study().summary;
+    let fall = crate::results::life_summary::UnresolvedFall { from: 0, to: 200, checkpoint_every: 40 };
+    (summary.curves, summary.unresolved_fall) = (vec![curve], Some(fall));
+    // The straight line from 1 to R(200) has its least cost before 200 cycles for no cost of a failure, its steps at no other.
+    for failure in [2.0, 10.0, 100.0] {
+        let costs = ReplacementCosts { planned: 1.0, failure };
+        let report = replace(&summary, "total", &costs).unwrap();
+        assert!(report.no_minimum, "{failure}: {:?} {:?}", report.age, report.cost_rate);
+        let rate = report.run_to_failure;
+        assert!((rate.value * 1000.0 / failure - 1.0).abs() < 5e-3, "{rate:?}");
+        assert!(rate.lower * 1000.0 < failure && failure < rate.upper * 1000.0, "{rate:?}");
+        let text = text(&report, &crate::test_study::scene());
+        assert!(text.contains("no best age") && text.contains("run to failure"), "{text}");
+    }
+}

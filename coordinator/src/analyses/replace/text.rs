@@ -50,8 +50,8 @@ fn write_age(out: &mut String, report: &ReplacementReport) -> std::fmt::Result {
     if report.no_minimum {
         writeln!(
             out,
-            "no best age          the cost per cycle falls up to the end of the study, {end:.0} cycles: replacement before that \
-             does not pay"
+            "no best age          run to failure: the hazard does not rise enough for a replacement to pay, and the cost per cycle falls \
+             up to the end of the study, {end:.0} cycles"
         )?;
         if age.lower < *end {
             writeln!(
@@ -60,22 +60,33 @@ fn write_age(out: &mut String, report: &ReplacementReport) -> std::fmt::Result {
                 life(age.lower, *end)
             )?;
         }
+        writeln!(out, "R at the end         {}", of_r(&report.reliability_at_age))?;
         writeln!(out, "cost at the end      {} per cycle", digits(&report.cost_rate))?;
     } else {
         let later = if age.upper >= *end { " or later" } else { "" };
         writeln!(
             out,
-            "replace at           {} cycles ({} to {}{later}), where R = {:.4} ({:.4} to {:.4})",
+            "replace at           {} cycles ({} to {}{later}), where R = {}",
             life(age.value, *end),
             life(age.lower, *end),
             life(age.upper, *end),
-            report.reliability_at_age.value,
-            report.reliability_at_age.lower,
-            report.reliability_at_age.upper
+            of_r(&report.reliability_at_age)
         )?;
         writeln!(out, "cost                 {} per cycle", digits(&report.cost_rate))?;
     }
+    if let Some(first) = report.constant_hazard_before {
+        let cycles = if first == 1 { "cycle" } else { "cycles" };
+        writeln!(
+            out,
+            "caution              the fall of R before the first checkpoint, {first} {cycles}, is not resolved: the hazard is taken as \
+             constant there, the intervals contain any other fall; limits may be exceeded unworn, in the first cycle"
+        )?;
+    }
     Ok(())
+}
+
+fn of_r(stated: &Stated) -> String {
+    format!("{:.4} ({:.4} to {:.4})", stated.value, stated.lower, stated.upper)
 }
 
 fn digits(stated: &Stated) -> String {

@@ -15,6 +15,9 @@ use std::collections::BTreeMap;
 
 /// Probability, times the number of a unit's observations, below which an observation is improbable [1].
 const IMPROBABLE: f64 = 0.01;
+/// Effective sample size below which no quantile is stated: at 10 the 95 % interval of the median reaches from the 19 % to the 81 %
+/// quantile.
+const LEAST_SIZE: f64 = 10.0;
 
 /// Settings of the updating.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -112,6 +115,7 @@ fn unsupported(unit: &ObservedUnit, Unsupported { place, resolution }: Unsupport
         remaining: RemainingLife { p5: None, p50: None, p95: None, sampling: [[None; 2]; 3] },
         variables: vec![],
         observations: vec![],
+        resolved: false,
         effective_size: 0.0,
         stages: 0,
         acceptance: None,
@@ -145,12 +149,28 @@ fn report(scene: &Scene, model: &LifeModel, unit: &ObservedUnit, posterior: &Uni
         lives: lives(model, posterior),
         remaining: remaining(model, posterior, now),
         variables: variables(scene, model, posterior),
+        resolved: is_resolved(posterior),
         effective_size: posterior.effective_size,
         stages: posterior.stages,
         acceptance: posterior.acceptance,
-        warning: warning(&observations),
+        warning: unresolved(posterior).or_else(|| warning(&observations)),
         observations,
     }
+}
+
+fn is_resolved(posterior: &UnitPosterior) -> bool {
+    posterior.effective_size >= LEAST_SIZE
+}
+
+/// What is to be said of a unit whose quantiles are not stated.
+fn unresolved(posterior: &UnitPosterior) -> Option<String> {
+    (!is_resolved(posterior)).then(|| {
+        format!(
+            "the effective sample size is {:.2}, below {LEAST_SIZE}: no quantile of its life is stated; the error of a measurement is \
+             small against what the points resolve: give more --points and --particles",
+            posterior.effective_size
+        )
+    })
 }
 
 /// The least probable observation, if it is improbable.
@@ -220,7 +240,7 @@ fn lives(model: &LifeModel, posterior: &UnitPosterior) -> Vec<LifeRow> {
     let row = |(level, [life, lower, upper]): (&f64, &[f64; 3])| LifeRow {
         limit_state: "total".to_owned(),
         reliability: *level,
-        cycles: finite(*life),
+        cycles: finite(*life).filter(|_| is_resolved(posterior)),
         interval: CyclesRange { lower: lower.min(model.end()), upper: finite(*upper) },
         with_numerical_error: None,
     };
@@ -231,7 +251,8 @@ fn remaining(model: &LifeModel, posterior: &UnitPosterior, now: f64) -> Remainin
     let found = quantiles(posterior, &[0.05, 0.5, 0.95]);
     let left = |life: f64| (life <= model.end()).then(|| (life - now).max(0.0));
     let sampling = [0, 1, 2].map(|k: usize| [left(found[k][1]), left(found[k][2])]);
-    RemainingLife { p5: left(found[0][0]), p50: left(found[1][0]), p95: left(found[2][0]), sampling }
+    let [p5, p50, p95] = [0, 1, 2].map(|k: usize| left(found[k][0]).filter(|_| is_resolved(posterior)));
+    RemainingLife { p5, p50, p95, sampling }
 }
 
 fn variables(scene: &Scene, model: &LifeModel, posterior: &UnitPosterior) -> Vec<UpdatedVariable> {

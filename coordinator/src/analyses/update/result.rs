@@ -43,6 +43,8 @@ pub struct UnitReport {
     pub variables: Vec<UpdatedVariable>,
     /// Observations with their probabilities.
     pub observations: Vec<ObservationRow>,
+    /// True if the effective sample size is large enough for quantiles; else none is stated, only their intervals.
+    pub resolved: bool,
     /// Effective sample size: the number of equally weighted points with the same error.
     pub effective_size: f64,
     /// Stages of sequential Monte Carlo; 0 where weights over the population sufficed.

@@ -1,7 +1,7 @@
 use super::*;
 use crate::statistics::design::Population;
 use crate::study::{LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
-use common::scene::SceneSource;
+use common::scene::{Fault, Faults, SceneSource};
 
 /// A wear that grows in proportion to time, from an offset, and another output that no limit state watches.
 const SCENE: &str = r#"
@@ -45,7 +45,7 @@ fn study() -> (SceneSource, Settings, LifeModel) {
 
 fn updated(text: &str, particles: usize) -> FleetReport {
     let (source, settings, model) = study();
-    let units = parse_units(text, "units.csv", &source, &model).unwrap();
+    let units = unit_file::parse(text, "units.csv", &source, &model).unwrap();
     let summary = crate::test_study::study().summary;
     let mut fleet = FleetSettings::new(settings.seed);
     fleet.population = 40_000;
@@ -117,14 +117,17 @@ fn survival_lengthens_and_an_improbable_value_is_warned_of() {
 #[test]
 fn every_fault_of_a_file_is_named_with_line_and_column() {
     let (source, _, model) = study();
-    let faults = |text: &str| match parse_units(text, "units.csv", &source, &model) {
-        Err(UpdateError::Units(faults)) => faults.to_string(),
-        other => panic!("{other:?}"),
+    let faults = |text: &str| {
+        let Faults(faults) = unit_file::parse(text, "units.csv", &source, &model).unwrap_err();
+        let said = |fault: &Fault| {
+            format!("line {}, column {}: {}", fault.location.as_ref().unwrap().line, fault.key, fault.kind)
+        };
+        faults.iter().map(said).collect::<Vec<_>>().join("\n")
     };
     for (row, expected) in [
         (
-            "A,400,depth,1,1",
-            "line 1, column quantity: \"depth\" is no quantity of this study; allowed: wear, play, rate",
+            "A,400,waer,1,1",
+            "line 1, column quantity: there is no quantity \"waer\", did you mean \"wear\"?; there are: wear, play, rate",
         ),
         ("A,4000,wear,1,1", "column cycles: \"4000\": allowed: a number of cycles from 0 to 2000"),
         ("A,400,wear,1 N,1", "column value: \"1 N\": expected a number in um"),
@@ -139,11 +142,31 @@ fn every_fault_of_a_file_is_named_with_line_and_column() {
             "A,400,wear,10,0.1\nA,400,wear,11,0.1",
             "line 2, column value: wear of unit A contradicts line 1: the values differ by 7.1",
         ),
-        ("", "line 1, column unit: the file has no observation"),
+        ("", "line 1, column : the file has no observation"),
     ] {
         let said = faults(row);
         assert!(said.contains(expected), "{row}: {said}");
     }
     let both = faults("A,400,depth,1,1\n# a comment\n\nB,x,wear,1,1");
     assert!(both.contains("line 1") && both.contains("line 4"), "{both}");
+    // All faults of a row, and of what was meant.
+    let row = faults(",4000,waer,1 N,0");
+    for column in ["unit", "cycles", "quantity", "value", "error"] {
+        assert!(row.contains(&format!("line 1, column {column}: ")), "{column} {row}");
+    }
+}
+
+#[test]
+fn issue_no_quantile_is_stated_from_a_fraction_of_a_point() {
+    let report = updated("A,400,wear,12,1e-9\n", 500);
+    let unit = &report.units[0];
+    assert!(unit.effective_size < 10.0, "{unit:?}");
+    assert!(
+        !unit.resolved && unit.remaining.p50.is_none() && unit.lives.iter().all(|life| life.cycles.is_none())
+    );
+    let said = text(&report);
+    assert!(
+        said.contains("not resolved") && said.contains("warning: unit A: the effective sample size"),
+        "{said}"
+    );
 }

@@ -78,9 +78,14 @@ fn unit_row(unit: &UnitReport, end: f64) -> Vec<String> {
     };
     let [low, median, high] = match unit.failed_by {
         Some(_) => ["failed", "failed", "failed"].map(str::to_owned),
+        None if !unit.resolved => ["not resolved"; 3].map(str::to_owned),
         None => [unit.remaining.p5, unit.remaining.p50, unit.remaining.p95].map(left),
     };
-    let size = format!("{:.0}", unit.effective_size);
+    let size = if unit.resolved {
+        format!("{:.0}", unit.effective_size)
+    } else {
+        format!("{:.2}", unit.effective_size)
+    };
     vec![unit.unit.clone(), format!("{now:.0}"), r, low, median, high, size, method]
 }
 

@@ -3,11 +3,11 @@
 //! A first line that begins with `unit` is a heading; lines that begin with `#` are comments.
 
 use super::observation::{Observation, ObservedUnit, Quantity};
-use super::{UnitFault, UnitFaults, UpdateError};
 use crate::analyses::quantity::output_quantity;
 use crate::study::LifeModel;
-use common::scene::{Scene, SceneSource};
-use common::text_file::read_text;
+use common::scene::{
+    Cell, CsvRow, Fault, FaultKind, Faults, Scene, SceneSource, csv_rows, nearest, read_text,
+};
 use std::path::Path;
 
 /// Columns of the file.
@@ -18,179 +18,187 @@ const CONTRADICTION: f64 = 4.0;
 /// Reads a file of units for a study.
 ///
 /// # Errors
-/// [`UpdateError::Read`], [`UpdateError::Units`] with all faults.
-pub fn read(path: &Path, source: &SceneSource, model: &LifeModel) -> Result<Vec<ObservedUnit>, UpdateError> {
-    let file = path.display().to_string();
-    let text = read_text(path, "a CSV file").map_err(|why| UpdateError::Read { file: file.clone(), why })?;
-    parse(&text, &file, source, model)
+/// All faults.
+pub fn read(path: &Path, source: &SceneSource, model: &LifeModel) -> Result<Vec<ObservedUnit>, Faults> {
+    parse(&read_text(path)?, &path.display().to_string(), source, model)
 }
 
 /// Reads the text of such a file.
 ///
 /// # Errors
-/// [`UpdateError::Units`] with all faults.
+/// All faults.
 pub fn parse(
     text: &str,
     file: &str,
     source: &SceneSource,
     model: &LifeModel,
-) -> Result<Vec<ObservedUnit>, UpdateError> {
-    let row = RowReader { source, scene: source.nominal(), model };
-    let (mut units, mut faults) = (Vec::<ObservedUnit>::new(), Vec::new());
-    let lines = text
-        .trim_start_matches('\u{feff}')
-        .lines()
-        .zip(1..)
-        .map(|(line, number): (&str, u64)| (number, line.trim()));
-    for (place, (line, content)) in
-        lines.filter(|(_, content)| !content.is_empty() && !content.starts_with('#')).enumerate()
-    {
-        let record = cells_of(content);
-        let cells: Vec<&str> = record.iter().collect();
-        if place == 0 && cells[0].eq_ignore_ascii_case("unit") {
-            continue;
-        }
-        match row.read(&cells, line) {
-            Ok((name, observation)) => match units.iter_mut().find(|unit| unit.name == name) {
+) -> Result<Vec<ObservedUnit>, Faults> {
+    let rows = csv_rows(text);
+    let is_heading =
+        |(place, row): &(usize, &CsvRow)| *place == 0 && row.cells[0].text.eq_ignore_ascii_case("unit");
+    let observed: Vec<&CsvRow> =
+        rows.iter().enumerate().filter(|numbered| !is_heading(numbered)).map(|(_, row)| row).collect();
+    let mut units = Vec::<ObservedUnit>::new();
+    let mut faults: Vec<(u64, usize, FaultKind)> = Vec::new();
+    for row in &observed {
+        let mut reader =
+            RowReader { source, scene: source.nominal(), model, cells: &row.cells, faults: vec![] };
+        if let Some((name, observation)) = reader.read(row.line) {
+            match units.iter_mut().find(|unit| unit.name == name) {
                 Some(unit) => unit.observations.push(observation),
                 None => units.push(ObservedUnit { name, observations: vec![observation] }),
-            },
-            Err((column, what)) => faults.push(UnitFault { line, column, what }),
+            }
         }
+        faults.extend(reader.faults.into_iter().map(|(column, kind)| (row.line, column, kind)));
     }
     for unit in &mut units {
         unit.observations
             .sort_by(|a, b| a.cycles.total_cmp(&b.cycles).then(a.quantity.rank().cmp(&b.quantity.rank())));
-        faults.extend(contradictions(unit));
+        let found = contradictions(unit).into_iter();
+        faults
+            .extend(found.map(|(line, column, message)| (line, column, FaultKind::Inconsistent { message })));
     }
-    if units.is_empty() && faults.is_empty() {
-        let what = format!("the file has no observation; expected lines of {}", COLUMNS.join(", "));
-        faults.push(UnitFault { line: 1, column: COLUMNS[0], what });
+    if observed.is_empty() {
+        let message = format!("the file has no observation; expected lines of {}", COLUMNS.join(", "));
+        let end = text.trim_end().len();
+        return Err(Faults(vec![Fault::at(file, text, end..end, "", FaultKind::Inconsistent { message })]));
     }
     if faults.is_empty() {
         return Ok(units);
     }
-    faults.sort_by_key(|fault| fault.line);
-    Err(UpdateError::Units(UnitFaults { file: file.to_owned(), faults }))
+    faults.sort_by_key(|(line, column, _)| (*line, *column));
+    let placed = |(line, column, kind): (u64, usize, FaultKind)| {
+        let row = observed.iter().find(|row| row.line == line).expect("faults are those of rows");
+        let end = row.cells[row.cells.len() - 1].span.end;
+        let span = row.cells.get(column).map_or(end..end, |cell| cell.span.clone());
+        Fault::at(file, text, span, COLUMNS[column], kind)
+    };
+    Err(Faults(faults.into_iter().map(placed).collect()))
 }
 
-/// Cells of a line.
-fn cells_of(line: &str) -> csv::StringRecord {
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .from_reader(line.as_bytes());
-    let first = reader.records().next().and_then(Result::ok);
-    first.unwrap_or_else(|| csv::StringRecord::from(vec![line]))
-}
-
-/// A fault of a row: column and what is wrong.
-type RowFault = (&'static str, String);
-
+/// The reader of one row, and the faults found in it, by column.
 struct RowReader<'a> {
     source: &'a SceneSource,
     scene: &'a Scene,
     model: &'a LifeModel,
+    cells: &'a [Cell<'a>],
+    faults: Vec<(usize, FaultKind)>,
 }
 
-impl RowReader<'_> {
-    fn read(&self, cells: &[&str], line: u64) -> Result<(String, Observation), RowFault> {
-        let cell = |k: usize| cells.get(k).copied().unwrap_or_default();
-        if cells.len() > COLUMNS.len() {
-            let what = format!("{} cells, expected {}: {}", cells.len(), COLUMNS.len(), COLUMNS.join(", "));
-            return Err((COLUMNS[4], what));
-        }
-        let name = cell(0);
-        if name.is_empty() {
-            return Err((COLUMNS[0], "is empty: expected the name of the unit".to_owned()));
-        }
-        let quantity = self.quantity(cell(2), cell(3), cell(4))?;
-        let cycles = self.cycles(cell(1), &quantity)?;
-        Ok((name.to_owned(), Observation { line, cycles, name: cell(2).to_owned(), quantity }))
+impl<'a> RowReader<'a> {
+    fn cell(&self, column: usize) -> &'a str {
+        self.cells.get(column).map_or("", |cell| cell.text)
     }
 
-    fn quantity(&self, name: &str, value: &str, error: &str) -> Result<Quantity, RowFault> {
-        if let Some(quantity) = [("survived", Quantity::Survived), ("failed", Quantity::Failed)]
-            .into_iter()
-            .find_map(|(word, quantity)| (word == name).then_some(quantity))
-        {
-            let extra = [(3, value), (4, error)].into_iter().find(|(_, cell)| !cell.is_empty());
-            return match extra {
-                Some((k, cell)) => Err((COLUMNS[k], format!("{cell:?}: {name} has no {}", COLUMNS[k]))),
-                None => Ok(quantity),
-            };
+    fn fault(&mut self, column: usize, message: String) {
+        self.faults.push((column, FaultKind::Inconsistent { message }));
+    }
+
+    /// Unit and observation of the row; `None` with a fault.
+    fn read(&mut self, line: u64) -> Option<(String, Observation)> {
+        if self.cells.len() > COLUMNS.len() {
+            let what =
+                format!("{} cells, expected {}: {}", self.cells.len(), COLUMNS.len(), COLUMNS.join(", "));
+            self.fault(COLUMNS.len() - 1, what);
         }
-        if let Some(output) = self.scene.outputs.iter().position(|output| output.name == name) {
-            let read = |text: &str| output_quantity(&self.scene.outputs[output], text);
-            let value = read(value).map_err(|what| (COLUMNS[3], what))?;
-            let error = read(error).map_err(|what| (COLUMNS[4], what)).and_then(positive)?;
-            return Ok(Quantity::Output { output, value, error });
+        if self.cell(0).is_empty() {
+            self.fault(0, "is empty: expected the name of the unit".to_owned());
         }
-        if let Some(variable) = self.scene.variables.iter().position(|variable| variable.name == name) {
-            if self.scene.variables[variable].distribution.is_constant() {
-                return Err((
-                    COLUMNS[2],
-                    format!("{name} is constant in this study: there is nothing to learn"),
-                ));
+        let quantity = self.quantity();
+        let cycles = self.cycles(quantity.as_ref());
+        let observation =
+            Observation { line, cycles: cycles?, name: self.cell(2).to_owned(), quantity: quantity? };
+        self.faults.is_empty().then(|| (self.cell(0).to_owned(), observation))
+    }
+
+    fn quantity(&mut self) -> Option<Quantity> {
+        let name = self.cell(2);
+        let word = [("survived", Quantity::Survived), ("failed", Quantity::Failed)];
+        if let Some((word, quantity)) = word.into_iter().find(|(word, _)| *word == name) {
+            for column in [3, 4] {
+                let cell = self.cell(column);
+                if !cell.is_empty() {
+                    self.fault(column, format!("{cell:?}: {word} has no {}", COLUMNS[column]));
+                }
             }
-            let value = self.variable(name, value).map_err(|what| (COLUMNS[3], what))?;
-            let error = self.variable(name, error).map_err(|what| (COLUMNS[4], what)).and_then(positive)?;
-            return Ok(Quantity::Variable { variable, value, error });
+            return Some(quantity);
         }
         let outputs = self.scene.outputs.iter().map(|output| output.name.as_str());
         let variables = self.scene.variables.iter().map(|variable| variable.name.as_str());
         let all: Vec<&str> = outputs.chain(variables).chain(["survived", "failed"]).collect();
-        Err((COLUMNS[2], format!("{name:?} is no quantity of this study; allowed: {}", all.join(", "))))
-    }
-
-    /// A quantity of a random variable [SI].
-    fn variable(&self, name: &str, text: &str) -> Result<f64, String> {
-        let found = self.source.parse_setting(&format!("{name}={text}"));
-        let value = found.map_err(|faults| {
-            let kinds: Vec<String> = faults.0.iter().map(|fault| fault.kind.to_string()).collect();
-            kinds.join("; ")
+        let place = |name: &str| all.iter().position(|known| *known == name);
+        // After a fault the row is read on as if the nearest name had been meant.
+        let place = place(name).or_else(|| {
+            let nearest = nearest(name, all.iter().copied());
+            let meant = nearest.as_deref().and_then(place);
+            let known = all.iter().map(|name| (*name).to_owned()).collect();
+            let kind =
+                FaultKind::UnknownReference { what: "quantity", value: name.to_owned(), nearest, known };
+            self.faults.push((2, kind));
+            meant
         })?;
-        if value.1.is_finite() { Ok(value.1) } else { Err(format!("{text:?} is not finite")) }
+        if let Some(output) = self.scene.outputs.get(place) {
+            let [value, error] =
+                [3, 4].map(|column| self.number(column, output_quantity(output, self.cell(column))));
+            let error = error.and_then(|error| self.positive(error));
+            return Some(Quantity::Output { output: place, value: value?, error: error? });
+        }
+        let variable = place - self.scene.outputs.len();
+        let of = self.scene.variables.get(variable)?;
+        if of.distribution.is_constant() {
+            self.fault(2, format!("{name} is constant in this study: there is nothing to learn"));
+        }
+        let [value, error] = [3, 4].map(|column| {
+            let read = self.source.parse_setting(&format!("{}={}", of.name, self.cell(column)));
+            self.number(
+                column,
+                read.map(|(_, value)| value).map_err(|Faults(faults)| faults[0].kind.to_string()),
+            )
+        });
+        let error = error.and_then(|error| self.positive(error));
+        Some(Quantity::Variable { variable, value: value?, error: error? })
     }
 
-    fn cycles(&self, text: &str, quantity: &Quantity) -> Result<f64, RowFault> {
-        if text.is_empty() && matches!(quantity, Quantity::Variable { .. }) {
-            return Ok(0.0);
+    /// The number of a column, or its fault.
+    fn number(&mut self, column: usize, read: Result<f64, String>) -> Option<f64> {
+        read.map_err(|what| self.fault(column, what)).ok()
+    }
+
+    /// An error above zero.
+    fn positive(&mut self, error: f64) -> Option<f64> {
+        if error > 0.0 {
+            return Some(error);
+        }
+        self.fault(4, "allowed: a standard deviation above 0".to_owned());
+        None
+    }
+
+    fn cycles(&mut self, quantity: Option<&Quantity>) -> Option<f64> {
+        let text = self.cell(1);
+        if text.is_empty() && matches!(quantity, None | Some(Quantity::Variable { .. })) {
+            return Some(0.0);
         }
         let first = match quantity {
-            Quantity::Output { output, .. } => self.model.beginning(*output),
+            Some(Quantity::Output { output, .. }) => self.model.beginning(*output),
             _ => 0.0,
         };
         let last = self.model.end();
         let read = text.parse::<f64>().ok().filter(|n| (first..=last).contains(n));
-        read.ok_or_else(|| {
+        if read.is_none() {
             let from = if first > 0.0 {
                 format!("{first:.0}, the first checkpoint (the value at the start of life is not known),")
             } else {
                 "0".to_owned()
             };
-            (
-                COLUMNS[1],
-                format!(
-                    "{text:?}: allowed: a number of cycles from {from} to {last:.0}, the end of the study"
-                ),
-            )
-        })
+            let allowed = format!("a number of cycles from {from} to {last:.0}, the end of the study");
+            self.fault(1, format!("{text:?}: allowed: {allowed}"));
+        }
+        read
     }
 }
 
-/// An error above zero.
-fn positive(error: f64) -> Result<f64, RowFault> {
-    if error > 0.0 {
-        Ok(error)
-    } else {
-        Err((COLUMNS[4], "allowed: a standard deviation above 0".to_owned()))
-    }
-}
-
-/// Observations of a unit, in order, that cannot be true together.
-fn contradictions(unit: &ObservedUnit) -> Vec<UnitFault> {
+/// Observations of a unit, in order, that cannot be true together: line, column and why.
+fn contradictions(unit: &ObservedUnit) -> Vec<(u64, usize, String)> {
     let mut faults = Vec::new();
     let failed = unit.observations.iter().find(|o| o.quantity == Quantity::Failed);
     for (place, observation) in unit.observations.iter().enumerate() {
@@ -206,7 +214,7 @@ fn contradictions(unit: &ObservedUnit) -> Vec<UnitFault> {
                     "unit {} had failed by {} cycles (line {}); nothing can follow",
                     unit.name, failure.cycles, failure.line
                 );
-                faults.push(UnitFault { line, column: COLUMNS[1], what });
+                faults.push((line, 1, what));
             }
         }
         for before in &unit.observations[..place] {
@@ -220,7 +228,7 @@ fn contradictions(unit: &ObservedUnit) -> Vec<UnitFault> {
                     before.line,
                     difference / error
                 );
-                faults.push(UnitFault { line: line.max(before.line), column: COLUMNS[3], what });
+                faults.push((line.max(before.line), 3, what));
             }
         }
     }

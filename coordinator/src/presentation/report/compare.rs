@@ -8,7 +8,7 @@ use super::life::{
     Included, LEVELS, failure_probability, life_at, rows_that_matter, states_numerical_errors,
     unresolved_fall,
 };
-use super::life_change::{change_between, change_of_life};
+use super::life_change::change_between;
 use super::page::{self, wrapped};
 use super::palette::{Ink, SERIES};
 use super::plot::{Axis, Plot, PlotError, Series, Shape};
@@ -16,6 +16,7 @@ use super::tables::{life_cell, table};
 use super::words;
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::{PerLimitState, StudySummary};
+use crate::statistics::reliability::paired::Change;
 use maud::{Markup, Render, html as markup};
 use std::collections::BTreeSet;
 use thiserror::Error;
@@ -139,11 +140,12 @@ pub fn html(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> R
         @if figures.is_empty() { p.none { "These studies have a single checkpoint and therefore no curves." } }
         (page::figures(&figures, "three"))
         h2 { "Lives" }
-        @for name in curves(studies) { h3 { (capital(name)) } (lives(studies, name)) }
+        @for name in curves(studies) { h3 { (capital(name)) } (lives(studies, differing, name)) }
         @if !studies[0].summary.is_static() {
             p.none {
                 "Differences are lives minus those of " (studies[0].name) ". Their intervals take the samples and the surrogates of \
-                 the studies as independent and leave numerical errors out, which shift all lives in the same direction."
+                 the studies as independent. Where accuracy, contact laws or control points differ, they contain the numerical errors of \
+                 both studies; elsewhere they leave these out, which shift all lives in the same direction."
             }
         }
         @if studies.iter().any(|study| states_numerical_errors(&study.summary)) {
@@ -209,7 +211,7 @@ pub fn figures(studies: &[ComparedStudy]) -> Result<Vec<Figure>, PlotError> {
 }
 
 /// Lives of every study at the usual levels of reliability, or its probability of failure.
-fn lives(studies: &[ComparedStudy], name: &str) -> Markup {
+fn lives(studies: &[ComparedStudy], differing: &[(String, Vec<String>)], name: &str) -> Markup {
     if studies[0].summary.is_static() {
         let rows = studies.iter().map(|study| {
             let row = study.summary.reliability.first();
@@ -224,18 +226,27 @@ fn lives(studies: &[ComparedStudy], name: &str) -> Markup {
         let lives = LEVELS.map(|level| life_cell(life_at(&study.summary, name, level, Included::All)));
         std::iter::once(study.name.render()).chain(lives).collect()
     });
-    let first = &studies[0].summary;
-    let gains = studies[1..].iter().map(|study| {
-        let gains = LEVELS.map(|level| gain(first, &study.summary, name, level).render());
+    let gains = studies.iter().enumerate().skip(1).map(|(k, study)| {
+        let gains = LEVELS.map(|level| gain(studies, differing, k, (name, level)).1.render());
         std::iter::once(format!("{} minus {}", study.name, studies[0].name).render()).chain(gains).collect()
     });
     table(&head, rows.chain(gains))
 }
 
-/// Change of a life from one study to another, in words.
-pub fn gain(before: &StudySummary, after: &StudySummary, name: &str, level: f64) -> String {
-    let at = |summary: &StudySummary| life_at(summary, name, level, Included::Statistical);
-    change_of_life(change_between(before, after, name, level), at(before), at(after))
+/// Change of a life, of a curve at a level, from the first study to study `k`, and in words. It contains numerical errors where
+/// these are not the same in both studies.
+pub fn gain(
+    studies: &[ComparedStudy],
+    differing: &[(String, Vec<String>)],
+    k: usize,
+    life: (&str, f64),
+) -> (Option<Change>, String) {
+    let [first, other] = [&studies[0].summary, &studies[k].summary];
+    let is_numerical = |key: &str| key.ends_with(".contact_law") || key.ends_with(".control_points");
+    let differ = first.accuracy_settings != other.accuracy_settings
+        || differing.iter().any(|(key, values)| is_numerical(key) && values[k] != values[0]);
+    let included = if differ { Included::All } else { Included::Statistical };
+    change_between([first, other], life, included)
 }
 
 /// The keys in which the scenes differ, with their values.
@@ -343,6 +354,37 @@ mod tests {
         assert_eq!(csv.lines().count(), 1 + 2 * 3 * 72);
         let r = studies[1].summary.reliability[64].reliability["total"];
         assert!(csv.contains(&format!("harder,total,65000,{r:?},")), "{csv}");
+    }
+
+    #[test]
+    fn issue_a_gain_between_two_accuracies_contains_the_numerical_errors_of_both() {
+        let mut studies = two();
+        studies[1].summary = studies[0].summary.clone();
+        let width = |studies: &[ComparedStudy], differing: &[(String, Vec<String>)]| {
+            let change = gain(studies, differing, 1, ("total", 0.5)).0.unwrap();
+            change.upper.unwrap() - change.lower.unwrap()
+        };
+        let differs = |key: &str| vec![(key.to_owned(), vec!["36".to_owned(), "72".to_owned()])];
+        let statistical = width(&studies, &[]);
+        assert_eq!(width(&studies, &differs("joints.crank.width")), statistical);
+        // Both intervals of the lives with the numerical errors, as independent ones.
+        let life = studies[0]
+            .summary
+            .lives
+            .iter()
+            .find(|l| (&*l.limit_state, l.reliability) == ("total", 0.5))
+            .unwrap();
+        let (value, range) = (life.cycles.unwrap(), life.whole_interval());
+        let whole = 2.0 * (value - range.lower).hypot(range.upper.unwrap() - value);
+        for key in ["joints.crank.control_points", "joints.crank.contact_law"] {
+            let found = width(&studies, &differs(key));
+            assert!(
+                (found - whole).abs() < 1e-6 * whole && found > statistical,
+                "{found} {whole} {statistical}"
+            );
+        }
+        studies[1].summary.accuracy_settings = Some(common::accuracy::Accuracy::draft());
+        assert!((width(&studies, &[]) - whole).abs() < 1e-6 * whole);
     }
 
     #[test]

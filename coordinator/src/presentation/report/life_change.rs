@@ -12,17 +12,23 @@ pub fn change_of_life(known: Option<Change>, before: LifeAt, after: LifeAt) -> S
     known.map_or_else(|| bound(before, after), |change| in_cycles(&change))
 }
 
-/// The change of a life between two studies with independent samples, of the curve `name` at `level`; `None` where one of
-/// the lives is not resolved.
-pub fn change_between(before: &StudySummary, after: &StudySummary, name: &str, level: f64) -> Option<Change> {
-    let estimate = |summary: &StudySummary| match life_at(summary, name, level, Included::Statistical) {
+/// The change of a life between two studies with independent samples, of the curve `name` at `level`, and in words; `None` where
+/// one of the lives is not resolved. The errors `included` are taken as independent.
+pub fn change_between(
+    [before, after]: [&StudySummary; 2],
+    (name, level): (&str, f64),
+    included: Included,
+) -> (Option<Change>, String) {
+    let [before, after] = [before, after].map(|summary| life_at(summary, name, level, included));
+    let estimate = |life: LifeAt| match life {
         LifeAt::Cycles { life, lower, upper } => {
             // Without a correlation the part of sampling plays no role.
             Some(IntervalEstimate { value: life, lower, upper, sampling: 0.0 })
         }
         LifeAt::Unworn { .. } | LifeAt::Between { .. } | LifeAt::Beyond { .. } => None,
     };
-    Some(change(estimate(before)?, estimate(after)?, 0.0))
+    let known = estimate(before).zip(estimate(after)).map(|(before, after)| change(before, after, 0.0));
+    (known, change_of_life(known, before, after))
 }
 
 fn in_cycles(change: &Change) -> String {

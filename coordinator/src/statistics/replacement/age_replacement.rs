@@ -22,7 +22,7 @@ use super::SurvivalCurve;
 pub struct ReplacementCosts {
     /// Cost of a planned replacement, above 0.
     pub planned: f64,
-    /// Cost of a failure with its replacement, above that of a planned one.
+    /// Total cost of a failure, its replacement included, larger than that of a planned one.
     pub failure: f64,
 }
 

@@ -1,0 +1,94 @@
+//! Files that people write besides scenes, TOML: read by the same [`Section`]s, with all faults at once, each with its line.
+
+use super::context::{Context, Overrides};
+use super::document::document;
+use super::extends::read_input as read;
+use super::faults::{Fault, FaultKind, Faults};
+use super::layers::{Layer, Layers};
+use super::section::Section;
+use std::path::Path;
+use toml::Table;
+
+/// A TOML file with its text, so that a fault has its place.
+#[derive(Debug, Clone)]
+pub struct InputFile {
+    document: Table,
+    layers: Layers,
+}
+
+impl InputFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is not valid TOML.
+    pub fn load(path: &Path) -> Result<Self, Faults> {
+        Self::parse(&read(path)?, &path.display().to_string())
+    }
+
+    /// A file from its text; `origin` names it in faults.
+    ///
+    /// # Errors
+    /// The text is not valid TOML.
+    pub fn parse(text: &str, origin: &str) -> Result<Self, Faults> {
+        let document = document(text, origin)?;
+        let layer = Layer { file: origin.to_owned(), text: text.to_owned(), imported: vec![] };
+        Ok(Self { document, layers: Layers(vec![layer]) })
+    }
+
+    /// The file as it is called in faults.
+    pub fn origin(&self) -> &str {
+        &self.layers.0[0].file
+    }
+
+    /// What `reader` makes of the whole file, unless it records a fault; a key that it does not ask for is one.
+    ///
+    /// # Errors
+    /// All faults, with their places.
+    pub fn read<T>(&self, reader: impl FnOnce(&mut Section) -> T) -> Result<T, Faults> {
+        let none = Overrides::new();
+        let cx = Context::new(self.origin(), &none);
+        let mut file = Section::new(&cx, "", &self.document);
+        let read = reader(&mut file);
+        file.finish();
+        self.faultless(cx.take_faults()).map(|()| read)
+    }
+
+    /// Refuses the file for contradictions to something else, each a key and what is wrong with its value.
+    ///
+    /// # Errors
+    /// These faults, with their places, if there are any.
+    pub fn refuse_for(&self, faults: impl IntoIterator<Item = (String, String)>) -> Result<(), Faults> {
+        let fault = |(key, message)| Fault::new(self.origin(), key, FaultKind::Inconsistent { message });
+        self.faultless(faults.into_iter().map(fault).collect())
+    }
+
+    fn faultless(&self, faults: Vec<Fault>) -> Result<(), Faults> {
+        if faults.is_empty() { Ok(()) } else { Err(self.layers.located(Faults(faults))) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::context::Range;
+    use super::super::quantity::LENGTH;
+    use super::*;
+
+    #[test]
+    fn all_faults_of_a_file_have_their_lines() {
+        let text = "[[rows]]\nwidth = \"3 N\"\nhieght = 2\n[[rows]]\n";
+        let file = InputFile::parse(text, "rows.toml").unwrap();
+        let read = file.read(|file| {
+            for mut row in file.unnamed_rows("rows") {
+                let _ = row.quantity("width", LENGTH, Range::Positive);
+                let _ = row.get("height");
+                row.finish();
+            }
+        });
+        let Faults(faults) = read.unwrap_err();
+        let places: Vec<String> =
+            faults.iter().map(|fault| fault.location.as_ref().unwrap().to_string()).collect();
+        assert_eq!(places, ["rows.toml:2:9", "rows.toml:3:1", "rows.toml:4:1"]);
+        assert!(faults[1].to_string().contains("did you mean \"height\"?"), "{}", faults[1]);
+        assert!(InputFile::parse("a =", "rows.toml").is_err());
+    }
+}
