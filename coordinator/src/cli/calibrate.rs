@@ -53,7 +53,7 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
     if scene.simulator.is_some() {
         return Err(CommandError::NoMechanism { origin: source.origin().to_owned() });
     }
-    check_linkage(source.origin(), scene)?;
+    check_linkage(source.origin(), &source, scene)?;
     let targets = read_targets(&arguments.targets, scene)?;
     let space = Space::new(&source, &targets.free)?;
     let accuracy = arguments.accuracy.for_one(scene, verbosity.quiet)?.setting;

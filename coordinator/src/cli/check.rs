@@ -117,7 +117,7 @@ pub fn check(file: &str, drawing: Option<&Path>, as_json: bool) -> Result<(), Co
 fn valid_scene(file: &str) -> Result<SceneSource, CommandError> {
     let source = SceneSource::load(file)?;
     match &source.nominal().simulator {
-        None => check_linkage(source.origin(), source.nominal())?,
+        None => check_linkage(source.origin(), &source, source.nominal())?,
         Some(simulator) => common::external::check(simulator, source.nominal())?,
     }
     Ok(source)

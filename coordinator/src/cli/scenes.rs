@@ -2,7 +2,7 @@
 
 use super::error::CommandError;
 use super::output::{print, to_json};
-use common::scene::{Scene, SceneSource};
+use common::scene::{Faults, Scene, SceneSource};
 use serde_json::json;
 
 /// Lists the built-in scenes, or prints the text of the one named by `show`.
@@ -29,17 +29,28 @@ pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
     print(&list.map(|scene| format!("{:width$}  {}\n", scene.name, scene.title)).collect::<String>())
 }
 
-/// Checks that the scene has a mechanism that can be modelled, and that its ideal linkage closes through the cycle.
+/// Checks that the scene, resolved from `source`, has a mechanism that can be modelled, and that its ideal linkage closes through the
+/// cycle. Messages name it by `origin`.
 ///
 /// # Errors
 /// [`CommandError::NoMechanism`], or what the linkage does not allow.
-pub fn check_linkage(origin: &str, scene: &Scene) -> Result<(), CommandError> {
+pub fn check_linkage(origin: &str, source: &SceneSource, scene: &Scene) -> Result<(), CommandError> {
     if scene.simulator.is_some() {
         return Err(CommandError::NoMechanism { origin: origin.to_owned() });
     }
-    let failed = |failure| CommandError::of_simulation(origin, scene, failure);
+    let failed = |failure| located(CommandError::of_simulation(origin, scene, failure), source);
     worker::mechanism::islands(scene).map_err(failed)?;
     let poses = worker::mechanism::ideal_cycle(scene, 2, &mut 0).map_err(failed)?;
     worker::mechanism::turns_per_cycle(scene, &poses).map_err(failed)?;
     Ok(())
+}
+
+/// The error with the places of its faults in the texts of the scene.
+fn located(mut error: CommandError, source: &SceneSource) -> CommandError {
+    if let CommandError::Scene(Faults(faults)) = &mut error {
+        for fault in faults.iter_mut().filter(|fault| fault.location.is_none()) {
+            fault.location = source.location(&fault.key).map(Box::new);
+        }
+    }
+    error
 }
