@@ -256,7 +256,9 @@ fn at_joint(joint: &Option<String>) -> String {
 fn softer(joint: &Option<String>) -> &'static str {
     match joint {
         Some(_) => "give the joint contact_damping or film_damping, or a larger friction_speed",
-        None => "there is neither contact nor friction: look for jumps in tables of drives and loads, for stiff springs, and for positions in which the joints lock",
+        None => {
+            "there is neither contact nor friction: look for jumps in tables of drives and loads, for stiff springs, and for positions in which the joints lock"
+        }
     }
 }
 
@@ -266,7 +268,10 @@ fn open_joint(joint: &str, gap: f64, angle: f64) -> String {
         "0" => String::new(),
         degrees => format!(" and turned by {degrees} deg"),
     };
-    format!("the start positions contradict joint {joint} most, where it is open by {} mm{turned}", rounded(1e3 * gap))
+    format!(
+        "the start positions contradict joint {joint} most, where it is open by {} mm{turned}",
+        rounded(1e3 * gap)
+    )
 }
 
 /// What is wrong with a start velocity, and which value is right.

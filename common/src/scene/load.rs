@@ -166,7 +166,9 @@ impl Load {
     pub(super) fn places_mut(&mut self) -> Vec<&mut Attachment> {
         match self {
             Load::DirectionalSpring { at: a, anchor: b, .. } | Load::Spring { a, b, .. } => vec![a, b],
-            Load::ConstantForce { at, .. } | Load::VariableForce { at, .. } | Load::Drag { at, .. } => vec![at],
+            Load::ConstantForce { at, .. } | Load::VariableForce { at, .. } | Load::Drag { at, .. } => {
+                vec![at]
+            }
             Load::TorsionSpring { .. }
             | Load::ConstantTorque { .. }
             | Load::VariableTorque { .. }

@@ -17,7 +17,9 @@ impl Scene {
             fixed.push(body.motion == Motion::Fixed);
             match &mut body.motion {
                 Motion::Fixed => body.points.iter_mut().for_each(|point| shift(&mut point.position)),
-                Motion::Driven { position, .. } | Motion::Free { start_position: position, .. } => shift(position),
+                Motion::Driven { position, .. } | Motion::Free { start_position: position, .. } => {
+                    shift(position)
+                }
             }
         }
         let place = |at: &mut Attachment| {

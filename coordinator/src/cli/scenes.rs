@@ -54,3 +54,29 @@ fn located(mut error: CommandError, source: &SceneSource) -> CommandError {
     }
     error
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn issue_a_start_speed_that_cannot_hold_had_no_fault() {
+        let start = "start_angle = \"106.26 deg\"\n";
+        let four_bar = SceneSource::builtin("four-bar").expect("built in").text().to_owned();
+        let line = four_bar.split(start).next().expect("it is there").lines().count() + 2;
+        let text = four_bar.replace(start, &format!("{start}start_speed = \"3 rad/s\"\n"));
+        let source = SceneSource::parse(&text, "scene.toml").expect("a valid text");
+        match check_linkage("scene.toml", &source, source.nominal()) {
+            Err(CommandError::Scene(Faults(faults))) => {
+                let place = faults[0].location.as_ref().expect("it has a line").to_string();
+                assert!(place.starts_with(&format!("scene.toml:{line}:")), "{place}");
+                let message = faults[0].to_string();
+                assert!(
+                    message.contains("bodies.rocker.start_speed: 3 rad/s cannot hold at the start"),
+                    "{message}"
+                );
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}

@@ -167,13 +167,23 @@ pub(crate) fn ideal_accelerations(scene: &Scene, poses: &[Pose]) -> Option<Vec<V
 /// The failure, with the first driven body and its angle.
 fn dead_point(scene: &Scene, stop: &Stop) -> SimulationFailure {
     let (body, angle) = drive(scene, stop.time);
-    SimulationFailure::DeadPoint { joint: scene.joints[stop.joint].name.clone(), time: stop.time, body, angle }
+    SimulationFailure::DeadPoint {
+        joint: scene.joints[stop.joint].name.clone(),
+        time: stop.time,
+        body,
+        angle,
+    }
 }
 
 /// The failure, with the first driven body and its angle.
 fn change_point(scene: &Scene, stop: &Stop) -> SimulationFailure {
     let (body, angle) = drive(scene, stop.time);
-    SimulationFailure::ChangePoint { joint: scene.joints[stop.joint].name.clone(), time: stop.time, body, angle }
+    SimulationFailure::ChangePoint {
+        joint: scene.joints[stop.joint].name.clone(),
+        time: stop.time,
+        body,
+        angle,
+    }
 }
 
 /// Name of the first driven body, and its angle at time `t` [s] [rad].

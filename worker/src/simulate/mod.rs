@@ -58,11 +58,11 @@ mod unbounded_forces;
 mod wall;
 mod worn_joints;
 
+use crate::mechanism::moved_to_origin;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::Scene;
-use crate::mechanism::moved_to_origin;
 use conditions::assemble;
 use control_points::{NumberedScene, with_control_points};
 use cycle_history::FirstCycle;

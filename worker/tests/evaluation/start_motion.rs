@@ -218,7 +218,8 @@ fn issue_a_body_held_by_no_joint_was_not_named() {
 
 #[test]
 fn issue_short_steps_without_contact_advised_contact_damping() {
-    let failure = |joint| SimulationFailure::StepTooSmall { cycle: 0, time: 0.0, joint, step: 1e-14, error: 2.0 };
+    let failure =
+        |joint| SimulationFailure::StepTooSmall { cycle: 0, time: 0.0, joint, step: 1e-14, error: 2.0 };
     assert!(!failure(None).to_string().contains("damping"), "{}", failure(None));
     assert!(failure(Some("pin".into())).to_string().contains("contact_damping"));
 }

@@ -1,7 +1,8 @@
 //! Mechanisms in other places, directions, orientations and sizes, which move alike.
 
 use common::scene::{
-    Attachment, Clearance, ContactDamping, Drive, GuideClearance, JointKind, Load, Material, Motion, OutputKind, OutputUnit, Scene,
+    Attachment, Clearance, ContactDamping, Drive, GuideClearance, JointKind, Load, Material, Motion,
+    OutputKind, OutputUnit, Scene,
 };
 
 /// A change of the whole mechanism: a mirror image about the x axis or not, then a turn, then another length.
@@ -90,7 +91,8 @@ impl Transform {
                 } => {
                     *inertia *= l * l;
                     *centre_of_mass = self.inner(*centre_of_mass);
-                    (*start_position, *start_angle) = (self.vector(*start_position), self.angle(*start_angle));
+                    (*start_position, *start_angle) =
+                        (self.vector(*start_position), self.angle(*start_angle));
                     start_velocity.iter_mut().for_each(|u| *u = self.vector(*u));
                     start_speed.iter_mut().for_each(|w| *w *= sense);
                 }
@@ -170,7 +172,12 @@ impl Transform {
 
     fn hinge(&self, hinge: &mut Clearance) {
         let l = self.scale;
-        let lengths = [&mut hinge.journal_radius, &mut hinge.bushing_radius, &mut hinge.width, &mut hinge.friction_speed];
+        let lengths = [
+            &mut hinge.journal_radius,
+            &mut hinge.bushing_radius,
+            &mut hinge.width,
+            &mut hinge.friction_speed,
+        ];
         lengths.into_iter().chain(hinge.wall.as_mut()).for_each(|x| *x *= l);
         self.material(&mut hinge.journal_material);
         self.material(&mut hinge.bushing_material);
@@ -181,8 +188,13 @@ impl Transform {
 
     fn guide(&self, guide: &mut GuideClearance) {
         let l = self.scale;
-        let lengths =
-            [&mut guide.length, &mut guide.height, &mut guide.width, &mut guide.clearance, &mut guide.friction_speed];
+        let lengths = [
+            &mut guide.length,
+            &mut guide.height,
+            &mut guide.width,
+            &mut guide.clearance,
+            &mut guide.friction_speed,
+        ];
         lengths.into_iter().chain(&mut guide.reach).for_each(|x| *x *= l);
         self.material(&mut guide.slider_material);
         self.material(&mut guide.guide_material);
