@@ -14,14 +14,14 @@ pub enum SimulationFailure {
         faults: String,
     },
     /// The mechanism cannot be assembled with ideal joints where the cycle starts.
-    #[error("joint {joint} cannot be closed at time {time} s: gap {gap} m")]
+    #[error("the linkage cannot be assembled: {}; check lengths and start positions", open_joint(joint, *gap, *angle))]
     CannotAssemble {
-        /// Joint with the largest gap.
+        /// Joint that the start positions leave open most.
         joint: String,
-        /// Time within the cycle [s].
-        time: f64,
-        /// Remaining gap [m].
+        /// Distance of its two points there, of a sliding joint across its line [m].
         gap: f64,
+        /// Angle between its two bodies there beyond the one it prescribes; zero for a joint that prescribes none [rad].
+        angle: f64,
     },
     /// The mechanism cannot move through the whole cycle: its constraints become dependent.
     #[error("the mechanism reaches a dead point at time {time} s, where {body} is at {} deg: joint {joint} cannot be closed beyond it", angle.to_degrees())]
@@ -67,19 +67,20 @@ pub enum SimulationFailure {
     },
     /// The step size fell below its lower bound.
     #[error(
-        "{}{}, the time step fell to {} s (error {} times its bound); give the joint contact_damping or film_damping, or a larger friction_speed",
+        "{}{}, the time step fell to {} s (error {} times its bound); {}",
         instant(*cycle, *time),
         at_joint(joint),
         rounded(*step),
-        rounded(*error)
+        rounded(*error),
+        softer(joint)
     )]
     StepTooSmall {
         /// Cycle of the life, from 0.
         cycle: u32,
         /// Time within the cycle [s].
         time: f64,
-        /// Joint with the largest force on the body whose error was the largest; none if it has no joint with
-        /// clearance.
+        /// Joint with the largest force on the body whose error was the largest, or one with friction; none if there is
+        /// neither contact nor friction.
         joint: Option<String>,
         /// The step that would have been needed [s].
         step: f64,
@@ -88,17 +89,18 @@ pub enum SimulationFailure {
     },
     /// More steps than the bound of the accuracy setting.
     #[error(
-        "{}{}, the bound of {bound} steps per cycle was reached; allow more (steps-N in the accuracy), or give the joint contact_damping or film_damping, or a larger friction_speed",
+        "{}{}, the bound of {bound} steps per cycle was reached; allow more (steps-N in the accuracy), or {}",
         instant(*cycle, *time),
-        at_joint(joint)
+        at_joint(joint),
+        softer(joint)
     )]
     TooManySteps {
         /// Cycle of the life, from 0.
         cycle: u32,
         /// Time within the cycle [s].
         time: f64,
-        /// Joint with the largest force on the body whose error limited the last step; none if it has no joint
-        /// with clearance.
+        /// Joint with the largest force on the body whose error limited the last step, or one with friction; none if there is
+        /// neither contact nor friction.
         joint: Option<String>,
         /// Largest number of steps per cycle.
         bound: u64,
@@ -214,6 +216,30 @@ pub enum SimulationFailure {
         /// Ideal joint that depends on the others there.
         joint: String,
     },
+    /// A start velocity that the scene gives and that drives, joints and the start velocities before it do not admit.
+    #[error("{key}: {}", unheld(*given, *needed, unit))]
+    StartVelocity {
+        /// Path of the key, `bodies.NAME.start_speed`, `bodies.NAME.start_velocity.x` or `.y`.
+        key: String,
+        /// Value given [m/s, rad/s].
+        given: f64,
+        /// The only value that they admit [m/s, rad/s].
+        needed: f64,
+        /// Unit of both.
+        unit: String,
+    },
+    /// Ideal joints that become dependent where the drives hold the mechanism: its motion may go on in more than one way.
+    #[error("{}", change_point(joint, body, *angle))]
+    ChangePoint {
+        /// Ideal joint that depends on the others there.
+        joint: String,
+        /// Time within the cycle [s].
+        time: f64,
+        /// Name of the driven body.
+        body: String,
+        /// Angle of that body [rad].
+        angle: f64,
+    },
 }
 
 /// `: LINES`, or nothing without lines.
@@ -226,9 +252,53 @@ fn at_joint(joint: &Option<String>) -> String {
     joint.as_ref().map(|name| format!(", joint {name}")).unwrap_or_default()
 }
 
+/// What makes the motion easier to integrate: contact and friction, if a `joint` has them, else loads and drives.
+fn softer(joint: &Option<String>) -> &'static str {
+    match joint {
+        Some(_) => "give the joint contact_damping or film_damping, or a larger friction_speed",
+        None => {
+            "there is neither contact nor friction: look for jumps in tables of drives and loads, for stiff springs, and for positions in which the joints lock"
+        }
+    }
+}
+
+/// How far the start positions leave a joint open.
+fn open_joint(joint: &str, gap: f64, angle: f64) -> String {
+    let turned = match rounded(angle.to_degrees()).as_str() {
+        "0" => String::new(),
+        degrees => format!(" and turned by {degrees} deg"),
+    };
+    format!(
+        "the start positions contradict joint {joint} most, where it is open by {} mm{turned}",
+        rounded(1e3 * gap)
+    )
+}
+
+/// What is wrong with a start velocity, and which value is right.
+fn unheld(given: f64, needed: f64, unit: &str) -> String {
+    format!(
+        "{} {unit} cannot hold at the start: drives, joints and the start velocities given before it need {} {unit}; give that value, or leave the key out",
+        with_digits(given, 9),
+        with_digits(needed, 9)
+    )
+}
+
+/// Where a mechanism reaches a change point, and what to do.
+fn change_point(joint: &str, body: &str, angle: f64) -> String {
+    format!(
+        "the mechanism reaches a change point where {body} is at {} deg: joint {joint} depends on the other ideal joints there, and the motion may go on in more than one way; change a length, let the drive stay on one side of it, or give the joint a clearance",
+        rounded(angle.to_degrees())
+    )
+}
+
 /// A number with four digits.
 fn rounded(number: f64) -> String {
-    let rounded: f64 = format!("{number:.3e}").parse().unwrap_or(number);
+    with_digits(number, 4)
+}
+
+/// A number with this many digits.
+fn with_digits(number: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{number:.*e}", digits - 1).parse().unwrap_or(number);
     let is_short = rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs());
     if is_short { rounded.to_string() } else { format!("{rounded:e}") }
 }

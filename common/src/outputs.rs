@@ -44,6 +44,15 @@ impl Evaluation {
         }
     }
 
+    /// Moves the bodies of all cycle histories by `by` `(2,)` [m]; nothing else depends on the origin of the coordinates.
+    pub fn move_histories(&mut self, by: [f64; 2]) {
+        let last = self.worn.iter_mut().filter_map(|worn| worn.last_cycle.as_mut());
+        let motions = self.first_cycle.iter_mut().chain(last).flat_map(|cycle| &mut cycle.motion);
+        for position in motions.flat_map(|motion| &mut motion.position) {
+            (0..2).for_each(|k| position[k] += by[k]);
+        }
+    }
+
     /// The known values at the start of life by output and unit, e.g. `max_wear_depth_m`, in the unit of the key.
     pub fn start_by_key(&self, outputs: &[Output]) -> BTreeMap<String, f64> {
         let known = |(output, value): (&Output, &Option<f64>)| {

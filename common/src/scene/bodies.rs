@@ -88,8 +88,14 @@ fn free(row: &mut Section) -> Option<Motion> {
     let centre_of_mass = row.pair("centre_of_mass", LENGTH);
     let start_position = row.pair("start_position", LENGTH);
     let start_angle = row.quantity("start_angle", ANGLE, Range::Any);
-    let start_velocity = row.pair_or("start_velocity", SPEED, [0.0; 2]);
-    let start_speed = row.quantity_or("start_speed", ANGULAR_VELOCITY, Range::Any, 0.0);
+    let start_velocity = match row.get("start_velocity") {
+        Some(_) => row.pair("start_velocity", SPEED).map(Some),
+        None => Some(None),
+    };
+    let start_speed = match row.get("start_speed") {
+        Some(_) => row.quantity("start_speed", ANGULAR_VELOCITY, Range::Any).map(Some),
+        None => Some(None),
+    };
     Some(Motion::Free {
         mass: mass?,
         inertia: inertia?,

@@ -162,6 +162,21 @@ impl Load {
         }
     }
 
+    /// Where the load acts and where it is anchored.
+    pub(super) fn places_mut(&mut self) -> Vec<&mut Attachment> {
+        match self {
+            Load::DirectionalSpring { at: a, anchor: b, .. } | Load::Spring { a, b, .. } => vec![a, b],
+            Load::ConstantForce { at, .. } | Load::VariableForce { at, .. } | Load::Drag { at, .. } => {
+                vec![at]
+            }
+            Load::TorsionSpring { .. }
+            | Load::ConstantTorque { .. }
+            | Load::VariableTorque { .. }
+            | Load::Motor { .. }
+            | Load::RotationalDrag { .. } => vec![],
+        }
+    }
+
     /// Name of the load, its key of the table by which it varies, that table and the unit of its values; `None` for a load without one.
     pub fn curve(&self) -> Option<(&str, &'static str, &Curve, &'static str)> {
         match self {

@@ -52,6 +52,7 @@ pub mod model;
 #[cfg(test)]
 mod model_tests;
 pub mod monotone;
+mod moved;
 mod nearest_unit;
 mod output;
 mod output_bodies;

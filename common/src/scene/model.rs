@@ -180,10 +180,10 @@ pub enum Motion {
         start_position: [f64; 2],
         /// Approximate angle at time zero [rad].
         start_angle: f64,
-        /// Velocity of the reference point at time zero, before drives and joints correct it `(2,)` [m/s].
-        start_velocity: [f64; 2],
-        /// Angular velocity at time zero, before drives and joints correct it [rad/s].
-        start_speed: f64,
+        /// Velocity of the reference point at time zero `(2,)` [m/s]; `None` leaves it to drives, joints and the velocities given.
+        start_velocity: Option<[f64; 2]>,
+        /// Angular velocity at time zero [rad/s]; `None` likewise.
+        start_speed: Option<f64>,
     },
 }
 

@@ -54,7 +54,7 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
     if scene.simulator.is_some() {
         return Err(CommandError::NoMechanism { origin: source.origin().to_owned() });
     }
-    check_linkage(source.origin(), scene)?;
+    check_linkage(source.origin(), &source, scene)?;
     let file = InputFile::load(&arguments.targets)?;
     let targets = read_targets(&file, &source)?;
     let space = Space::new(&source, &targets.free).map_err(|error| of_parameters(&file, &targets, error))?;

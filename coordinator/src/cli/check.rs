@@ -170,7 +170,7 @@ pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), Com
 fn valid_scene(file: &str) -> Result<SceneSource, CommandError> {
     let source = SceneSource::load(file)?;
     match &source.nominal().simulator {
-        None => check_linkage(source.origin(), source.nominal())?,
+        None => check_linkage(source.origin(), &source, source.nominal())?,
         Some(simulator) => common::external::check(simulator, source.nominal())?,
     }
     Ok(source)

@@ -6,7 +6,7 @@ use super::foreign_study::ForeignStudy;
 use super::{pdf::PdfError, signals::INTERRUPTED};
 use common::external::SimulatorError;
 use common::failure::SimulationFailure;
-use common::scene::{Faults, Scene};
+use common::scene::{FaultKind, Faults, Scene};
 use coordinator::analyses::budget::BudgetError;
 use coordinator::analyses::calibrate::CalibrationError;
 use coordinator::analyses::optimise::OptimiseError;
@@ -32,18 +32,13 @@ pub enum CommandError {
     /// The scene or a setting is faulty.
     #[error(transparent)]
     Scene(#[from] Faults),
-    /// The ideal linkage cannot be assembled at the start of the cycle.
-    #[error(
-        "{origin}: the linkage cannot be assembled: joint {joint} stays open by {gap} mm at the start of the cycle; \
-         check lengths and start positions"
-    )]
-    OpenLinkage {
+    /// The ideal linkage cannot be assembled at the start of the cycle, or reaches a change point.
+    #[error("{origin}: {failure}")]
+    Linkage {
         /// File or name of the scene.
         origin: String,
-        /// Joint with the largest gap.
-        joint: String,
-        /// Remaining gap [mm].
-        gap: f64,
+        /// The failure with the name of the joint.
+        failure: SimulationFailure,
     },
     /// The ideal linkage cannot turn through its cycle.
     #[error(
@@ -293,7 +288,7 @@ impl CommandError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Scene(_)
-            | Self::OpenLinkage { .. }
+            | Self::Linkage { .. }
             | Self::LockedLinkage { .. }
             | Self::OverConstrained { .. }
             | Self::NoMechanism { .. }
@@ -364,8 +359,12 @@ impl CommandError {
     pub fn of_simulation(origin: &str, scene: &Scene, failure: SimulationFailure) -> Self {
         let origin = origin.to_owned();
         match failure {
-            SimulationFailure::CannotAssemble { joint, gap, .. } => {
-                Self::OpenLinkage { origin, joint, gap: (gap * 1e6).round() / 1e3 }
+            failure @ (SimulationFailure::CannotAssemble { .. } | SimulationFailure::ChangePoint { .. }) => {
+                Self::Linkage { origin, failure }
+            }
+            SimulationFailure::StartVelocity { ref key, .. } => {
+                let message = failure.to_string().split_off(key.len() + 2);
+                Self::Scene(Faults::one(&origin, key, FaultKind::Inconsistent { message }))
             }
             SimulationFailure::DeadPoint { joint, time, .. } => {
                 Self::LockedLinkage { origin, joint, angle: drive_at(scene, time) }

@@ -58,7 +58,7 @@ pub fn extremes(arguments: &ExtremesArguments, verbosity: Verbosity) -> Result<(
     check_destination(arguments.out.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let scene = source.nominal();
-    check_linkage(source.origin(), scene)?;
+    check_linkage(source.origin(), &source, scene)?;
     let cases = cases(scene, &arguments.accuracy.accuracy);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let rows = run_all(&cases, threads, |row| {

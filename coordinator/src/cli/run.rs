@@ -59,7 +59,7 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     if scene.simulator.is_some() {
         external::check_accuracy(source.origin(), &arguments.accuracy)?;
     } else {
-        check_linkage(source.origin(), scene)?;
+        check_linkage(source.origin(), &source, scene)?;
     }
     let mut settings = arguments.settings(scene);
     settings.check(scene)?;
@@ -210,7 +210,7 @@ fn check_designs(space: &DesignSpace) -> Result<(), CommandError> {
     for values in space.corners() {
         let design = space.source_at(&values)?;
         if design.nominal().simulator.is_none() {
-            check_linkage(&space.in_words(&values), design.nominal())?;
+            check_linkage(&space.in_words(&values), &design, design.nominal())?;
         }
     }
     Ok(())

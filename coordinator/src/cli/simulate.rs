@@ -161,7 +161,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(
         return deliver(&text, arguments.out.as_deref());
     }
     let scene = source.resolve_with(&settings).map_err(one_of_each_cause)?;
-    check_linkage(source.origin(), &scene)?;
+    check_linkage(source.origin(), &source, &scene)?;
     let accuracy = arguments.accuracy.for_one(&scene, verbosity.quiet)?.setting;
     let start = Instant::now();
     let evaluation = simulate::simulate(&scene, &accuracy.accuracy, SimulateOptions::WITH_FIRST_CYCLE)

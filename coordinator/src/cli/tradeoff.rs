@@ -59,7 +59,7 @@ pub struct TradeoffArguments {
 pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Result<(), CommandError> {
     let source = SceneSource::load(&arguments.scene)?;
     let scene = source.nominal();
-    check_linkage(source.origin(), scene)?;
+    check_linkage(source.origin(), &source, scene)?;
     std::fs::create_dir_all(&arguments.out)
         .map_err(|error| CommandError::Folder { path: arguments.out.clone(), error })?;
     let plan = TradeoffPlan {

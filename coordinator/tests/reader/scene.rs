@@ -67,16 +67,22 @@ pub fn rebuilt(page: &str) -> toml::Table {
             writeln!(
                 text,
                 "motion = \"free\"\nmass = \"{}\"\ninertia = \"{}\"\ncentre_of_mass = {}\nstart_position = {}\n\
-                 start_angle = \"{}\"\nstart_velocity = {}\nstart_speed = \"{}\"",
+                 start_angle = \"{}\"",
                 row["mass"],
                 row["inertia"],
                 pair(&row["centre of mass [mm]"], "mm"),
                 pair(&start["position [mm]"], "mm"),
-                start["angle"],
-                pair(&start["velocity [m/s]"], "m/s"),
-                start["angular velocity"]
+                start["angle"]
             )
             .unwrap();
+            let (velocity, speed) = (&start["velocity [m/s]"], &start["angular velocity"]);
+            if velocity != "–" {
+                write!(text, "\nstart_velocity = {}", pair(velocity, "m/s")).unwrap();
+            }
+            if speed != "–" {
+                write!(text, "\nstart_speed = \"{speed}\"").unwrap();
+            }
+            text.push('\n');
         }
         text += "[bodies.points]\n";
         for point in row["points [mm]"].split("; ").filter(|point| !point.is_empty()) {

@@ -206,8 +206,8 @@ fn speed(scene: &mut Scene, rpm: f64) {
                 table.value.iter_mut().for_each(|v| *v *= factor);
             }
             Motion::Free { start_velocity, start_speed, .. } => {
-                start_velocity.iter_mut().for_each(|v| *v *= factor);
-                *start_speed *= factor;
+                start_velocity.iter_mut().flatten().for_each(|v| *v *= factor);
+                start_speed.iter_mut().for_each(|speed| *speed *= factor);
             }
             Motion::Fixed => {}
         }

@@ -9,7 +9,9 @@
 //! # Source
 //! Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems.
 
+use super::change_point::ChangePoints;
 use super::closure::Closure;
+use super::extent::moved_to_origin;
 use common::failure::SimulationFailure;
 use common::scene::{Motion, Scene};
 use nalgebra::DVector;
@@ -45,20 +47,29 @@ const SHORTEST: f64 = 1e-8;
 ///
 /// # Errors
 /// [`SimulationFailure::CannotAssemble`] if a joint cannot be closed at the start,
+/// [`SimulationFailure::StartVelocity`] if a start velocity of the scene cannot hold,
 /// [`SimulationFailure::OverConstrained`] if constraints of ideal joints are redundant,
-/// [`SimulationFailure::DeadPoint`] with joint and angle where the linkage locks or its motion becomes
-/// ambiguous on its way.
+/// [`SimulationFailure::DeadPoint`] with joint and angle where the linkage locks on its way,
+/// [`SimulationFailure::ChangePoint`] where its motion may go on in more than one way.
 pub fn ideal_cycle(
     scene: &Scene,
     samples: usize,
     iterations: &mut u64,
 ) -> Result<Vec<Pose>, SimulationFailure> {
+    if let Some((local, origin)) = moved_to_origin(scene) {
+        let mut poses = ideal_cycle(&local, samples, iterations)?;
+        for q in poses.iter_mut().flat_map(|pose| &mut pose.q).flatten() {
+            (0..2).for_each(|k| q[k] += origin[k]);
+        }
+        return Ok(poses);
+    }
     let closure = Closure::new(scene);
     let mut q = closure.start();
-    closure.close(0.0, &mut q, iterations).map_err(|open| SimulationFailure::CannotAssemble {
-        joint: scene.joints[open.joint].name.clone(),
-        time: 0.0,
-        gap: open.gap,
+    let (joint, gap, angle) = closure.contradiction(0.0, &q);
+    closure.close(0.0, &mut q, iterations).map_err(|_| SimulationFailure::CannotAssemble {
+        joint: scene.joints[joint].name.clone(),
+        gap,
+        angle,
     })?;
     if let Some(joint) = closure.first_dependent_joint(&q) {
         return Err(SimulationFailure::OverConstrained { joint: scene.joints[joint].name.clone() });
@@ -66,14 +77,23 @@ pub fn ideal_cycle(
     let intervals = samples.max(2) - 1;
     let refine = CHECKED.div_ceil(intervals);
     let time = |k: usize| scene.life.period * k as f64 / (intervals * refine) as f64;
-    let mut poses = vec![pose(&closure, 0.0, &q)];
+    let v = closure.start_velocity(&q)?;
+    let mut poses = vec![Pose { time: 0.0, q: closure.split(&q), v: closure.split(&v) }];
     if !closure.is_determined(&q) {
         return Ok(poses);
     }
     let orientation = closure.orientation(0.0, &q);
+    let mut watch = ChangePoints::new(&closure, &q);
     for k in 1..=intervals * refine {
-        follow(&closure, orientation, time(k - 1), time(k), &mut q, iterations)
-            .map_err(|stop| dead_point(scene, &stop))?;
+        let followed = follow(&closure, orientation, time(k - 1), time(k), &mut q, iterations);
+        let found = match &followed {
+            Ok(()) => watch.passed(time(k), &q),
+            Err(stop) => watch.ahead(stop.time, &q),
+        };
+        if let Some(stop) = found {
+            return Err(change_point(scene, &stop));
+        }
+        followed.map_err(|stop| dead_point(scene, &stop))?;
         if k % refine == 0 {
             poses.push(pose(&closure, time(k), &q));
         }
@@ -86,10 +106,10 @@ fn pose(closure: &Closure, t: f64, q: &DVector<f64>) -> Pose {
     Pose { time: t, q: closure.split(q), v: closure.split(&closure.velocity(t, q)) }
 }
 
-/// Time at which the motion ends, and index of the joint that could not be closed.
-struct Stop {
-    time: f64,
-    joint: usize,
+/// Time at which the motion ends, and index of the joint that could not be closed, or that depends on others.
+pub(super) struct Stop {
+    pub(super) time: f64,
+    pub(super) joint: usize,
 }
 
 /// Follows the motion from one time to another by continuation with adaptive steps.
@@ -144,14 +164,31 @@ pub(crate) fn ideal_accelerations(scene: &Scene, poses: &[Pose]) -> Option<Vec<V
     poses.iter().map(|pose| acceleration(pose).map(|a| closure.split(&a))).collect()
 }
 
-/// The failure, with the angle of the first driven body.
+/// The failure, with the first driven body and its angle.
 fn dead_point(scene: &Scene, stop: &Stop) -> SimulationFailure {
-    let driven = scene.bodies.iter().find(|b| matches!(b.motion, Motion::Driven { .. }));
-    let angle = driven.and_then(super::Prescribed::from_body).map_or(0.0, |motion| motion.angle(stop.time));
+    let (body, angle) = drive(scene, stop.time);
     SimulationFailure::DeadPoint {
         joint: scene.joints[stop.joint].name.clone(),
         time: stop.time,
-        body: driven.map_or_else(String::new, |b| b.name.clone()),
+        body,
         angle,
     }
+}
+
+/// The failure, with the first driven body and its angle.
+fn change_point(scene: &Scene, stop: &Stop) -> SimulationFailure {
+    let (body, angle) = drive(scene, stop.time);
+    SimulationFailure::ChangePoint {
+        joint: scene.joints[stop.joint].name.clone(),
+        time: stop.time,
+        body,
+        angle,
+    }
+}
+
+/// Name of the first driven body, and its angle at time `t` [s] [rad].
+fn drive(scene: &Scene, t: f64) -> (String, f64) {
+    let driven = scene.bodies.iter().find(|b| matches!(b.motion, Motion::Driven { .. }));
+    let angle = driven.and_then(super::Prescribed::from_body).map_or(0.0, |motion| motion.angle(t));
+    (driven.map_or_else(String::new, |b| b.name.clone()), angle)
 }

@@ -8,16 +8,23 @@
 //! Coordinate projection: Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482.
 
 use super::elimination::Elimination;
+use super::extent::{ROUNDING, farthest};
 use super::placed::Placed;
 use crate::integrate::Closed;
 use crate::lanes::Real;
 
 /// Most Newton steps before a joint counts as impossible to close.
 const MOST_ITERATIONS: usize = 8;
-/// Gap that counts as closed, over the size of the mechanism: Newton's last step leaves rounding of the coordinates themselves [1].
-const ROUNDING: f64 = 1e-14;
+/// Gap that counts as closed, over the size of the mechanism [1].
+const SHARE_OF_SIZE: f64 = 1e-14;
 /// Gap that counts as closed, over the first one: the step after it leaves its square [1].
 const SHARE_OF_FIRST: f64 = 1e-6;
+
+/// Gap that counts as closed at the positions `q` `(n,)` [m]: Newton's last step leaves rounding of the coordinates themselves.
+#[inline(always)]
+pub(super) fn least_gap<R: Real>(q: &[R], size: R) -> R {
+    (size * SHARE_OF_SIZE).larger(farthest(q, size) * ROUNDING)
+}
 
 /// An island with ideal joints, or one per lane.
 pub(super) trait IdealJoints<R: Real> {
@@ -51,7 +58,7 @@ pub(super) fn close<R: Real>(
         if iteration == 0 {
             drift = gap;
         }
-        let enough = gap.below((size * ROUNDING).larger(drift * SHARE_OF_FIRST));
+        let enough = gap.below(least_gap(q, size).larger(drift * SHARE_OF_FIRST));
         let done = R::both(enough, zero.below(open));
         if R::any(done) {
             let done = R::select(done, one, zero);

@@ -1,60 +1,64 @@
 //! Closure equations of a scene with every joint ideal, and their solution at one time.
 //!
 //! phi(q, t) = 0 `(m,)` for the coordinates q `(n,)`, (x, y, angle) of every free body. For solving, angles
-//! and rows that are angles are scaled to lengths by the mechanism's size [m], so that norms and singular
-//! values are meaningful. Positions follow by Newton's method with least-norm steps, velocities from
-//! (dphi/dq) qd = -dphi/dt, accelerations from its derivative.
+//! and rows that are angles are scaled to lengths, so that norms and singular values are meaningful: by the
+//! mechanism's size [m]; angles of bodies that keep a freedom by their radius of gyration, so that least-norm
+//! steps depend neither on the place nor on the direction of the whole. Positions follow by Newton's method with
+//! least-norm steps, velocities from (dphi/dq) qd = -dphi/dt, accelerations from its derivative.
 //!
 //! # Source
 //! Position, velocity and acceleration analysis: Haug (1989), Computer Aided Kinematics and Dynamics of
 //! Mechanical Systems. Least-norm solution by singular values: Golub, Van Loan (2013), Matrix Computations.
 
 use super::constraint::{Constraint, first_rows};
+use super::extent::{ROUNDING, extent, farthest, gyration};
 use super::frame::{End, Frame};
 use super::prescribed::Prescribed;
 use crate::extremum::largest;
-use common::scene::{Attachment, Motion, Scene};
+use common::scene::{Attachment, Body, Motion, Scene};
 use nalgebra::{DMatrix, DVector};
 
 /// Gap below which a joint counts as closed, relative to the mechanism's size.
 const CLOSED: f64 = 1e-12;
 const MOST_ITERATIONS: usize = 50;
-/// A row counts as dependent if its part normal to the rows before it is below this share of its length.
-const DEPENDENT: f64 = 1e-9;
+/// Most that a body moves in one iteration, as a share of the mechanism's size or, if that is larger, of the first gap.
+const LONGEST_STEP: f64 = 0.5;
 /// Smallest over largest pivot of the closures' derivative below which the ideal motion does not count as
 /// determined: accelerations near a dead point are thousands of times those elsewhere.
 const DETERMINED: f64 = 1e-4;
 
-/// A joint that could not be closed.
+/// A joint that is open.
 pub struct Open {
     /// Index of the joint with the largest gap.
     pub joint: usize,
-    /// Gap that remained [m].
+    /// Its gap, angles as lengths [m].
     pub gap: f64,
 }
 
 /// The closure equations of a scene.
 pub struct Closure<'a> {
-    scene: &'a Scene,
+    pub(super) scene: &'a Scene,
     prescribed: Vec<Option<Prescribed>>,
     /// First coordinate of each free body.
-    first: Vec<Option<usize>>,
-    constraints: Vec<Constraint>,
+    pub(super) first: Vec<Option<usize>>,
+    pub(super) constraints: Vec<Constraint>,
     /// First row of each joint.
-    row: Vec<usize>,
-    n: usize,
-    m: usize,
+    pub(super) row: Vec<usize>,
+    pub(super) n: usize,
+    pub(super) m: usize,
     size: f64,
+    /// Length of each coordinate: one of a length [1], that by which an angle is a length [m] `(n,)`.
+    unit: Vec<f64>,
 }
 
 /// Gaps of all joints with their derivatives, all as lengths.
-struct Gaps {
+pub(super) struct Gaps {
     /// phi `(m,)` [m].
     phi: DVector<f64>,
     /// dphi/dq `(m, n)` [1].
-    jacobian: DMatrix<f64>,
+    pub(super) jacobian: DMatrix<f64>,
     /// dphi/dt `(m,)` [m/s].
-    rate: DVector<f64>,
+    pub(super) rate: DVector<f64>,
 }
 
 impl<'a> Closure<'a> {
@@ -75,13 +79,15 @@ impl<'a> Closure<'a> {
             .map(|(k, j)| Constraint::new(k, [end(&j.journal), end(&j.bushing)], &j.kind))
             .collect();
         let (row, m) = first_rows(&constraints);
-        let points = scene.joints.iter().flat_map(|j| [j.journal.position, j.bushing.position]);
-        let size = points.flatten().fold(1e-6_f64, |a, b| a.max(b.abs()));
+        let size = extent(scene);
+        // Without freedom the weights matter for rounding alone.
+        let arm = |body: &Body| gyration(body).map(|radius| if m < n { radius } else { size });
+        let unit = scene.bodies.iter().filter_map(arm).flat_map(|arm| [1.0, 1.0, arm]).collect();
         let prescribed = scene.bodies.iter().map(Prescribed::from_body).collect();
-        Closure { scene, prescribed, first, constraints, row, n, m, size }
+        Closure { scene, prescribed, first, constraints, row, n, m, size, unit }
     }
 
-    /// Size of the mechanism: its longest arm [m].
+    /// Size of the mechanism [m]; see [`extent`].
     pub(crate) fn size(&self) -> f64 {
         self.size
     }
@@ -106,24 +112,6 @@ impl<'a> Closure<'a> {
         q
     }
 
-    /// Velocities of the scene's start, before the joints project them `(n,)`.
-    fn start_velocity(&self) -> DVector<f64> {
-        let mut v = DVector::zeros(self.n);
-        for (body, first) in self.scene.bodies.iter().zip(&self.first) {
-            if let (Motion::Free { centre_of_mass, start_angle, start_velocity, start_speed, .. }, Some(k)) =
-                (&body.motion, *first)
-            {
-                let frame = Frame::free(
-                    &[0.0, 0.0, *start_angle],
-                    &[start_velocity[0], start_velocity[1], *start_speed],
-                );
-                let x = frame.velocity(*centre_of_mass);
-                (v[k], v[k + 1], v[k + 2]) = (x[0], x[1], *start_speed);
-            }
-        }
-        v
-    }
-
     fn frame(&self, body: usize, t: f64, q: &DVector<f64>) -> Frame {
         match (self.first[body], &self.prescribed[body]) {
             (Some(k), _) => Frame::free(&[q[k], q[k + 1], q[k + 2]], &[0.0; 3]),
@@ -132,7 +120,7 @@ impl<'a> Closure<'a> {
         }
     }
 
-    fn gaps(&self, t: f64, q: &DVector<f64>) -> Gaps {
+    pub(super) fn gaps(&self, t: f64, q: &DVector<f64>) -> Gaps {
         let mut gaps = Gaps {
             phi: DVector::zeros(self.m),
             jacobian: DMatrix::zeros(self.m, self.n),
@@ -147,7 +135,7 @@ impl<'a> Closure<'a> {
                 for (side, end) in c.ends.iter().enumerate() {
                     if let Some(first) = self.first[end.frame] {
                         for k in 0..3 {
-                            let unit = if k == 2 { unit / self.size } else { unit };
+                            let unit = unit / self.unit[first + k];
                             gaps.jacobian[(row + r, first + k)] = unit * g[r][3 * side + k];
                         }
                     } else {
@@ -159,18 +147,50 @@ impl<'a> Closure<'a> {
         gaps
     }
 
-    /// From lengths to coordinates: angles are lengths at the mechanism's size.
-    fn to_coordinates(&self, mut x: DVector<f64>) -> DVector<f64> {
-        for angle in x.iter_mut().skip(2).step_by(3) {
-            *angle /= self.size;
-        }
+    /// Length of coordinate `k`: one of a length [1], that by which an angle is a length [m].
+    pub(super) fn unit(&self, k: usize) -> f64 {
+        self.unit[k]
+    }
+
+    /// From lengths to coordinates.
+    pub(super) fn to_coordinates(&self, mut x: DVector<f64>) -> DVector<f64> {
+        x.iter_mut().zip(&self.unit).for_each(|(x, unit)| *x /= unit);
+        x
+    }
+
+    /// From coordinates to lengths.
+    pub(super) fn to_lengths(&self, mut x: DVector<f64>) -> DVector<f64> {
+        x.iter_mut().zip(&self.unit).for_each(|(x, unit)| *x *= unit);
         x
     }
 
     /// Largest component of a change of coordinates, as a length [m].
     pub(crate) fn largest(&self, x: &DVector<f64>) -> f64 {
-        let length = |k: usize| if k % 3 == 2 { x[k].abs() * self.size } else { x[k].abs() };
-        largest((0..x.len()).map(length))
+        largest(x.iter().zip(&self.unit).map(|(x, unit)| x.abs() * unit))
+    }
+
+    /// The joint with the largest gap in these gaps.
+    fn most_open(&self, phi: &DVector<f64>) -> Open {
+        let mut worst = Open { joint: 0, gap: 0.0 };
+        for (joint, (c, &row)) in self.constraints.iter().zip(&self.row).enumerate() {
+            let gap = phi.rows(row, c.rows()).norm();
+            // A comparison with NaN is false: count it as the largest gap.
+            if gap > worst.gap || gap.is_nan() {
+                worst = Open { joint, gap };
+            }
+        }
+        worst
+    }
+
+    /// The joint that the coordinates `q` leave open most at time `t`, with the distance of its points, of a sliding joint across its line
+    /// [m], and the size of the angle between its bodies beyond the one it prescribes [rad].
+    pub(crate) fn contradiction(&self, t: f64, q: &DVector<f64>) -> (usize, f64, f64) {
+        let phi = self.gaps(t, q).phi;
+        let joint = self.most_open(&phi).joint;
+        let (c, row) = (&self.constraints[joint], self.row[joint]);
+        let of = |wanted: bool| (0..c.rows()).filter(move |&r| c.is_angle(r) == wanted).map(|r| phi[row + r]);
+        let gap = of(false).fold(0.0, libm::hypot);
+        (joint, gap, of(true).map(|angle| angle.abs() / self.size).sum())
     }
 
     /// Closes every joint at time `t` by Newton's method from `q`.
@@ -179,37 +199,27 @@ impl<'a> Closure<'a> {
     /// [`Open`] with the joint of the largest remaining gap.
     pub(crate) fn close(&self, t: f64, q: &mut DVector<f64>, iterations: &mut u64) -> Result<(), Open> {
         let mut worst = Open { joint: 0, gap: f64::INFINITY };
+        let mut bound = None;
         for _ in 0..MOST_ITERATIONS {
             let Gaps { phi, jacobian, .. } = self.gaps(t, q);
-            worst = Open { joint: 0, gap: 0.0 };
-            for (joint, (c, &row)) in self.constraints.iter().zip(&self.row).enumerate() {
-                let gap = phi.rows(row, c.rows()).norm();
-                // A comparison with NaN is false: count it as the largest gap.
-                if gap > worst.gap || gap.is_nan() {
-                    worst = Open { joint, gap };
-                }
-            }
-            if worst.gap <= CLOSED * self.size {
+            worst = self.most_open(&phi);
+            if worst.gap <= (CLOSED * self.size).max(ROUNDING * farthest(q.as_slice(), self.size)) {
                 return Ok(());
             }
             *iterations += 1;
             let step = self.to_coordinates(least_norm(&jacobian, &phi));
-            // No body moves by more than half the mechanism in one iteration.
+            let bound = *bound.get_or_insert(LONGEST_STEP * worst.gap.max(self.size));
             let longest = self.largest(&step);
-            *q -= step * (0.5 * self.size / longest).min(1.0);
+            *q -= step * (bound / longest).min(1.0);
         }
         Err(worst)
     }
 
-    /// Velocities at a closed position `(n,)`: the projection of the start's velocities that satisfies drives
-    /// and joints. For t > 0 the drives must determine the motion.
+    /// Velocities at a closed position `(n,)` as far as the drives determine them: the least ones that satisfy drives and joints.
     pub(crate) fn velocity(&self, t: f64, q: &DVector<f64>) -> DVector<f64> {
         let Gaps { jacobian, rate, .. } = self.gaps(t, q);
-        let mut free = if t == 0.0 { self.start_velocity() } else { DVector::zeros(self.n) };
-        let mut lengths = free.clone();
-        lengths.iter_mut().skip(2).step_by(3).for_each(|angle| *angle *= self.size);
-        free -= self.to_coordinates(least_norm(&jacobian, &(&jacobian * lengths + rate)));
-        free
+        let still = DVector::zeros(self.n);
+        still - self.to_coordinates(least_norm(&jacobian, &rate))
     }
 
     /// Accelerations at (q, v) `(n,)`: (dphi/dq) qdd = -(second time derivative of phi at qdd = 0); `None` if
@@ -298,65 +308,6 @@ impl<'a> Closure<'a> {
         self.frame(body, t, q)
     }
 
-    /// Branch of a mechanism without freedom on either side of a dead point: true if det(dphi/dq) > 0.
-    pub(crate) fn orientation(&self, t: f64, q: &DVector<f64>) -> Option<bool> {
-        if self.m != self.n || self.n == 0 {
-            return None;
-        }
-        let jacobian = self.gaps(t, q).jacobian;
-        if self.first_dependent_row(&jacobian, |_| true).is_some() {
-            return None;
-        }
-        Some(jacobian.determinant() > 0.0)
-    }
-
-    /// Whether drives and joints leave no freedom at a closed position.
-    pub(crate) fn is_determined(&self, q: &DVector<f64>) -> bool {
-        let Gaps { jacobian, .. } = self.gaps(0.0, q);
-        self.n > 0 && self.m >= self.n && jacobian.rank(DEPENDENT) == self.n
-    }
-
-    /// The first ideal joint whose rows depend linearly on those of the ideal joints before it.
-    pub(crate) fn first_dependent_joint(&self, q: &DVector<f64>) -> Option<usize> {
-        let jacobian = self.gaps(0.0, q).jacobian;
-        let ideal = |joint: usize| !self.scene.joints[joint].kind.has_clearance();
-        self.first_dependent_row(&jacobian, ideal)
-    }
-
-    /// Joint of the first row, among those of the wanted joints, that depends linearly on the rows before it.
-    fn first_dependent_row(&self, jacobian: &DMatrix<f64>, wanted: impl Fn(usize) -> bool) -> Option<usize> {
-        let mut basis: Vec<DVector<f64>> = Vec::new();
-        for (joint, (c, &row)) in self.constraints.iter().zip(&self.row).enumerate() {
-            for r in (row..row + c.rows()).filter(|_| wanted(joint)) {
-                let mut own = jacobian.row(r).transpose();
-                let length = own.norm();
-                // Twice is enough: the second pass removes the rounding errors of the first.
-                for _ in 0..2 {
-                    for b in &basis {
-                        let share = b.dot(&own);
-                        own -= b * share;
-                    }
-                }
-                if own.norm() <= DEPENDENT * length {
-                    return Some(joint);
-                }
-                basis.push(own.normalize());
-            }
-        }
-        None
-    }
-
-    /// Joint with the largest share in the combination of rows closest to zero (left singular vector of the
-    /// smallest singular value).
-    pub(crate) fn weakest_joint(&self, t: f64, q: &DVector<f64>) -> usize {
-        let svd = self.gaps(t, q).jacobian.svd(true, false);
-        let Some(u) = svd.u else { return 0 };
-        let weakest = svd.singular_values.imin();
-        let share =
-            |joint: usize| u.column(weakest).rows(self.row[joint], self.constraints[joint].rows()).norm();
-        (0..self.constraints.len()).max_by(|&a, &b| share(a).total_cmp(&share(b))).unwrap_or(0)
-    }
-
     /// Coordinates of each free body, by body of the scene.
     pub(crate) fn split(&self, x: &DVector<f64>) -> Vec<Option<[f64; 3]>> {
         self.first.iter().map(|first| first.map(|k| [x[k], x[k + 1], x[k + 2]])).collect()
@@ -365,7 +316,7 @@ impl<'a> Closure<'a> {
 
 /// Least-norm, least-squares solution of `a x = b`: by the normal equations of the rows if these are
 /// independent, else by singular values.
-fn least_norm(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+pub(super) fn least_norm(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     if a.is_empty() {
         return DVector::zeros(a.ncols());
     }

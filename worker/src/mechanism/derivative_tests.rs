@@ -281,8 +281,8 @@ pub(super) fn everything() -> Scene {
         centre_of_mass: [0.02, -0.004],
         start_position: [x, y],
         start_angle: angle,
-        start_velocity: [0.1, 0.2],
-        start_speed: 3.0,
+        start_velocity: None,
+        start_speed: None,
     };
     let body = |name: &str, motion| Body { name: name.into(), motion, points: vec![] };
     let speed = Table { at: vec![0.0, 0.02, 0.04, 0.1], value: vec![90.0, 140.0, 110.0, 90.0], repeat: true };

@@ -27,8 +27,8 @@ fn slider_crank() -> Scene {
         centre_of_mass: [0.0; 2],
         start_position: [x, 0.0],
         start_angle: 0.0,
-        start_velocity: [0.0; 2],
-        start_speed: 0.0,
+        start_velocity: None,
+        start_speed: None,
     };
     let drive = Drive::ConstantSpeed { start_angle: 0.0, speed: SPEED };
     let body = |name: &str, motion| Body { name: name.into(), motion, points: vec![] };

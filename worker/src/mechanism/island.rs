@@ -4,6 +4,7 @@
 use super::closing::IdealJoints;
 use super::constraint::Constraint;
 use super::elimination::{Elimination, Existence};
+use super::extent::least_arm;
 use super::forces::{Acting, JointSpace};
 use super::frame::Frame;
 use super::joint::joint_motion;
@@ -174,16 +175,23 @@ impl Island {
     /// Scales of the local error. With clearance: a length of 1 % of the smallest clearance (the order of the
     /// penetrations) and the speed it gives at the contact's natural frequency; with guides 0.01 % of their clearance, as flat contacts are stiffer. Without: a ten-thousandth of
     /// the island's size, and the speed that covers it in a radian of the cycle. An angle is the length at
-    /// the longest arm.
+    /// the longest arm of its body, from the centre of mass to a joint, or at a tenth of its radius of gyration; the size of the island is the
+    /// longest one, those of its drives included.
     pub(super) fn scaled(mut self, scene: &Scene) -> Self {
         const SHARE_OF_CLEARANCE: f64 = 0.01;
         const SHARE_OF_SIZE: f64 = 1e-4;
         const SHARE_OF_GUIDE: f64 = 1e-4;
         let contacts = self.joints.iter().map(|j| j.ends);
         let ends = contacts.chain(self.ideal.constraints.iter().map(|c| c.ends));
-        let mut arm = vec![1e-6_f64; self.bodies.len()];
-        for end in ends.flatten().filter(|e| e.frame < self.bodies.len()) {
-            arm[end.frame] = arm[end.frame].max(length(end.arm));
+        let mut arm: Vec<f64> = self.bodies.iter().map(|&body| least_arm(&scene.bodies[body])).collect();
+        let mut longest = 0.0_f64;
+        for end in ends.flatten() {
+            let is_driven = |motion: &Prescribed| !motion.is_still();
+            match end.frame.checked_sub(self.bodies.len()) {
+                None => arm[end.frame] = arm[end.frame].max(length(end.arm)),
+                Some(k) if is_driven(&self.prescribed[k]) => longest = longest.max(length(end.arm)),
+                Some(_) => {}
+            }
         }
         for guide in self.guides.iter().map(|guide| &guide.flat) {
             for (end, farthest) in
@@ -192,7 +200,7 @@ impl Island {
                 arm[end.frame] = arm[end.frame].max(farthest);
             }
         }
-        self.size = largest(arm.iter().copied());
+        self.size = largest(arm.iter().copied()).max(longest);
         let (mut position, mut frequency) =
             (SHARE_OF_SIZE * self.size, std::f64::consts::TAU / scene.life.period);
         if let Some(least) = self.joints.iter().map(|j| j.contact.surface().clearance).min_by(f64::total_cmp)

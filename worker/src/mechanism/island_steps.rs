@@ -1,11 +1,12 @@
 //! What the integration of an island needs besides its forces: closed joints, scales of errors, and the passage through positions in
 //! which the ideal joints are dependent.
 
-use super::closing::close;
+use super::closing::{close, least_gap};
+use super::extent::farthest;
 use super::frame::End;
 use super::guide_onset::begun;
 use super::island::Island;
-use super::passage::{Comparison, Passage, ROUNDING, on_path};
+use super::passage::{Comparison, Passage, on_path};
 use super::placed::Placed;
 use crate::extremum::{largest, smallest};
 use crate::integrate::{Closed, Linearised, Passing, State, Stepped};
@@ -14,13 +15,6 @@ use crate::integrate::{Closed, Linearised, Passing, State, Stepped};
 const CLOSED: f64 = 1e-8;
 /// Most Newton steps before a joint counts as impossible to close.
 const MOST_ITERATIONS: usize = 8;
-/// Gap that counts as closed, over the size of the mechanism: Newton's last step leaves rounding of the coordinates themselves [1].
-const LEAST_GAP: f64 = 1e-14;
-
-/// Largest coordinate of a body, angles times `size` [m]: its rounding is that of gaps.
-fn farthest(q: &[f64], size: f64) -> f64 {
-    q.chunks_exact(3).fold(0.0, |a: f64, q| a.max(q[0].abs()).max(q[1].abs()).max(size * q[2].abs()))
-}
 
 impl Island {
     /// In an island of many ideal joints: adds their reactions to the applied forces in `at`.
@@ -68,7 +62,7 @@ impl Island {
     /// size over the share of the most dependent row, and turns the directions along which velocities are projected by this displacement
     /// over the share once more.
     fn close_to_rounding(&mut self, t: f64, q: &mut [f64], v: &mut [f64]) -> Option<f64> {
-        let enough = (LEAST_GAP * self.size).max(ROUNDING * f64::EPSILON * farthest(q, self.size));
+        let enough = least_gap(q, self.size);
         let mut drift = None;
         for _ in 0..MOST_ITERATIONS {
             self.set_state(t, q, v);

@@ -4,16 +4,19 @@
 #[cfg(test)]
 mod acceleration_tests;
 mod assembly;
+mod change_point;
 mod closing;
 mod closure;
 mod constraint;
 #[cfg(test)]
 mod constraint_tests;
+mod dependence;
 #[cfg(test)]
 mod derivative_tests;
 mod effective_mass;
 mod elimination;
 mod envelope_qr;
+mod extent;
 mod external_loads;
 mod forces;
 mod frame;
@@ -44,6 +47,7 @@ mod placed;
 mod prescribed;
 mod sliding;
 mod sparse_elimination;
+mod start_velocity;
 mod topology;
 mod turns;
 mod wearing_guide;
@@ -57,6 +61,8 @@ mod written_blocks;
 pub(crate) use assembly::ideal_accelerations;
 pub use assembly::{Pose, ideal_cycle};
 pub use constraint::Constraint;
+pub use extent::local_origin;
+pub(crate) use extent::moved_to_origin;
 pub(crate) use external_loads::ExternalLoads;
 pub use frame::{End, Frame};
 pub use guide::Guide;

@@ -28,6 +28,7 @@
 
 use super::constraint::{Constraint, first_rows};
 use super::envelope_qr::EnvelopeQr;
+use super::extent::ROUNDING;
 use super::placed::Placed;
 use super::sparse_elimination::SparseElimination;
 use crate::extremum::smallest;
@@ -53,8 +54,6 @@ const CROSSED_AT: f64 = 0.55;
 const CROSSED_FIRST: f64 = 0.1;
 /// Time of the stages over the length of a step [1].
 const STAGES: [f64; 6] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0];
-/// Rounding of a gap between bodies over that of their coordinates [1].
-pub(super) const ROUNDING: f64 = 8.0;
 
 /// A position of dependence that the motion approaches.
 #[derive(Debug, Clone, Copy)]
@@ -197,7 +196,7 @@ impl Passage {
             }
         }
         // Gaps round independently of each other, and close together.
-        let gaps = (self.shares.len() as f64).sqrt() * ROUNDING * f64::EPSILON * farthest;
+        let gaps = (self.shares.len() as f64).sqrt() * ROUNDING * farthest;
         let rounding = gaps * fastest;
         self.ahead = Some(Ahead { time, share: smallest(self.start.iter().copied()), rounding });
     }

@@ -4,7 +4,7 @@
 use crate::mechanism::{Frame, Influence, Pose, held_poses, influences};
 use crate::outputs::{BodyTrack, IdealTracks, PointTrack, RecordingRequest, SoughtBacklash};
 use common::failure::SimulationFailure;
-use common::scene::{Attachment, Scene};
+use common::scene::{Attachment, Motion, Scene};
 
 /// What is `requested` of the ideal mechanism over its `poses`. Adds Newton iterations to `iterations`.
 ///
@@ -82,4 +82,19 @@ fn ideal_path(scene: &Scene, poses: &[Pose], at: &Attachment) -> PointTrack {
         }
     }
     path
+}
+
+/// Why drives and joints do not determine the motion of the ideal mechanism.
+pub(crate) fn left_open(scene: &Scene) -> String {
+    let is_held = |index: usize| {
+        scene.joints.iter().any(|joint| joint.journal.body == index || joint.bushing.body == index)
+    };
+    let bodies = scene.bodies.iter().enumerate();
+    let loose = bodies.filter(|(k, body)| matches!(body.motion, Motion::Free { .. }) && !is_held(*k));
+    let names: Vec<&str> = loose.map(|(_, body)| &*body.name).collect();
+    match names.as_slice() {
+        [] => "the drives leave the ideal motion open".to_owned(),
+        [one] => format!("body {one} is held by no joint"),
+        many => format!("bodies {} are held by no joint", many.join(", ")),
+    }
 }

@@ -223,12 +223,19 @@ pub(crate) fn failure(
     let name = |joint: usize| {
         island.contacts().nth(joint).map_or_else(String::new, |joint| scene.joints[joint].name.clone())
     };
+    // Without contact the friction of ideal joints may be what makes steps short.
+    let rubbing = || {
+        let joint = island.constraints().iter().find(|c| c.friction.is_some())?;
+        Some(scene.joints[joint.scene_joint].name.clone())
+    };
     match error {
         IntegrationError::StepTooSmall { time, step, error, joint } => {
-            SimulationFailure::StepTooSmall { cycle, time, joint: joint.map(name), step, error }
+            let joint = joint.map(name).or_else(rubbing);
+            SimulationFailure::StepTooSmall { cycle, time, joint, step, error }
         }
         IntegrationError::TooManySteps { time, bound, joint } => {
-            SimulationFailure::TooManySteps { cycle, time, joint: joint.map(name), bound }
+            let joint = joint.map(name).or_else(rubbing);
+            SimulationFailure::TooManySteps { cycle, time, joint, bound }
         }
         IntegrationError::OutOfRange { time, joint, penetration } => {
             SimulationFailure::OutOfRange { cycle, time, joint: name(joint), penetration }

@@ -58,6 +58,7 @@ mod unbounded_forces;
 mod wall;
 mod worn_joints;
 
+use crate::mechanism::moved_to_origin;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
@@ -159,6 +160,9 @@ async fn simulate_stages(
     options: SimulateOptions,
 ) -> CountedEvaluation {
     let failed = |failure| CountedEvaluation { result: Err(failure), steps_tried: 0 };
+    // Coordinates from a point of the mechanism: far from it they would round away what small motions are.
+    let local = moved_to_origin(scene);
+    let scene = local.as_ref().map_or(scene, |(local, _)| local);
     let numbered = match with_control_points(&queue, scene).await {
         Ok(numbered) => numbered,
         Err(failure) => return failed(failure),
@@ -173,7 +177,10 @@ async fn simulate_stages(
         runs[0].simulated += cycles;
     }
     runs.iter_mut().for_each(|run| run.display = options.first_cycle.then(WornDisplay::default));
-    let result = evaluate(&mut runs).await;
+    let mut result = evaluate(&mut runs).await;
+    if let (Ok(evaluation), Some((_, origin))) = (&mut result, &local) {
+        evaluation.move_histories(*origin);
+    }
     let steps_tried = runs.iter().map(|run| run.counts.steps + run.counts.rejected).sum();
     CountedEvaluation { result, steps_tried }
 }

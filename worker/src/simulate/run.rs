@@ -1,6 +1,6 @@
 //! The stages of an evaluation: settle, measure a cycle, wear a block, warm up.
 
-use super::ideal_tracks::ideal_tracks;
+use super::ideal_tracks::{ideal_tracks, left_open};
 use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
@@ -83,8 +83,9 @@ impl<'a> Run<'a> {
         let of_ideal = |output: &&Output| recording_request(slice::from_ref(*output)).needs_ideal_motion();
         if let Some(output) = scene.outputs.iter().find(of_ideal).filter(|_| poses.len() < samples) {
             let what = format!(
-                "output {}, since the drives leave the ideal motion open: an error against the ideal mechanism and a backlash need it",
-                output.name
+                "output {}, since {}: an error against the ideal mechanism and a backlash need its motion",
+                output.name,
+                left_open(scene)
             );
             return Err(SimulationFailure::NotModelled { what });
         }

@@ -1,9 +1,10 @@
 //! The second scene through the same code, turned and mirrored: nothing knows where up is.
 
 use crate::scenes::{scene, short};
+use crate::transformed::Transform;
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
-use common::scene::{Attachment, Drive, Load, Motion, Scene};
+use common::scene::{Attachment, Load, Scene};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 use worker::simulate::{SimulateOptions, simulate};
 
@@ -16,60 +17,6 @@ fn evaluate(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
 /// Tight enough that what is left of the step control's own axes can be told from a defect.
 fn tight() -> Accuracy {
     Accuracy { step_tolerance: 1e-5, wear_tolerance: 1e-3, ..Accuracy::balanced() }
-}
-
-/// The scene with every position, direction and angle of the global frame changed: vectors by `vector`, angles
-/// by `angle`; vectors in moving bodies by `inner`, torques and speeds by `sense`.
-fn transformed(
-    mut scene: Scene,
-    vector: impl Fn([f64; 2]) -> [f64; 2],
-    inner: impl Fn([f64; 2]) -> [f64; 2],
-    angle: impl Fn(f64) -> f64,
-    sense: f64,
-) -> Scene {
-    let fixed: Vec<bool> = scene.bodies.iter().map(|b| b.motion == Motion::Fixed).collect();
-    let attachment = |a: &mut Attachment| {
-        a.position = if fixed[a.body] { vector(a.position) } else { inner(a.position) };
-    };
-    for body in &mut scene.bodies {
-        match &mut body.motion {
-            Motion::Fixed => {}
-            Motion::Driven { position, drive: Drive::ConstantSpeed { start_angle, speed }, .. } => {
-                (*position, *start_angle, *speed) = (vector(*position), angle(*start_angle), sense * *speed);
-            }
-            Motion::Driven { .. } => unreachable!("the crank turns at constant speed"),
-            Motion::Free { centre_of_mass, start_position, start_angle, .. } => {
-                *centre_of_mass = inner(*centre_of_mass);
-                (*start_position, *start_angle) = (vector(*start_position), angle(*start_angle));
-            }
-        }
-    }
-    for joint in &mut scene.joints {
-        attachment(&mut joint.journal);
-        attachment(&mut joint.bushing);
-    }
-    for load in &mut scene.loads {
-        match load {
-            Load::DirectionalSpring { at, anchor, direction, .. } => {
-                attachment(at);
-                attachment(anchor);
-                *direction = vector(*direction);
-            }
-            Load::ConstantForce { at, force, .. } => {
-                attachment(at);
-                *force = vector(*force);
-            }
-            Load::ConstantTorque { torque, .. } => *torque *= sense,
-            other => unreachable!("{other:?} is not in the scene"),
-        }
-    }
-    scene.gravity = vector(scene.gravity);
-    scene
-}
-
-fn turned(scene: Scene, by: f64) -> Scene {
-    let (s, c) = by.sin_cos();
-    transformed(scene, |[x, y]| [c * x - s * y, s * x + c * y], |p| p, |a| a + by, 1.0)
 }
 
 /// The four-bar with a weight and a side force too, so that every kind of load has a direction to turn.
@@ -89,6 +36,10 @@ fn loaded() -> Scene {
         free_length: -0.01,
     });
     scene
+}
+
+fn turned(turn: f64) -> Scene {
+    Transform { turn, ..Transform::NONE }.of(loaded())
 }
 
 /// Largest difference in wear, relative to the deepest, where control point i of `a` meets `meets(i)` of `b`.
@@ -118,7 +69,7 @@ fn closes_wears_and_gives_both_outputs() {
 #[test]
 fn a_quarter_turn_changes_nothing() {
     let base = evaluate(&loaded(), &Accuracy::balanced());
-    let turned = evaluate(&turned(loaded(), FRAC_PI_2), &Accuracy::balanced());
+    let turned = evaluate(&turned(FRAC_PI_2), &Accuracy::balanced());
     let off = wear_difference(&base, &turned, |i| i);
     println!("wear after a quarter turn: {off}");
     assert!(off < 1e-6, "{off}");
@@ -131,7 +82,7 @@ fn a_quarter_turn_changes_nothing() {
 fn any_turn_changes_no_more_than_the_step_control() {
     // The local error is measured along the global axes, so that other axes give other steps.
     let base = evaluate(&loaded(), &tight());
-    let turned = evaluate(&turned(loaded(), FRAC_PI_6), &tight());
+    let turned = evaluate(&turned(FRAC_PI_6), &tight());
     let off = wear_difference(&base, &turned, |i| i);
     println!("wear after a turn of 30 deg: {off}");
     assert!(off < 2e-4, "{off}");
@@ -139,8 +90,7 @@ fn any_turn_changes_no_more_than_the_step_control() {
 
 #[test]
 fn the_mirror_image_wears_in_the_mirror() {
-    let flip = |[x, y]: [f64; 2]| [x, -y];
-    let mirrored = transformed(loaded(), flip, flip, |a| -a, -1.0);
+    let mirrored = Transform { mirrored: true, ..Transform::NONE }.of(loaded());
     let (a, b) = (evaluate(&loaded(), &Accuracy::balanced()), evaluate(&mirrored, &Accuracy::balanced()));
     let off = wear_difference(&a, &b, |i| (36 - i) % 36);
     println!("wear in the mirror: {off}");

@@ -206,7 +206,7 @@ fn a_pressed_slider_slides_on_without_friction_and_stops_with_it() {
             guide.friction = friction;
         });
         if let Motion::Free { start_velocity, .. } = &mut scene.bodies[1].motion {
-            *start_velocity = [speed, 0.0];
+            *start_velocity = Some([speed, 0.0]);
         }
         let evaluation = run(&scene);
         let (time, position) = history(&evaluation);
@@ -224,7 +224,7 @@ fn a_pressed_slider_slides_on_without_friction_and_stops_with_it() {
 fn a_slider_that_leaves_its_guide_is_refused_by_name() {
     let mut scene = slider([0.0, -1.0], 0.1, |_| {});
     if let Motion::Free { start_velocity, .. } = &mut scene.bodies[1].motion {
-        *start_velocity = [0.5, 0.0];
+        *start_velocity = Some([0.5, 0.0]);
     }
     // Its end is 20 mm from that of the guide.
     match simulate(&scene, &Accuracy::draft(), SimulateOptions::default()) {

@@ -20,8 +20,8 @@ fn body(name: &str, mass: f64, inertia: f64, start: [f64; 2], angle: f64, veloci
         centre_of_mass: [0.0; 2],
         start_position: start,
         start_angle: angle,
-        start_velocity: velocity,
-        start_speed: 0.0,
+        start_velocity: (velocity != [0.0; 2]).then_some(velocity),
+        start_speed: None,
     };
     Body { name: name.into(), motion, points: vec![] }
 }

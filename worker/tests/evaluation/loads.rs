@@ -20,8 +20,8 @@ fn one_body(kind: JointKind, start_position: [f64; 2], loads: Vec<Load>, period:
         centre_of_mass: [0.0; 2],
         start_position,
         start_angle: 0.0,
-        start_velocity: [0.0; 2],
-        start_speed: 0.0,
+        start_velocity: None,
+        start_speed: None,
     };
     scene.joints[0].kind = kind;
     scene.loads = loads;
@@ -128,7 +128,7 @@ fn dragged(start: f64, [linear, quadratic]: [f64; 2], flow: f64, factor: Option<
     let guide = JointKind::Prismatic { axis: 0.0, angle: 0.0 };
     let mut scene = one_body(guide, [0.0; 2], vec![drag], 2.0);
     if let Motion::Free { start_velocity, .. } = &mut scene.bodies[1].motion {
-        *start_velocity = [start, 0.0];
+        *start_velocity = Some([start, 0.0]);
     }
     scene
 }
@@ -188,7 +188,7 @@ fn quadratic_drag_slows_a_rotor_as_in_closed_form() {
     let drag = Load::RotationalDrag { name: "fan".into(), body: 1, linear: 0.0, quadratic: c, factor: None };
     let mut scene = rotor(vec![drag], 2.0);
     if let Motion::Free { start_speed, .. } = &mut scene.bodies[1].motion {
-        *start_speed = start;
+        *start_speed = Some(start);
     }
     for (t, angle, _) in history(&run(&scene)) {
         let exact = -INERTIA / c * (c * start.abs() * t / INERTIA).ln_1p();
@@ -207,8 +207,8 @@ fn a_fixed_joint_makes_one_body_of_two() {
         centre_of_mass: [0.0, -down],
         start_position: [0.0; 2],
         start_angle: -TAU / 4.0,
-        start_velocity: [0.0; 2],
-        start_speed: 0.0,
+        start_velocity: None,
+        start_speed: None,
     };
     two.bodies[1].motion = body(0.6, 0.02, 0.8);
     two.bodies.push(Body { name: "second".into(), motion: body(0.4, 0.01, 1.1), points: vec![] });

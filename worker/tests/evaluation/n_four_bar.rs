@@ -54,15 +54,21 @@ fn scene(of: &FourBars) -> Scene {
     };
     for k in 0..=n {
         let length = if k == n { 1.0 + excess } else { 1.0 };
-        body(format!("crank{k}"), [k, 0], [0.0, length], &format!("start_speed = \"{} rad/s\"", -speed));
+        // With other lengths the first crank's speed gives all others.
+        let motion = if excess == 0.0 || k == 0 {
+            format!("start_speed = \"{} rad/s\"", -speed)
+        } else {
+            String::new()
+        };
+        body(format!("crank{k}"), [k, 0], [0.0, length], &motion);
     }
     for k in 0..n {
-        body(
-            format!("coupler{k}"),
-            [k, 1],
-            [1.0, 0.0],
-            &format!("start_velocity = [\"{speed} m/s\", \"0 m/s\"]"),
-        );
+        let motion = if excess == 0.0 {
+            format!("start_velocity = [\"{speed} m/s\", \"0 m/s\"]")
+        } else {
+            String::new()
+        };
+        body(format!("coupler{k}"), [k, 1], [1.0, 0.0], &motion);
     }
     let mut joint = |name: String, a: (String, &str), b: (String, String)| {
         writeln!(

@@ -12,6 +12,12 @@ pub fn scene(name: &str, settings: &[(&str, f64)]) -> Scene {
     SceneSource::builtin(name).expect("built in").resolve_with(&settings).expect("valid")
 }
 
+/// A mechanism that tests of several crates share.
+pub fn shared(name: &str) -> Scene {
+    let file = format!("{}/../common/tests/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    SceneSource::load(&file).expect("valid").nominal().clone()
+}
+
 /// The same with a shorter life [cycles].
 pub fn short(name: &str, settings: &[(&str, f64)], cycles: u32) -> Scene {
     let mut scene = scene(name, settings);

@@ -92,12 +92,13 @@ fn starts(scene: &Scene, written: &WrittenScene) -> Markup {
             return None;
         };
         let key = |last: &str| format!("bodies.{}.{last}", body.name);
+        let none = || UNKNOWN.to_owned();
         Some(cells([
             body.name.clone(),
             texts.pair(&key("start_position"), *start_position, "mm"),
             texts.value(&key("start_angle"), *start_angle, "deg"),
-            texts.pair(&key("start_velocity"), *start_velocity, "m/s"),
-            texts.value(&key("start_speed"), *start_speed, "r/min"),
+            start_velocity.map_or_else(none, |v| texts.pair(&key("start_velocity"), v, "m/s")),
+            start_speed.map_or_else(none, |speed| texts.value(&key("start_speed"), speed, "r/min")),
         ]))
     });
     let rows: Vec<_> = rows.collect();
@@ -107,7 +108,7 @@ fn starts(scene: &Scene, written: &WrittenScene) -> Markup {
     let head = ["body", "position [mm]", "angle", "velocity [m/s]", "angular velocity"];
     captioned(
         "starts",
-        "Approximate state of the free bodies at time zero, from which joints and drives are closed",
+        "State of the free bodies at time zero: approximate positions, from which joints and drives are closed; velocities where they are given",
         table(&head, rows.into_iter()),
     )
 }
