@@ -39,8 +39,9 @@ fn at(e: [f64; 2]) -> JointMotion {
 /// Largest closing of the gap over 40 000 angles, and its angle [m, rad].
 fn searched(surfaces: Surfaces, motion: &JointMotion) -> (f64, f64) {
     let closed = |theta: f64| {
-        let radius =
-            surfaces.journal.map_or(SURFACE.journal_radius, |journal| journal.radius_at(theta - motion.turn).r);
+        let radius = surfaces
+            .journal
+            .map_or(SURFACE.journal_radius, |journal| journal.radius_at(theta - motion.turn).r);
         motion.e[0] * theta.cos() + motion.e[1] * theta.sin() + radius - surfaces.bore.radius_at(theta).r
     };
     (0..40_000)
@@ -68,7 +69,10 @@ fn the_contact_is_where_the_gap_is_closed_furthest() {
                     let (furthest, angle) = searched((&profile).into(), &at(e));
                     let found = law.force::<false>(&profile, &at(e)).0;
                     // The angles of the search are 1.6e-4 rad apart.
-                    assert!((found.penetration - furthest).abs() < 1e-12, "{e:?}: {found:?}, {furthest} at {angle}");
+                    assert!(
+                        (found.penetration - furthest).abs() < 1e-12,
+                        "{e:?}: {found:?}, {furthest} at {angle}"
+                    );
                 }
             }
         }

@@ -6,11 +6,11 @@
 use super::arc::{Arc, Arcs};
 use super::arc_cells::ArcCells;
 use super::foundation::Foundation;
+use super::hertz::Hertz;
 use super::integrals::Integrals;
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::journal::{Surfaces, within_a_turn, worn_radius};
 use super::journal_lanes::JournalLanes;
-use super::hertz::Hertz;
 use super::local_hertz::{LocalHertz, PolarEccentricity, Walls};
 use super::touch::Touch;
 use super::{Contact, Surface};

@@ -1,8 +1,8 @@
 //! All contact laws on a worn bore: exact derivatives, balances of power and momentum, conservation.
 
 use super::{Contact, JointForce, JointMotion, Surface};
-use common::scene::ContactLaw;
 use crate::bore::Profile;
+use common::scene::ContactLaw;
 use std::f64::consts::TAU;
 
 pub(super) const SURFACE: Surface = Surface {

@@ -27,8 +27,8 @@ use crate::bore::{Bore, Radius};
 use crate::lanes::{Real, sincos};
 use crate::plane::{fused_dot as dot, left};
 
-/// A step of Newton's method up to which the place is found [rad]: the next one would be its square, some 1e-13.
-const CLOSE: f64 = 1e-7;
+/// A step of Newton's method up to which the place is found [rad]: the next one would be of its square, some 1e-12.
+const CLOSE: f64 = 1e-6;
 /// Most evaluations of one search: two or three are usual, a bisection takes as many as digits.
 const MOST: u32 = 40;
 /// Largest step of the search [rad].
@@ -123,11 +123,10 @@ impl<R: Real, B: Bore<R>> Facing<'_, R, B> {
         let e_at = [e.size * e.u[0], e.size * e.u[1]];
         // g rises at `low` and falls at `high`.
         let (mut low, mut high) = (e.psi - REACH, e.psi + REACH);
-        let mut theta = start;
+        let (sin, cos) = sincos(start);
+        let (mut theta, mut u) = (start, [cos, sin]);
         let mut count = 0;
         loop {
-            let (sin, cos) = sincos(theta);
-            let u = [cos, sin];
             let walls = self.walls(theta);
             let gap = walls.gap(self.radius);
             let slope = dot(e_at, left(u)) - gap.d1;
@@ -146,10 +145,23 @@ impl<R: Real, B: Bore<R>> Facing<'_, R, B> {
             }
             let next = theta + step;
             let between = R::both(low.below(next), next.below(high));
-            let next = R::select(between, next, (low + high) * 0.5);
-            theta = R::select(moves, next, theta);
+            let halving = ((low + high) * 0.5 - theta).smaller(largest).larger(-largest);
+            let step = R::select(moves, R::select(between, step, halving), nothing);
+            theta += step;
+            u = turned(u, step);
         }
     }
+}
+
+/// The unit vector `u` turned by an angle of at most [`LARGEST`] [rad], to rounding.
+#[inline(always)]
+fn turned<R: Real>(u: [R; 2], angle: R) -> [R; 2] {
+    let z = angle * angle;
+    let (one, t) = (z.like(1.0), left(u));
+    let sine = z.like(-1.0 / 6.0).plus_product(z, z.like(1.0 / 120.0).minus_product(z, z.like(1.0 / 5040.0)));
+    let cosine = z.like(-0.5).plus_product(z, z.like(1.0 / 24.0).minus_product(z, z.like(1.0 / 720.0)));
+    let (sine, cosine) = (angle.plus_product(angle * z, sine), one.plus_product(z, cosine));
+    [(u[0] * cosine).plus_product(t[0], sine), (u[1] * cosine).plus_product(t[1], sine)]
 }
 
 impl<R: Real> Radius<R> {

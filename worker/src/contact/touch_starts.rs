@@ -2,7 +2,8 @@
 //!
 //! Without penetration the eccentricity is on the border of the free region (`free_region.rs`), which the journal reaches touching at an angle theta
 //! that grows with the direction psi of the eccentricity: e = G u + G' t, psi = theta + atan(G' / G). The table has theta - psi over equal
-//! cells of psi, linear within each. Where the journal bridges a groove it touches at one of its edges: a cell has both.
+//! cells of psi, linear within each. Where the journal bridges a groove it touches at one of its edges: a cell has both, as have some
+//! beside it.
 //! A journal pressed into the bore touches within the same arc of contact, in which the gap closed has one maximum unless a groove is bridged.
 //!
 //! # Source
@@ -14,8 +15,11 @@ use crate::bore::{Profile, locate};
 use crate::lanes::Real;
 use std::f64::consts::TAU;
 
-/// Cells of a turn: two degrees, over which theta is linear within some 1e-4 rad.
+/// Cells of a turn: two degrees.
 const CELLS: usize = 180;
+/// Cells beside a bridged groove in which both edges are tried: the line on which they close the gap equally far turns away from the direction of the eccentricity
+/// by a tenth of the penetration over the clearance, some degrees where the penetration is half of that.
+const BESIDE: usize = 4;
 /// Fewest angles at which the border of the free region is tabulated.
 const ANGLES: usize = 360;
 
@@ -97,6 +101,26 @@ impl Starts {
                 }
             };
             self.cells[cell.rem_euclid(CELLS as i64) as usize] = row;
+        }
+        self.try_other_edges();
+    }
+
+    /// Gives the cells beside a bridged groove the edge on its other side as a second start.
+    fn try_other_edges(&mut self) {
+        let width = TAU / CELLS as f64;
+        let bridging: Vec<usize> = (0..CELLS).filter(|&cell| self.cells[cell][3] > 0.0).collect();
+        for distance in 1..=BESIDE {
+            for &cell in &bridging {
+                let [first, _, second, _] = self.cells[cell];
+                let turned = distance as f64 * width;
+                let beside = [(CELLS + cell - distance, second + turned), (cell + distance, first - turned)];
+                for (place, edge) in beside {
+                    let row = &mut self.cells[place % CELLS];
+                    if row[3] == 0.0 {
+                        (row[2], row[3]) = (edge, 1.0);
+                    }
+                }
+            }
         }
     }
 }

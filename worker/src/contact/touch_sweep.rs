@@ -40,7 +40,11 @@ impl Sweep {
 
     /// Starts between the surfaces `facing` at this eccentricity.
     #[inline(always)]
-    pub(super) fn begin<R: Real, B: Bore<R>>(&self, facing: &Facing<R, B>, e: &PolarEccentricity<R>) -> Begin<R> {
+    pub(super) fn begin<R: Real, B: Bore<R>>(
+        &self,
+        facing: &Facing<R, B>,
+        e: &PolarEccentricity<R>,
+    ) -> Begin<R> {
         let nothing = e.psi.zero();
         let absent = nothing.like(ABSENT);
         let least = facing.clearance * LEAST;

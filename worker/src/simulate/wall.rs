@@ -23,7 +23,8 @@ pub(super) fn wear_failure(
     joint: String,
     failed: impl Into<WearStepFailed>,
 ) -> SimulationFailure {
-    let uniform = matches!(kind, JointKind::Clearance(clearance) if clearance.contact_law != ContactLaw::Foundation);
+    let uniform =
+        matches!(kind, JointKind::Clearance(clearance) if clearance.contact_law != ContactLaw::Foundation);
     match failed.into() {
         WearStepFailed::Tolerance(error) if uniform => SimulationFailure::WearStep { cycle, joint, error },
         WearStepFailed::Tolerance(error) => SimulationFailure::WearOnFoundation { cycle, joint, error },

@@ -40,7 +40,11 @@ impl SurfaceSizes {
         };
         let (one, other) = depth.split_at(first.min(depth.len()));
         let deepest = [one, other].map(|depth| largest(depth.iter().copied()));
-        deepest.into_iter().zip(bounds).find(|(depth, bound)| depth > bound).map(|(depth, bound)| [depth, bound])
+        deepest
+            .into_iter()
+            .zip(bounds)
+            .find(|(depth, bound)| depth > bound)
+            .map(|(depth, bound)| [depth, bound])
     }
 }
 

@@ -9,9 +9,8 @@
 //! order: the next term is (e/R1)^4 / 8, below 1e-11 m here. The arc ends at the first table angle where p is
 //! no longer positive, on the chord from the table angle before.
 //!
-//! Where the contact is not in the direction of the eccentricity but where the journal touches (`hertz`), e is (delta + R - R1) u + R' t there, with
-//! the slope R' of the bore and the tangent t, phi counts from that place, and e sin(phi) is taken less its value R' there: p is largest at
-//! the contact, where it is delta.
+//! Under `hertz` the contact is where the journal touches: there e is (delta + R - R1) u + R' t, with the slope R' and the tangent t; phi
+//! counts from that place, and e sin(phi) is taken less its value R' there, so that p is largest at the contact.
 //!
 //! On a bore with roughness, or two worn surfaces, p may be positive again behind an end: the contact has further patches, found
 //! in the same way. Their lengths, and with them the wear rate, are continuous functions of the profile: a patch
@@ -78,7 +77,7 @@ pub struct ArcEnds {
 /// Direction of a contact: that of the eccentricity, or of the normal.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Spot {
-    /// Unit vector of the eccentricity `(2,)` [1].
+    /// Unit vector `(2,)` [1].
     pub u: [f64; 2],
     /// Its angle in table intervals, in [0, n).
     pub place: f64,
@@ -123,7 +122,7 @@ pub struct Pressed {
     /// Radius of the bore there [m], and its slope [m/rad]; of a worn journal those of the gap of both surfaces.
     pub radius: f64,
     pub slope: f64,
-    /// True if the spot is where the journal touches, with the eccentricity at an angle to it, false if it is the direction of the eccentricity.
+    /// True if the spot is where the journal touches, false if it is the direction of the eccentricity.
     pub touches: bool,
     /// Place of the contact on a worn journal, in table intervals.
     pub on_journal: Option<f64>,
@@ -139,7 +138,7 @@ struct Side<'a> {
     sin: &'a [f64],
     /// Eccentricity `(2,)` [m].
     e: [f64; 2],
-    /// Component of the eccentricity across the direction of the contact, where sin(phi) = 0 [m].
+    /// Component of the eccentricity across the direction of the contact [m].
     tilt: f64,
     /// 1 / (2 R1) [1/m].
     curvature: f64,
@@ -273,8 +272,7 @@ impl ArcEnds {
 
     /// Tabulates a changed profile.
     pub(crate) fn profile_changed(&mut self, profile: &Profile) {
-        let n = self.intervals();
-        let (gap, mirrored) = (&mut self.gap, &mut self.mirrored_gap);
+        let (n, gap, mirrored) = (self.intervals(), &mut self.gap, &mut self.mirrored_gap);
         profile.tabulate(&mut gap[..n]);
         gap[..n].iter_mut().for_each(|gap| *gap = self.journal_radius - *gap);
         gap.copy_within(..n, n);
@@ -364,7 +362,6 @@ impl ArcEnds {
         let mut e = [size * spot.u[0], size * spot.u[1]];
         let (mut tilt, mut reach) = (0.0, self.reach(size));
         if contact.touches {
-            // Across the normal the eccentricity is the slope of the gap.
             tilt = contact.slope;
             e = [e[0] - tilt * spot.u[1], e[1] + tilt * spot.u[0]];
             let turned = libm::atan2(tilt, size).abs() * (n as f64 / TAU);
@@ -372,18 +369,17 @@ impl ArcEnds {
         }
         let (below, lead, slope) = (spot.below as usize, spot.lead(), self.slope(contact));
         // In the mirrored bore the first table angle is that of `below`, and slopes change sign.
-        let mut down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]], [lead, penetration, slope]);
-        let mut up = self.side(&self.gap, below + 1, e, [1.0 - lead, penetration, -slope]);
+        let mut down =
+            self.side(&self.mirrored_gap, n - below, [e[0], -e[1]], [lead, penetration, slope, tilt]);
+        let mut up = self.side(&self.gap, below + 1, e, [1.0 - lead, penetration, -slope, -tilt]);
         if let Some(place) = on_journal {
             down.journal = Some(OnJournal::new(&self.depth[1], lead - place, n));
             up.journal = Some(OnJournal::new(&self.depth[0], place + 1.0 - lead, n));
         }
-        (down.tilt, up.tilt) = (tilt, -tilt);
         ([down, up], reach)
     }
 
-    /// Number of table angles on one side beyond which p is negative for an eccentricity of `size` [m]: with the largest gap g, p <= g + e
-    /// cos(phi), so beyond the angle whose cosine is -g / e.
+    /// Table angles on one side beyond which p is negative for an eccentricity of `size` [m]: p <= g + e cos(phi) with the largest gap g.
     #[inline(always)]
     fn reach(&self, size: f64) -> usize {
         let share = -self.largest_gap / size;
@@ -393,12 +389,12 @@ impl ArcEnds {
     }
 
     /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m]; `near` are the distance to
-    /// that angle, the penetration and the slope of p where the contact is.
+    /// that angle, the penetration and the slope of p where the contact is, and the tilt.
     #[inline(always)]
-    fn side<'a>(&'a self, gap: &'a [f64], first: usize, e: [f64; 2], near: [f64; 3]) -> Side<'a> {
+    fn side<'a>(&'a self, gap: &'a [f64], first: usize, e: [f64; 2], near: [f64; 4]) -> Side<'a> {
         let curvature = 0.5 / self.journal_radius;
         let (gap, cos, sin) = (&gap[first..], &self.cos[first..], &self.sin[first..]);
-        let [lead, penetration, slope] = near;
-        Side { gap, cos, sin, e, curvature, journal: None, tilt: 0.0, lead, penetration, slope }
+        let [lead, penetration, slope, tilt] = near;
+        Side { gap, cos, sin, e, tilt, curvature, journal: None, lead, penetration, slope }
     }
 }
