@@ -7,6 +7,9 @@
 //! # Source
 //! Chosen here.
 
+// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
+#![allow(clippy::needless_range_loop)]
+
 use super::local_hertz::PolarEccentricity;
 use super::touch::{Begin, Facing};
 use crate::bore::Bore;
