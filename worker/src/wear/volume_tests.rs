@@ -213,7 +213,8 @@ fn scar(contact: &Contact, history: &ContactHistory, points: usize) -> (f64, f64
 fn scar_is_converged_within_the_stated_error() {
     // A load that swings through 2, 11 and 92 deg about a control point and about places
     // between: against eight times as many control points.
-    let laws = [("local-hertz", local as fn(usize) -> Contact), ("hertz", hertz), ("foundation", foundation_of)];
+    let laws =
+        [("local-hertz", local as fn(usize) -> Contact), ("hertz", hertz), ("foundation", foundation_of)];
     for (name, contact) in laws {
         for swing in [0.02, 0.1, 0.8] {
             for direction in [0.0, 3.0, 5.0_f64] {
