@@ -240,6 +240,47 @@ pub enum SimulationFailure {
         /// Angle of that body [rad].
         angle: f64,
     },
+    /// The wear step of a joint on an elastic foundation could not reach its tolerance.
+    #[error(
+        "at cycle {cycle} the wear of joint {joint} did not reach its tolerance (error {} times its bound): the forces of a cycle are not carried by the worn surfaces; lower the load, the speed or the wear_coefficient, or use shorter blocks (jump-N in the accuracy) or another number of control_points",
+        rounded(*error)
+    )]
+    WearOnFoundation {
+        /// Cycle of the life, from 0.
+        cycle: u32,
+        /// Name of the joint.
+        joint: String,
+        /// Error estimate over tolerance.
+        error: f64,
+    },
+    /// A surface is worn deeper than the model of the joint holds: half its radius, or half the length of a slider.
+    #[error(
+        "after cycle {cycle} joint {joint} is worn {} mm deep, beyond the {} mm (half the radius, or half the length of a slider) up to which its forces are modelled; shorten the life, or choose a smaller wear_coefficient or load",
+        rounded(1e3 * depth),
+        rounded(1e3 * bound)
+    )]
+    WornTooDeep {
+        /// Cycle of the life at the beginning of the block, from 0.
+        cycle: u32,
+        /// Name of the joint.
+        joint: String,
+        /// Wear depth [m].
+        depth: f64,
+        /// Largest depth of the model [m].
+        bound: f64,
+    },
+    /// More evaluations of the wear rate in a block than the wear step may take.
+    #[error(
+        "after cycle {cycle} the wear of joint {joint} took more than {bound} stages in one block of cycles; use shorter blocks (jump-N in the accuracy), or choose a softer material or a smaller wear_coefficient"
+    )]
+    TooManyWearStages {
+        /// Cycle of the life at the beginning of the block, from 0.
+        cycle: u32,
+        /// Name of the joint.
+        joint: String,
+        /// Largest number of stages of a block.
+        bound: u64,
+    },
 }
 
 /// `: LINES`, or nothing without lines.

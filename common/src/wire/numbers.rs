@@ -104,11 +104,13 @@ pub fn failure_is_finite(failure: &SimulationFailure) -> bool {
         | F::Singular { time, .. }
         | F::SelfLocking { time, .. }
         | F::Branching { time, .. } => time.is_finite(),
-        F::WearStep { error, .. } => error.is_finite(),
+        F::WearStep { error, .. } | F::WearOnFoundation { error, .. } => error.is_finite(),
+        F::WornTooDeep { depth, bound, .. } => depth.is_finite() && bound.is_finite(),
         F::OutOfRange { time, penetration, .. } => time.is_finite() && penetration.is_finite(),
         F::TimedOut { seconds } => seconds.is_finite(),
         F::InvalidSample { .. }
         | F::OverConstrained { .. }
+        | F::TooManyWearStages { .. }
         | F::NotModelled { .. }
         | F::Panicked { .. }
         | F::Reported { .. }

@@ -68,7 +68,8 @@ pub const KINEMATIC: [Variant; 3] = [
 ];
 
 /// What the table shows.
-pub const VARIANTS: [Variant; 15] = [
+pub const VARIANTS: [Variant; 16] = [
+    changed("contact law `hertz`", Change::Hinges(|hinge| hinge.contact_law = ContactLaw::Hertz)),
     changed("contact law `foundation`", Change::Hinges(|hinge| hinge.contact_law = ContactLaw::Foundation)),
     changed("film damping 5 % less", Change::Hinges(|hinge| hinge.film_damping *= 0.95)),
     changed("film damping 1 % less", Change::Hinges(|hinge| hinge.film_damping *= 0.99)),

@@ -296,13 +296,30 @@ fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
         // As scenes write it.
         let symbol = unit.symbol().replace('\u{b5}', "u");
         let (body, joint) = (|k: usize| &*scene.bodies[k].name, |k: usize| &*scene.joints[k].name);
-        writeln!(out, "  {}: {}", output.name, output.kind.description(body, joint))?;
+        writeln!(
+            out,
+            "  {}: {}{}",
+            output.name,
+            output.kind.description(body, joint),
+            local_pressures(scene, output)
+        )?;
         for limit in scene.limit_states.iter().filter(|limit| limit.output == i) {
             let shown = |value: f64| format!("{:.4} {symbol}", unit.to_shown(value));
             writeln!(out, "     limit state {}: {}", limit.name, failed(limit, shown))?;
         }
     }
     writeln!(out)
+}
+
+/// What wears the volume of an output beyond the force, if any of its joints has an elastic foundation.
+fn local_pressures(scene: &Scene, output: &Output) -> &'static str {
+    let on_foundation = |joint: &usize| matches!(&scene.joints[*joint].kind, JointKind::Clearance(clearance) if clearance.contact_law == ContactLaw::Foundation);
+    match output.kind.wear() {
+        Some((WearQuantity::Volume, joints)) if joints.iter().any(on_foundation) => {
+            "; under foundation by the local pressures, whose sum on a wide arc exceeds the force: more than K F s"
+        }
+        _ => "",
+    }
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ pub fn unphysical_work(diagnostics: &Diagnostics) -> Option<String> {
         format!(
             "in the {cycle} cycle of the nominal mechanism the contact law local-hertz does {work} J of work that no real contact does, {:.0} % of the \
              {through} J that go through it: this law is not conservative on a worn bore, and the vibration that it maintains changes forces, wear \
-             and lives, whatever the accuracy; compare with contact_law = \"foundation\"",
+             and lives, whatever the accuracy; compare with contact_law = \"hertz\"",
             100.0 * share
         )
         .replace('\u{a0}', " ")

@@ -92,10 +92,7 @@ impl Alone {
 
 #[test]
 fn pair_derivatives_agree_with_differences() {
-    for (law, wears) in [ContactLaw::LocalHertz, ContactLaw::Foundation]
-        .into_iter()
-        .flat_map(|law| [false, true].map(|wears| (law, wears)))
-    {
+    for (law, wears) in ContactLaw::ALL.into_iter().flat_map(|law| [false, true].map(|wears| (law, wears))) {
         let scene = flapping_wing(law);
         let clearance = clearance(&scene);
         let mut profile = Profile::round(clearance.bushing_radius, 36);
@@ -254,8 +251,9 @@ fn island_derivatives_agree_with_differences() {
         }
         scene
     };
-    let laws = [ContactLaw::LocalHertz, ContactLaw::Foundation];
-    for (law, scene) in laws.into_iter().flat_map(|law| [(law, flapping_wing(law)), (law, both(law))]) {
+    for (law, scene) in
+        ContactLaw::ALL.into_iter().flat_map(|law| [(law, flapping_wing(law)), (law, both(law))])
+    {
         for mut island in islands(&scene).expect("all joints have clearance") {
             for state in states(&scene, &mut island) {
                 let mut at = island.linearised();

@@ -9,6 +9,7 @@
 
 use super::island_state::{CycleTools, IslandState};
 use super::run::Run;
+use super::wall::wear_failure;
 use crate::wear::WearLaw;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -204,11 +205,10 @@ impl Run<'_> {
             for (k, pair) in island.pairs().enumerate().filter(|(_, pair)| pair.wears()) {
                 let mut found = vec![0.0; depth[k].len()];
                 rates[k].freeze(&recorder.histories[k]);
-                rates[k].rate(&depth[k], &mut found).map_err(|unbalanced| SimulationFailure::WearStep {
-                    cycle,
-                    joint: pair.name().to_owned(),
-                    error: crate::wear::WearStepFailed::from(unbalanced).0,
-                })?;
+                let kind = &self.scene.joints[pair.scene_joint()].kind;
+                rates[k]
+                    .rate(&depth[k], &mut found)
+                    .map_err(|unbalanced| wear_failure(kind, cycle, pair.name().to_owned(), unbalanced))?;
                 let second = found.split_off(pair.first_depths());
                 all[SURFACES * pair.scene_joint()] = found;
                 all[SURFACES * pair.scene_joint() + 1] = second;

@@ -5,7 +5,7 @@ use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, fa
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
 use super::unbounded_forces::refuse_unbounded_forces;
-use super::wall::worn_through;
+use super::wall::{wear_failure, worn_through};
 use crate::integrate::StepCounts;
 use crate::mechanism::{WearingPair, ideal_cycle, islands, turns_per_cycle};
 use crate::outputs::{FullRecording, IdealTracks, Recorder, recording_request, sample_times};
@@ -357,10 +357,8 @@ impl<'a> Run<'a> {
                 state.finer[k].advance(&histories[k], length, sizes.amounts(depth));
                 let advanced =
                     state.steps[k].advance(rate, depth, length, &marks, note, &mut self.wear_counts);
-                advanced.map_err(|failed| SimulationFailure::WearStep {
-                    cycle: from,
-                    joint: pair.name().to_owned(),
-                    error: failed.0,
+                advanced.map_err(|failed| {
+                    wear_failure(&self.scene.joints[scene_joint].kind, from, pair.name().to_owned(), failed)
                 })?;
                 let surfaces = depth.split_at(pair.first_depths());
                 if let Some((depth, wall)) = worn_through(self.scene, scene_joint, surfaces.into()) {

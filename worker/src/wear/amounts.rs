@@ -30,6 +30,22 @@ impl SurfaceSizes {
             SurfaceSizes::Rail(layout) => rail_amounts(layout, depth),
         }
     }
+
+    /// Largest depth of a surface and its bound [m], if one of the depths `depth` `(depths,)` [m] has passed it: half the unworn radius of bore
+    /// and journal, half the length of a slider. The radii of the contact laws and the small eccentricities are far off there.
+    pub(crate) fn too_deep(&self, depth: &[f64]) -> Option<[f64; 2]> {
+        let (first, bounds) = match self {
+            SurfaceSizes::Bore(sizes) => (sizes.points, sizes.radii.map(|radius| 0.5 * radius)),
+            SurfaceSizes::Rail(layout) => (layout.guide_depths(), [layout.half_length; 2]),
+        };
+        let (one, other) = depth.split_at(first.min(depth.len()));
+        let deepest = [one, other].map(|depth| largest(depth.iter().copied()));
+        deepest
+            .into_iter()
+            .zip(bounds)
+            .find(|(depth, bound)| depth > bound)
+            .map(|(depth, bound)| [depth, bound])
+    }
 }
 
 /// Amounts of the depths `depth` `(depths,)` of a guide and its slider [m].

@@ -31,13 +31,20 @@ pub struct WearStepStats {
     pub held: u64,
 }
 
-/// The step could not reach its tolerance; carries the error over its bound.
+/// Why a wear step has no result.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WearStepFailed(pub f64);
+pub enum WearStepFailed {
+    /// It could not reach its tolerance: the error over its bound.
+    Tolerance(f64),
+    /// A surface is worn deeper than the model holds: its largest depth and the bound of that `(2,)` [m].
+    TooDeep([f64; 2]),
+    /// It took more evaluations of the wear rate than [`WearStep::MOST_EVALUATIONS`].
+    TooManyStages,
+}
 
 impl From<NoEquilibrium> for WearStepFailed {
     fn from(NoEquilibrium(excess): NoEquilibrium) -> Self {
-        WearStepFailed(excess.min(f64::MAX))
+        WearStepFailed::Tolerance(excess.min(f64::MAX))
     }
 }
 
@@ -75,6 +82,9 @@ const SPENDABLE: f64 = 0.5;
 const PROBE: f64 = 1e-8;
 
 impl WearStep {
+    /// Most evaluations of the wear rate in one step: TODO.
+    pub(crate) const MOST_EVALUATIONS: u64 = 2000;
+
     /// A wear step for `points` control points with the relative tolerance `tolerance` [1].
     pub(crate) fn new(points: usize, tolerance: f64) -> Self {
         let zero = vec![0.0; points];
@@ -93,8 +103,8 @@ impl WearStep {
     /// sub-step.
     ///
     /// # Errors
-    /// [`WearStepFailed`] if a frozen force has no equilibrium on that bore, or if a sub-step of the smallest length
-    /// still misses the tolerance.
+    /// [`WearStepFailed`] if a frozen force has no equilibrium on that bore, if a sub-step of the smallest length
+    /// still misses the tolerance, if the step takes too many evaluations of the rate, or as soon as a surface is worn too deep.
     pub(crate) fn advance(
         &mut self,
         rate: &mut impl WearLaw,
@@ -104,6 +114,8 @@ impl WearStep {
         mut mark: impl FnMut(usize, &[f64]),
         stats: &mut WearStepStats,
     ) -> Result<(), WearStepFailed> {
+        let sizes = rate.sizes();
+        let most = stats.stages + Self::MOST_EVALUATIONS;
         rate.rate(depth, &mut self.f0)?;
         stats.stages += 1;
         let radius = self.spectral_radius(rate, depth, stats)?;
@@ -113,19 +125,25 @@ impl WearStep {
         let mut credit = FIRST_CREDIT * self.tolerance * fastest * cycles;
         let smallest = SMALLEST * cycles;
         while done < cycles {
+            if stats.stages > most {
+                return Err(WearStepFailed::TooManyStages);
+            }
             step = step.min(cycles - done);
             let relative = match self.attempt(rate, depth, step, radius, &mut credit, stats) {
                 Ok(relative) => relative,
                 Err(Refused { smaller, error }) => {
                     stats.rejected += 1;
                     if step <= smallest {
-                        return Err(WearStepFailed(error.min(f64::MAX)));
+                        return Err(WearStepFailed::Tolerance(error.min(f64::MAX)));
                     }
                     step = smaller.max(smallest);
                     continue;
                 }
             };
             self.hold_worn(depth, stats);
+            if let Some(depths) = sizes.too_deep(&self.end) {
+                return Err(WearStepFailed::TooDeep(depths));
+            }
             let last = if step == cycles - done { cycles } else { done + step };
             while marked < marks.len() && marks[marked] <= last {
                 if marks[marked] == last {

@@ -1,10 +1,10 @@
 //! The wear step under a frozen contact history: its order, its agreement with many small steps, and that it
 //! does not zig-zag however long its blocks are.
 
-use super::amounts::SurfaceSizes;
+use super::amounts::{BoreSizes, SurfaceSizes};
 use super::equilibrium::NoEquilibrium;
 use super::wear_law::WearLaw;
-use super::{BoreWearRate, ContactHistory, ContactInstant, WearStep, WearStepStats};
+use super::{BoreWearRate, ContactHistory, ContactInstant, WearStep, WearStepFailed, WearStepStats};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz, Surface};
 use std::f64::consts::TAU;
@@ -245,4 +245,47 @@ fn the_local_law_takes_tight_tolerances_and_keeps_them() {
         println!("local-hertz at {tolerance}: off {off:.1e}, {:?}", worn.stats);
         assert!(off < tolerance, "{tolerance}: {off}");
     }
+}
+
+/// A wear rate that is the same at all points of a bore, as a function of the depth there [m/cycle].
+struct Alike(fn(f64) -> f64);
+
+impl WearLaw for Alike {
+    type History = ContactHistory;
+
+    fn freeze(&mut self, _history: &ContactHistory) {}
+
+    fn sizes(&self) -> SurfaceSizes {
+        let radii = [SURFACE.journal_radius + SURFACE.clearance, SURFACE.journal_radius];
+        SurfaceSizes::Bore(BoreSizes { points: POINTS, radii, width: WIDTH })
+    }
+
+    fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), NoEquilibrium> {
+        rate.iter_mut().zip(depth).for_each(|(rate, depth)| *rate = (self.0)(*depth));
+        Ok(())
+    }
+}
+
+/// Ends of a block of 1000 cycles under this rate, with what it took.
+fn block(rate: fn(f64) -> f64) -> (Result<(), WearStepFailed>, WearStepStats) {
+    let (mut step, mut stats) = (WearStep::new(POINTS, 1e-2), WearStepStats::default());
+    let ended = step.advance(&mut Alike(rate), &mut [0.0; POINTS], 1000.0, &[], |_, _| {}, &mut stats);
+    (ended, stats)
+}
+
+#[test]
+fn issue_a_bore_was_worn_deeper_than_its_radius() {
+    assert_eq!(block(|_| 0.7e-6).0, Ok(()));
+    let (ended, stats) = block(|_| 0.8e-6);
+    let Err(WearStepFailed::TooDeep([depth, bound])) = ended else { panic!("{ended:?}") };
+    assert!(depth > bound && bound == 0.5 * (SURFACE.journal_radius + SURFACE.clearance), "{depth} {bound}");
+    assert!(stats.stages < 20, "{stats:?}");
+}
+
+#[test]
+fn issue_a_wear_step_went_on_without_end() {
+    // Its rate rises and falls with every few nanometres of depth.
+    let (ended, stats) = block(|depth| 1e-9 * (1.0 + 0.9 * (1e9 * depth).sin()));
+    assert_eq!(ended, Err(WearStepFailed::TooManyStages));
+    assert!(stats.stages > WearStep::MOST_EVALUATIONS && stats.stages < WearStep::MOST_EVALUATIONS + 100);
 }
