@@ -12,7 +12,7 @@ use crate::outputs::{FullRecording, IdealTracks, Recorder, recording_request, sa
 use crate::wear::{WearHistory, WearLaw, WearStepStats, WornAmounts, wear_output};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
-use common::outputs::{EnergyBalance, NarrowGroove, WornLife};
+use common::outputs::{EnergyBalance, NarrowGroove, PointsError, WornLife};
 use common::scene::{Output, Scene};
 use std::ops::Range;
 use std::slice;
@@ -50,6 +50,8 @@ pub struct Run<'a> {
     pub quasi_static: Vec<QuasiStaticIsland>,
     /// Largest relative difference of the wear rates of the two models for each output, zero unless compared `(outputs,)` [1].
     pub tier_difference: Vec<f64>,
+    /// What more control points change in the outputs of the motion, empty where that is not compared `(motion outputs,)`.
+    pub points_errors: Vec<PointsError>,
     /// What is displayed of the worn mechanism, if anything is.
     pub display: Option<WornDisplay>,
 }
@@ -113,6 +115,7 @@ impl<'a> Run<'a> {
             measured: vec![0.0; scene.outputs.len()],
             quasi_static: vec![],
             tier_difference: vec![0.0; scene.outputs.len()],
+            points_errors: vec![],
             display: None,
         })
     }
@@ -353,7 +356,11 @@ impl<'a> Run<'a> {
                     marked[mark][scene_joint] = sizes.amounts(depth);
                 };
                 let length = f64::from(to - from);
-                state.finer[k].advance(&histories[k], length, sizes.amounts(depth));
+                let within = marks.partition_point(|mark| *mark < length);
+                state.finer[k].mark(&marks[..within]);
+                for finer in [&mut state.finer, &mut state.finest].into_iter().filter_map(|all| all.get_mut(k)) {
+                    finer.advance(&histories[k], length, sizes.amounts(depth));
+                }
                 let advanced =
                     state.steps[k].advance(rate, depth, length, &marks, note, &mut self.wear_counts);
                 advanced.map_err(|failed| SimulationFailure::WearStep {
@@ -361,6 +368,7 @@ impl<'a> Run<'a> {
                     joint: pair.name().to_owned(),
                     error: failed.0,
                 })?;
+                state.finer[k].add_marked(marked[..within].iter().map(|joints| joints[scene_joint]).collect());
                 let surfaces = depth.split_at(pair.first_depths());
                 if let Some((depth, wall)) = worn_through(self.scene, scene_joint, surfaces.into()) {
                     let joint = pair.name().to_owned();
@@ -382,7 +390,7 @@ impl<'a> Run<'a> {
 
 /// The contact histories that wear the joints of island number `index`: those `mixed` of several conditions, or those of the last cycle,
 /// quasi-static or in the `recorder`.
-fn wear_histories<'h>(
+pub(super) fn wear_histories<'h>(
     mixed: &'h [Vec<WearHistory>],
     quasi_static: &'h [QuasiStaticIsland],
     recorder: &'h Recorder,

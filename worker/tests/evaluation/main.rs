@@ -3,6 +3,7 @@
 mod backlash;
 mod both_surfaces;
 mod conditions;
+mod control_points;
 mod energy;
 mod errors;
 mod expected_cost;
