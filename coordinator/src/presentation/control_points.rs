@@ -67,11 +67,19 @@ mod tests {
     fn outputs_that_do_not_converge_and_errors_left_out_are_named_with_their_size() {
         let said = |row| control_points_notes(&[row]).pop();
         let text = said(row(true, false, 19.6)).expect("a note");
-        assert!(text.starts_with("asymmetry does not converge with the number of control points: after 66 000 cycles"), "{text}");
+        assert!(
+            text.starts_with(
+                "asymmetry does not converge with the number of control points: after 66 000 cycles"
+            ),
+            "{text}"
+        );
         assert!(text.contains("it is 24.6 r/min, and 26.4 and 34.4 r/min on surfaces"), "{text}");
         assert!(text.contains("its stated error contains 19.6 r/min"), "{text}");
         assert_eq!((said(row(true, true, 19.6)), said(row(true, false, 0.1))), (None, None));
         let text = said(row(false, true, 0.1)).expect("a note");
-        assert!(text.starts_with("the stated errors of asymmetry leave out the number of control points"), "{text}");
+        assert!(
+            text.starts_with("the stated errors of asymmetry leave out the number of control points"),
+            "{text}"
+        );
     }
 }

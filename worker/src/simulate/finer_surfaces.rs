@@ -112,7 +112,8 @@ impl<'a> PartialLife<'a> {
     /// True if cycles have been measured at the end of this `block` of motions that repeat themselves, and it is one of those that are probed, or
     /// an output has moved since the last comparison.
     fn is_due(&self, life: &Life, block: &Range<u32>) -> bool {
-        let conditions = || self.conditions.iter().map(ConditionLife::measured).zip(&self.estimate.conditions);
+        let conditions =
+            || self.conditions.iter().map(ConditionLife::measured).zip(&self.estimate.conditions);
         if conditions().any(|(now, of)| of.has_several_motions() || now.lives.last() != Some(&block.end)) {
             return false;
         }
@@ -150,9 +151,11 @@ impl Run<'_> {
             let copies = if finest { &state.finest } else { &state.finer };
             let pairs = state.island.pairs().zip(copies).zip(histories);
             pairs
-                .map(|((pair, copy), history)| {
-                    if pair.wears() { copy.depth_at_end(history) } else { Some(vec![]) }
-                })
+                .map(
+                    |((pair, copy), history)| {
+                        if pair.wears() { copy.depth_at_end(history) } else { Some(vec![]) }
+                    },
+                )
                 .collect()
         });
         islands.collect()
@@ -160,7 +163,11 @@ impl Run<'_> {
 
     /// Outputs of the cycle just measured, and of that on surfaces with twice and with four times the control points, worn to these `depths`
     /// at `life` [cycles].
-    async fn finer_cycles(&mut self, life: u32, depths: &[Depths; 2]) -> Result<FinerCycles, SimulationFailure> {
+    async fn finer_cycles(
+        &mut self,
+        life: u32,
+        depths: &[Depths; 2],
+    ) -> Result<FinerCycles, SimulationFailure> {
         let own = self.measured.clone();
         let twice = self.outputs_on_finer(1, &depths[0]).await?;
         let four_times = self.outputs_on_finer(2, &depths[1]).await?;

@@ -9,7 +9,7 @@ use super::wall::worn_through;
 use crate::integrate::StepCounts;
 use crate::mechanism::{WearingPair, ideal_cycle, islands, turns_per_cycle};
 use crate::outputs::{FullRecording, IdealTracks, Recorder, recording_request, sample_times};
-use crate::wear::{WearHistory, WearLaw, WearStepStats, WornAmounts, wear_output};
+use crate::wear::{MarkedDepths, WearHistory, WearLaw, WearStepStats, WornAmounts, wear_output};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{EnergyBalance, NarrowGroove, PointsError, WornLife};
@@ -352,13 +352,15 @@ impl<'a> Run<'a> {
                 let (rate, depth) = (&mut state.rates[k], &mut state.depth[k]);
                 rate.freeze(&histories[k]);
                 let (sizes, scene_joint) = (rate.sizes(), pair.scene_joint());
-                let note = |mark: usize, depth: &[f64]| {
-                    marked[mark][scene_joint] = sizes.amounts(depth);
+                let note = |mark: usize, depths: &MarkedDepths| {
+                    marked[mark][scene_joint] = sizes.amounts_at(depths);
                 };
                 let length = f64::from(to - from);
                 let within = marks.partition_point(|mark| *mark < length);
                 state.finer[k].mark(&marks[..within]);
-                for finer in [&mut state.finer, &mut state.finest].into_iter().filter_map(|all| all.get_mut(k)) {
+                for finer in
+                    [&mut state.finer, &mut state.finest].into_iter().filter_map(|all| all.get_mut(k))
+                {
                     finer.advance(&histories[k], length, sizes.amounts(depth));
                 }
                 let advanced =
@@ -368,7 +370,8 @@ impl<'a> Run<'a> {
                     joint: pair.name().to_owned(),
                     error: failed.0,
                 })?;
-                state.finer[k].add_marked(marked[..within].iter().map(|joints| joints[scene_joint]).collect());
+                state.finer[k]
+                    .add_marked(marked[..within].iter().map(|joints| joints[scene_joint]).collect());
                 let surfaces = depth.split_at(pair.first_depths());
                 if let Some((depth, wall)) = worn_through(self.scene, scene_joint, surfaces.into()) {
                     let joint = pair.name().to_owned();

@@ -25,7 +25,7 @@
 
 use super::amounts::WornAmounts;
 use super::archard::{BoreWearRate, WearCoefficients};
-use super::step::{WearStep, WearStepStats};
+use super::step::{MarkedDepths, WearStep, WearStepStats};
 use super::wear_law::WearLaw;
 use crate::bore::Profile;
 use crate::contact::Contact;
@@ -139,10 +139,9 @@ impl<L: WearLaw> FinerBore<L> {
         let early = next_marks.iter().filter(|mark| **mark <= half).map(|mark| behind + mark);
         let marks: Vec<f64> = late.chain([behind]).chain(early).collect();
         let mut copies = vec![sizes.amounts(&self.depth); marks.len()];
-        let to_compare = |mark: usize, depth: &[f64]| copies[mark] = sizes.amounts(depth);
+        let to_compare = |mark: usize, depths: &MarkedDepths| copies[mark] = sizes.amounts_at(depths);
         let (step, rate) = (&mut self.step, &mut self.rate);
-        let advanced =
-            step.advance(rate, &mut self.depth, behind + half, &marks, to_compare, &mut uncounted);
+        let advanced = step.advance(rate, &mut self.depth, behind + half, &marks, to_compare, &mut uncounted);
         self.failed = advanced.is_err();
         if self.failed {
             self.missed = self.missed.with(&growth, miss);

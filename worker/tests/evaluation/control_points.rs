@@ -3,7 +3,7 @@
 use crate::scenes::{every_joint, short};
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
-use common::scene::{ContactLaw, ControlPoints, Output, OutputKind, Scene, WearQuantity};
+use common::scene::{ContactLaw, ControlPoints, Scene};
 use worker::simulate::{SimulateOptions, simulate};
 
 /// An evaluation at `draft` with this many control points, which are no part of the model.
@@ -40,18 +40,4 @@ fn issue_the_asymmetry_of_the_drive_was_stated_as_if_it_converged_with_the_contr
     assert!(plain.diagnostics.control_points.is_empty());
     let [found] = &shown.diagnostics.control_points[..] else { panic!("one output of the motion") };
     assert!(!found.stated && found.error > 3.0 * shown.errors[1].last().expect("a value"), "{found:?}");
-}
-
-#[test]
-fn issue_worn_volumes_within_a_block_were_off_by_four_stated_errors() {
-    // The volume grows by K F S in each cycle of a block, whose contact history is one: on a straight line.
-    let mut scene = short("four-bar", &[], 8000);
-    let joints = (0..scene.joints.len()).collect();
-    let kind = OutputKind::Wear { quantity: WearQuantity::Volume, joints };
-    scene.outputs.push(Output { name: "worn_volume".into(), kind });
-    scene.life.checkpoint_every = 500;
-    let evaluation = simulate(&scene, &Accuracy::draft(), SimulateOptions::default()).expect("simulated");
-    let volume = scene.outputs.len() - 1;
-    let (values, errors) = (&evaluation.histories[volume], &evaluation.errors[volume]);
-    println!("{values:?}\n{errors:?}");
 }

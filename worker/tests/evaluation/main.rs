@@ -29,4 +29,5 @@ mod restitution;
 mod scenes;
 mod side_by_side;
 mod single_cycle;
+mod within_blocks;
 mod worn_guides;

@@ -27,7 +27,8 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
             .collect(),
         _ => over_life(summary, &names),
     };
-    for note in no_simulated_failure(summary).into_iter().chain(control_points_notes(&summary.control_points)) {
+    for note in no_simulated_failure(summary).into_iter().chain(control_points_notes(&summary.control_points))
+    {
         text += &format!("caution: {note}\n");
     }
     if !summary.convergence.stopped_because.is_empty() {
