@@ -79,8 +79,7 @@ pub struct StudySummary {
     /// The interval that contains too much of the fall of R for its checkpoints, if there is one.
     #[serde(default)]
     pub unresolved_fall: Option<UnresolvedFall>,
-    /// Outputs of the motion of the nominal mechanism with more control points on its worn surfaces; empty where that was not compared, and in
-    /// studies by earlier versions.
+    /// Outputs of the motion of the nominal mechanism with more control points; empty where that was not compared.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub control_points: Vec<ControlPointsRow>,
     /// First failures, one row per checkpoint; empty in studies by earlier versions.

@@ -6,9 +6,10 @@ use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
 use super::unbounded_forces::refuse_unbounded_forces;
 use super::wall::worn_through;
+use super::worn_joints::wear_histories;
 use crate::integrate::StepCounts;
 use crate::mechanism::{WearingPair, ideal_cycle, islands, turns_per_cycle};
-use crate::outputs::{FullRecording, IdealTracks, Recorder, recording_request, sample_times};
+use crate::outputs::{FullRecording, IdealTracks, recording_request, sample_times};
 use crate::wear::{MarkedDepths, WearHistory, WearLaw, WearStepStats, WornAmounts, wear_output};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -270,17 +271,6 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Compares the bores at the end of life with their finer copies, under the contact of the cycle just measured.
-    pub(crate) fn compare_bores(&mut self) {
-        for (index, state) in self.islands.iter_mut().enumerate() {
-            let IslandState { island, recorder, finer, rates, depth, .. } = state;
-            let histories = wear_histories(&self.mixed, &self.quasi_static, recorder, index);
-            for (k, _) in island.pairs().enumerate().filter(|(_, pair)| pair.wears()) {
-                finer[k].advance(&histories[k], 0.0, rates[k].sizes().amounts(&depth[k]));
-            }
-        }
-    }
-
     /// Keeps the bores as they are at `life` [cycles], if cycles are displayed.
     pub(crate) fn keep_bores(&mut self, life: u32) {
         if self.display.is_none() {
@@ -388,19 +378,5 @@ impl<'a> Run<'a> {
         }
         self.cycle = to;
         Ok(())
-    }
-}
-
-/// The contact histories that wear the joints of island number `index`: those `mixed` of several conditions, or those of the last cycle,
-/// quasi-static or in the `recorder`.
-pub(super) fn wear_histories<'h>(
-    mixed: &'h [Vec<WearHistory>],
-    quasi_static: &'h [QuasiStaticIsland],
-    recorder: &'h Recorder,
-    index: usize,
-) -> &'h [WearHistory] {
-    match mixed.get(index) {
-        Some(histories) => histories,
-        None => &quasi_static.get(index).map_or(recorder, |island| &island.recorder).histories,
     }
 }
