@@ -163,6 +163,23 @@ pub struct NarrowGroove {
     pub open: f64,
 }
 
+/// An output of the motion on worn surfaces with more control points, at the life where they change it most.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct PointsError {
+    /// Name of the output, as in the scene.
+    pub output: String,
+    /// Simulated life [cycles].
+    pub cycles: u32,
+    /// Values with the scene's points, with twice and with four times as many, in the output's SI unit `(3,)`.
+    pub values: [f64; 3],
+    /// Estimated error due to the number of points, in the same unit.
+    pub error: f64,
+    /// False if the second change is not smaller than the first, so that the output does not converge with the points.
+    pub converges: bool,
+    /// True if the stated errors contain this one; false if the scene declares its points a part of its model.
+    pub stated: bool,
+}
+
 /// Work counters and repairs of one evaluation.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Diagnostics {
@@ -189,6 +206,9 @@ pub struct Diagnostics {
     /// For each joint in whose bore a groove is narrower than the journal the one that is most open over the life.
     #[serde(default)]
     pub narrow_grooves: Vec<NarrowGroove>,
+    /// What more control points change in each output of the motion; empty where that was not compared.
+    #[serde(default)]
+    pub control_points: Vec<PointsError>,
     /// True if the wear was computed from quasi-static motion.
     pub quasi_static: bool,
     /// Energy balance of the first cycle, if that cycle was requested.

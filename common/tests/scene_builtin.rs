@@ -63,6 +63,14 @@ fn the_flapping_wing_has_the_numbers_of_the_model() {
     near(thresholds[1].1, 25.0 * std::f64::consts::PI / 30.0, 1e-14);
 }
 
+#[test]
+fn the_published_drive_declares_its_control_points_a_part_of_its_model() {
+    for name in SceneSource::builtin_names() {
+        let source = SceneSource::builtin(name).unwrap();
+        assert_eq!(source.nominal().control_points_of_model, name.starts_with("flapping-wing"), "{name}");
+    }
+}
+
 /// Rocker angle of the ideal linkage at one crank angle, in the reported sense, by bisection of the closure.
 fn ideal_angle(scene: &Scene, side: &str, sign: f64, crank: f64) -> f64 {
     let rocker = body(scene, &format!("{side}_rocker"));

@@ -27,6 +27,11 @@ fn one_fault(from: &str, to: &str, expected: &str) {
 #[test]
 fn units_and_expressions() {
     one_fault(
+        "[scene]",
+        "[scene]\ncontrol_points_of_model = 36",
+        "scene.control_points_of_model: 36 is a whole number, expected true or false",
+    );
+    one_fault(
         "width = \"width\"",
         "width = \"1.5 N\"",
         "my.toml: joints.crank.width: \"1.5 N\" is a force, expected a length (mm, um, m, ...)",

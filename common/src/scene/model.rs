@@ -34,6 +34,9 @@ pub struct Scene {
     pub correlations: Vec<Correlation>,
     /// Limit states over the outputs.
     pub limit_states: Vec<LimitState>,
+    /// True if the numbers of control points are a part of the model, as published: what more of them change is then no error.
+    #[serde(default)]
+    pub control_points_of_model: bool,
     /// Duration and number of the cycles.
     pub life: Life,
     /// Operating conditions of the life; empty if all cycles are alike.

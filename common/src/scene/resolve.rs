@@ -108,7 +108,7 @@ fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
 
 /// The parts of a scene, as far as they could be read.
 struct Parts {
-    name_and_title: Option<(String, String)>,
+    head: Option<Head>,
     /// The outer `None` for a mechanism, the inner one for a faulty simulator.
     simulator: Option<Option<ExternalSimulator>>,
     model: Model,
@@ -119,7 +119,7 @@ struct Parts {
 impl Parts {
     /// Reads the parts of a scene of `variables` random variables.
     fn read(file: &mut Section, variables: usize) -> Self {
-        let name_and_title = head(file);
+        let head = head(file);
         let simulator = simulator(file);
         let model = match simulator {
             Some(_) => external(file),
@@ -130,12 +130,12 @@ impl Parts {
         }
         let limit_states = limit_states(file, &model.outputs);
         let study = study(file, simulator.is_none(), variables);
-        Parts { name_and_title, simulator, model, limit_states, study }
+        Parts { head, simulator, model, limit_states, study }
     }
 
     /// The scene, its variables and correlations still empty; none if a part is faulty.
     fn scene(self) -> Option<Scene> {
-        let (name, title) = self.name_and_title?;
+        let Head { name, title, control_points_of_model } = self.head?;
         let (study, accuracy) = self.study?;
         let Model { bodies, joints, loads, gravity, outputs, life } = self.model;
         Some(Scene {
@@ -150,6 +150,7 @@ impl Parts {
             variables: Vec::new(),
             correlations: Vec::new(),
             limit_states: self.limit_states.into_iter().collect::<Option<_>>()?,
+            control_points_of_model,
             life: life?,
             study,
             accuracy,
@@ -200,13 +201,23 @@ fn check_size(file: &Section, life: &Life, outputs: usize) {
     }
 }
 
-/// Reads `[scene]`: name and title.
-fn head(file: &mut Section) -> Option<(String, String)> {
+/// What `[scene]` says.
+struct Head {
+    name: String,
+    title: String,
+    control_points_of_model: bool,
+}
+
+/// Reads `[scene]`: name and title, and of a mechanism whether its control points are a part of the model.
+fn head(file: &mut Section) -> Option<Head> {
+    let is_mechanism = file.get("simulator").is_none();
     let mut section = file.section("scene", "a table [scene] with name and title")?;
     let name = section.text("name", "a short name");
     let title = section.text_or("title", "one line for people", name.unwrap_or_default());
+    let of_model =
+        if is_mechanism { section.boolean_or("control_points_of_model", false) } else { Some(false) };
     section.finish();
-    Some((name?.to_owned(), title?.to_owned()))
+    Some(Head { name: name?.to_owned(), title: title?.to_owned(), control_points_of_model: of_model? })
 }
 
 /// Reads `[study]`: defaults of a study of `variables` random variables, and the accuracy of a mechanism.

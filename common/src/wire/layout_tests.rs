@@ -7,7 +7,7 @@ use crate::external::SimulatorId;
 use crate::failure::SimulationFailure;
 use crate::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, NarrowGroove,
-    WornLife,
+    PointsError, WornLife,
 };
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
@@ -83,6 +83,14 @@ fn evaluation() -> Evaluation {
                 angle: 1.5,
                 width: 0.5,
                 open: 1e-6,
+            }],
+            control_points: vec![PointsError {
+                output: "wear".into(),
+                cycles: 3000,
+                values: [14.0, 15.0, 16.0],
+                error: 17.0,
+                converges: true,
+                stated: false,
             }],
             quasi_static: true,
             energy: Some(energy),

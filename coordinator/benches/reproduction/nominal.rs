@@ -2,7 +2,7 @@
 
 use common::accuracy::NamedAccuracy;
 use common::outputs::Evaluation;
-use common::scene::{Clearance, ContactLaw, JointKind, Scene, SceneSource};
+use common::scene::{Clearance, ContactLaw, ControlPoints, JointKind, Scene, SceneSource};
 use std::error::Error;
 use worker::simulate::{SimulateOptions, simulate};
 
@@ -20,6 +20,8 @@ pub struct Variant {
 enum Change {
     Nothing,
     Hinges(fn(&mut Clearance)),
+    /// Number of control points of every bore.
+    Points(usize),
     Value(&'static str),
     /// Values, and the contact law of every joint.
     Rebuilt(&'static [&'static str], ContactLaw),
@@ -68,9 +70,11 @@ pub const KINEMATIC: [Variant; 3] = [
 ];
 
 /// What the table shows.
-pub const VARIANTS: [Variant; 16] = [
+pub const VARIANTS: [Variant; 18] = [
     changed("contact law `hertz`", Change::Hinges(|hinge| hinge.contact_law = ContactLaw::Hertz)),
     changed("contact law `foundation`", Change::Hinges(|hinge| hinge.contact_law = ContactLaw::Foundation)),
+    changed("72 control points", Change::Points(72)),
+    changed("144 control points", Change::Points(144)),
     changed("film damping 5 % less", Change::Hinges(|hinge| hinge.film_damping *= 0.95)),
     changed("film damping 1 % less", Change::Hinges(|hinge| hinge.film_damping *= 0.99)),
     changed("film damping 1 % more", Change::Hinges(|hinge| hinge.film_damping *= 1.01)),
@@ -86,6 +90,13 @@ pub const VARIANTS: [Variant; 16] = [
     computed("as it stands, 1200 instants of wear a cycle", "balanced+jump-2000+samples-1200"),
     computed("`reference`", "reference"),
 ];
+
+impl Variant {
+    /// Number of control points, if that is what is changed.
+    pub fn points(&self) -> Option<usize> {
+        if let Change::Points(points) = self.change { Some(points) } else { None }
+    }
+}
 
 /// Changes every joint with clearance.
 fn hinges(scene: &mut Scene, change: impl Fn(&mut Clearance)) {
@@ -109,6 +120,9 @@ impl Run {
         match variant.change {
             Change::Nothing => {}
             Change::Hinges(change) => hinges(&mut scene, change),
+            Change::Points(points) => {
+                hinges(&mut scene, |hinge| hinge.control_points = ControlPoints::Number(points));
+            }
             Change::Value(setting) => scene = source.resolve_with(&[source.parse_setting(setting)?])?,
             Change::Rebuilt(values, law) => {
                 let set =
@@ -131,6 +145,16 @@ impl Run {
     pub fn value(&self, output: usize, cycles: u32) -> f64 {
         let column = self.evaluation.cycles.iter().position(|at| *at == cycles).expect("a checkpoint");
         self.evaluation.histories[output][column]
+    }
+
+    /// Life at which an output first passes `limit` [SI], on a straight line between two checkpoints, to a hundred cycles.
+    pub fn life_to(&self, output: usize, limit: f64) -> f64 {
+        let Evaluation { cycles, histories, .. } = &self.evaluation;
+        let values = &histories[output];
+        let k = values.iter().position(|value| *value > limit).expect("passed within the life");
+        let [from, to] = [k - 1, k].map(|k| f64::from(cycles[k]));
+        let life = from + (to - from) * (limit - values[k - 1]) / (values[k] - values[k - 1]);
+        (life / 100.0).round() * 100.0
     }
 
     /// Largest force peak of these joints in the unworn mechanism [N].

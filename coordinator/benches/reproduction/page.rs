@@ -140,11 +140,20 @@ fn owed(
         }
         writeln!(out, "|")?;
     }
+    let passes = |points| {
+        let with_points = variants.iter().find(|run| run.variant.points() == Some(points));
+        with_points.unwrap_or(nominal).life_to(1, 25.0 * std::f64::consts::PI / 30.0)
+    };
     writeln!(
         out,
         "\n- The contact law decides the failure mode. `local-hertz` is the published law: the whole load \
          acts at one point, and a vibration of the rockers grows as the bores wear. On an elastic foundation \
          the bores carry the load along an arc, wear more, and the asymmetry keeps its initial value.\n\
+         - So do the 36 control points of the published bores: under `local-hertz` the vibration sets in earlier \
+         with more of them, and the difference does not converge with their number. With 144 the nominal drive passes \
+         25 r/min at {early} cycles, with 36 at {late}. The published failure by asymmetry is a property of that law \
+         and of these points; the scene declares the points a part of its model, and its stated errors leave \
+         them out. The wear converges.\n\
          - Film damping decides when the vibration sets in. Of the published results only the asymmetry \
          curve determines it: it was fitted to that curve.\n\
          - Numerical effort moves the difference by up to {} r/min from that of `reference`: which variant \
@@ -152,6 +161,8 @@ fn owed(
          [reliability.md](reliability.md)). Wear moves by up to {} um.",
         shown(numerical(nominal, variants, 1, 30.0 / std::f64::consts::PI)),
         shown(numerical(nominal, variants, 0, 1e6)),
+        early = passes(144),
+        late = passes(36),
     )?;
     if !others.is_empty() {
         writeln!(

@@ -5,9 +5,11 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::{Fails, JointKind, Scene, Warning};
+use coordinator::presentation::control_points::control_points_notes;
 use coordinator::presentation::nominal_life::{NominalLife, Reached, nominal_lives};
 use coordinator::presentation::report::format::three_digits;
 use coordinator::presentation::unphysical_work::unphysical_work;
+use coordinator::results::control_points::control_points_rows;
 use worker::simulate::{SimulateOptions, simulate};
 
 /// Longest block of wear that an accuracy may have [cycles].
@@ -99,8 +101,9 @@ pub fn nominal_check<'s>(scene: &'s Scene, evaluation: &Evaluation) -> (Vec<Nomi
     let warnings = lives.iter().filter_map(|life| {
         Some(Warning { key: format!("limit_states.{}", life.limit.name), message: warning(scene, life)? })
     });
-    let of_contacts =
-        unphysical_work(&evaluation.diagnostics).map(|message| Warning { key: "joints".to_owned(), message });
+    let of_points = control_points_notes(&control_points_rows(scene, &evaluation.diagnostics));
+    let of_contacts = unphysical_work(&evaluation.diagnostics).into_iter().chain(of_points);
+    let of_contacts = of_contacts.map(|message| Warning { key: "joints".to_owned(), message });
     let warnings = warnings.chain(of_hinges(scene, evaluation)).chain(of_contacts).collect();
     (lives, warnings)
 }

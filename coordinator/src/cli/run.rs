@@ -23,6 +23,7 @@ use coordinator::analyses::scene_settings::scene_with;
 use coordinator::presentation::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
 use coordinator::presentation::terminal::{Terminal, final_text, print_message};
 use coordinator::presentation::unphysical_work::unphysical_work;
+use coordinator::results::control_points::control_points_rows;
 use coordinator::results::store::{CampaignFile, CampaignMeta};
 use coordinator::results::summary::StudySummary;
 use coordinator::study::{Method, Settings};
@@ -191,6 +192,9 @@ fn finish(
     let mut result = result?;
     result.summary.designs = design_keys(campaign)?;
     result.summary.identify(scene, &campaign.meta().scene_source, campaign.created_at());
+    if let Some(Ok(nominal)) = campaign.evaluation(0)?.map(|stored| stored.outcome) {
+        result.summary.control_points = control_points_rows(scene, &nominal.diagnostics);
+    }
     campaign.put_document(DISTRIBUTIONS_DOCUMENT, &for_report(&result.distributions))?;
     // The summary comes last: with it, the study counts as finished.
     campaign.put_document(SUMMARY_DOCUMENT, &result.summary)?;

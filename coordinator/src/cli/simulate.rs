@@ -13,6 +13,7 @@ use common::outputs::{
     WornLife,
 };
 use common::scene::{Fault, FaultKind, Faults, OutputUnit, Scene, SceneSource};
+use coordinator::results::control_points::{ControlPointsRow, control_points_rows};
 use coordinator::results::result_files::write_text;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -138,6 +139,7 @@ struct PrintedDiagnostics<'r> {
     constraint_drift_m: f64,
     held_wear_points: u64,
     narrow_grooves: Vec<PrintedGroove<'r>>,
+    control_points: Vec<ControlPointsRow>,
     quasi_static: bool,
     energy: Option<PrintedEnergy>,
     worn_energy: Option<PrintedEnergy>,
@@ -269,7 +271,7 @@ fn printed<'r>(
                 journal_wear_depth_m: &joint.journal_wear_depth,
             })
             .collect(),
-        diagnostics: printed_diagnostics(&evaluation.diagnostics),
+        diagnostics: printed_diagnostics(scene, &evaluation.diagnostics),
         wall_s,
     }
 }
@@ -311,7 +313,7 @@ fn printed_motion(motion: &BodyMotion) -> PrintedMotion {
     }
 }
 
-fn printed_diagnostics(diagnostics: &Diagnostics) -> PrintedDiagnostics<'_> {
+fn printed_diagnostics<'r>(scene: &Scene, diagnostics: &'r Diagnostics) -> PrintedDiagnostics<'r> {
     let free_flight = diagnostics.free_flight_fraction.iter();
     PrintedDiagnostics {
         steps: diagnostics.steps,
@@ -325,6 +327,7 @@ fn printed_diagnostics(diagnostics: &Diagnostics) -> PrintedDiagnostics<'_> {
         constraint_drift_m: diagnostics.constraint_drift,
         held_wear_points: diagnostics.held_wear_points,
         narrow_grooves: diagnostics.narrow_grooves.iter().map(printed_groove).collect(),
+        control_points: control_points_rows(scene, diagnostics),
         quasi_static: diagnostics.quasi_static,
         energy: diagnostics.energy.map(printed_energy),
         worn_energy: diagnostics.worn_energy.map(printed_energy),

@@ -4,11 +4,13 @@ use super::error::CommandError;
 use super::output::count;
 use common::outputs::{Evaluation, NarrowGroove};
 use common::scene::{Output, Scene};
+use coordinator::presentation::control_points::control_points_notes;
 use coordinator::presentation::nominal_life::nominal_lives;
 use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::format::{count as grouped, duration, three_digits};
 use coordinator::presentation::report::nominal_page::NominalView;
 use coordinator::presentation::unphysical_work::unphysical_work;
+use coordinator::results::control_points::control_points_rows;
 use coordinator::study::{Settings, blank};
 use std::path::Path;
 
@@ -45,7 +47,8 @@ impl Simulated<'_> {
                 grouped((*since).into())
             );
         }
-        if let Some(caution) = unphysical_work(&evaluation.diagnostics) {
+        let of_points = control_points_notes(&control_points_rows(scene, &evaluation.diagnostics));
+        for caution in unphysical_work(&evaluation.diagnostics).into_iter().chain(of_points) {
             text += &format!("caution: {caution}\n");
         }
         for file in files {
@@ -60,7 +63,8 @@ impl Simulated<'_> {
     /// [`CommandError::Report`] if a figure cannot be drawn.
     pub fn report(&self, set: &[String], source: &str) -> Result<String, CommandError> {
         let Self { scene, evaluation, .. } = self;
-        let summary = blank(scene, &Settings::from(scene.study));
+        let mut summary = blank(scene, &Settings::from(scene.study));
+        summary.control_points = control_points_rows(scene, &evaluation.diagnostics);
         let view = NominalView { scene, summary, evaluation: Some(evaluation), drawing: None };
         let set =
             if set.is_empty() { "every random variable at its mean".to_owned() } else { set.join(", ") };

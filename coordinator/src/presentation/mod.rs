@@ -4,12 +4,14 @@
 //! |---|---|
 //! | [`report`] | the report of a finished study, and the comparison of several |
 //! | [`monitor`] | status, metrics and live report of a running study |
+//! | [`control_points`] | outputs that depend on the number of control points |
 //! | [`nominal_life`] | one mechanism against the limits of its scene |
 //! | [`remaining`] | time that a study still takes |
 //! | [`terminal`] | progress and final summary on the terminal |
 //! | [`text_table`] | a table as text |
 //! | [`unphysical_work`] | caution where a contact law feeds energy into a mechanism |
 
+pub mod control_points;
 pub mod monitor;
 pub mod nominal_life;
 pub mod remaining;

@@ -7,6 +7,7 @@
 //! | [`progress`] | what a running study reports |
 //! | [`store`] | the campaign file (SQLite) |
 //! | [`result_files`] | JSON and CSV files |
+//! | [`control_points`] | what more control points change in the nominal mechanism |
 //! | [`timing`] | times of a study over all its runs |
 //!
 //! # Example
@@ -27,6 +28,7 @@
 //! # Ok::<(), coordinator::farm::evaluate::EvaluateError>(())
 //! ```
 
+pub mod control_points;
 pub mod csv_table;
 pub mod journal;
 pub mod life_summary;

@@ -3,6 +3,7 @@
 //! The field names are the keys of the file: they may be added to, but not changed. Keys of outputs are their name and
 //! unit, e.g. `max_wear_depth_m`.
 
+use super::control_points::ControlPointsRow;
 use super::life_summary::{LifeCurveRow, LifeRow, UnresolvedFall};
 use super::point_summary::{FailurePointRow, PredictionRow};
 use super::scene_summary::{LimitRow, VariableRow, limit_rows, sha256, variable_rows};
@@ -78,6 +79,9 @@ pub struct StudySummary {
     /// The interval that contains too much of the fall of R for its checkpoints, if there is one.
     #[serde(default)]
     pub unresolved_fall: Option<UnresolvedFall>,
+    /// Outputs of the motion of the nominal mechanism with more control points; empty where that was not compared.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub control_points: Vec<ControlPointsRow>,
     /// First failures, one row per checkpoint; empty in studies by earlier versions.
     #[serde(default)]
     pub first_failure: Vec<FirstFailureRow>,

@@ -146,6 +146,7 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
         lives: Vec::new(),
         curves: Vec::new(),
         unresolved_fall: None,
+        control_points: Vec::new(),
         first_failure: Vec::new(),
         failures: Failures::default(),
         simulations_beyond_a_limit: None,

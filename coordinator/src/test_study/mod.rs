@@ -240,6 +240,7 @@ pub fn study() -> TestStudy {
         lives: curves.iter().flat_map(lives).collect(),
         curves,
         unresolved_fall: None,
+        control_points: Vec::new(),
         scene: scene.name.clone(),
         version: "0.1.0".into(),
         seed: 20_260_101,

@@ -106,6 +106,13 @@ macro_rules! contact_laws {
                     $(ContactLaw::$law => Contact::$law(Law::new(surface, control_points))),+
                 }
             }
+
+            /// This law in its joint, on an unworn bore with `control_points` control points.
+            pub(crate) fn with_points(&self, control_points: usize) -> Self {
+                match self {
+                    $(Contact::$law(law) => Contact::$law(Law::new(*law.surface(), control_points))),+
+                }
+            }
         }
 
         /// Evaluates an expression with the law that a contact holds.

@@ -6,7 +6,7 @@ use super::load::LoadForce;
 use super::wearing_pair::WearingPair;
 use super::worn_guide::WornGuide;
 use crate::contact::GuideReaction;
-use crate::rail::{RailFaces, RailLayout, play};
+use crate::rail::{MOST_NODES, RailFaces, RailLayout, play};
 use crate::wear::{FinerBore, RailHistory, RailWearRate, WearHistory, WearRate};
 use common::scene::GuideClearance;
 
@@ -115,6 +115,15 @@ impl WearingPair for WornSurfaces {
 
     fn set_depth(&mut self, depth: &[f64]) {
         self.faces.set_depth(depth);
+    }
+
+    fn refine(&mut self, times: u32) -> bool {
+        let layout = (0..times).fold(*self.faces.layout(), |layout, _| layout.finer());
+        let fits = layout.elements < MOST_NODES;
+        if fits {
+            self.faces = RailFaces::new(layout);
+        }
+        fits
     }
 
     fn empty_history(&self, period: f64, samples: usize) -> WearHistory {

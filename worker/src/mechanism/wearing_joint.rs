@@ -93,6 +93,14 @@ impl WearingPair for WearingJoint {
         }
     }
 
+    fn refine(&mut self, times: u32) -> bool {
+        let points = self.profile.points() << times;
+        self.contact = self.contact.with_points(points);
+        self.profile = Profile::round(self.profile.initial_radius(), points);
+        self.journal = self.journal.is_some().then(|| self.contact.new_journal(points));
+        true
+    }
+
     fn empty_history(&self, period: f64, samples: usize) -> WearHistory {
         WearHistory::Bore(ContactHistory::new(period, samples, self.journal.is_some()))
     }

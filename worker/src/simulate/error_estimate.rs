@@ -12,6 +12,8 @@
 //!   at least, with c = 2, that at lives where y goes up and down from one to the next, since it depends on details of the bores;
 //! - e, relative error of the wear, which displaces the life by e N.
 //!
+//! To it is added what more control points change (`finer_surfaces.rs`), unless the scene declares their number a part of its model.
+//!
 //! For a wear depth it is the root of the sum of squares of two: the error of wear steps, blocks and control points, from a bore
 //! that wears more exactly beside it (`finer_bore.rs`), and twice the relative change of the wear rate in the probes times the depth.
 //! No value has a relative error below 1e-10, rounding.
@@ -58,13 +60,15 @@ pub struct ErrorEstimate {
     lives: Vec<u32>,
     /// Wear at these lives of every joint of the scene, zero for joints that do not wear `(lives, joints)`.
     worn: Vec<Vec<WornJoint>>,
+    /// Errors at the checkpoints within the blocks, whose lives ascend [cycles] `(joints,)` each.
+    within: Vec<(u32, Vec<WornAmounts>)>,
 }
 
 impl ErrorEstimate {
     /// An estimate for a life under this number of `conditions` whose first checkpoint is at `first_checkpoint` [cycles].
     pub(crate) fn new(first_checkpoint: u32, conditions: usize) -> Self {
         let conditions = (0..conditions).map(|_| MotionEstimate::new(first_checkpoint)).collect();
-        ErrorEstimate { conditions, lives: vec![], worn: vec![] }
+        ErrorEstimate { conditions, lives: vec![], worn: vec![], within: vec![] }
     }
 
     /// Adds the wear at `life` [cycles], the end of a block, where the joints of `run` have been compared with their copies and were
@@ -72,11 +76,20 @@ impl ErrorEstimate {
     pub(crate) fn add_wear(&mut self, run: &Run, life: u32, amounts: &[WornAmounts]) {
         let unknown = |&worn: &WornAmounts| WornJoint { worn, error: WornAmounts::default() };
         let mut worn: Vec<WornJoint> = amounts.iter().map(unknown).collect();
+        let every = run.scene.life.checkpoint_every;
+        let start = self.lives.last().copied().unwrap_or(0);
+        let within = (start / every + 1..life.div_ceil(every)).map(|k| k * every);
+        let mut within: Vec<(u32, Vec<WornAmounts>)> =
+            within.map(|life| (life, vec![WornAmounts::default(); amounts.len()])).collect();
         for state in &run.islands {
             for (pair, finer) in state.island.pairs().zip(&state.finer) {
                 worn[pair.scene_joint()].error = finer.errors();
+                for ((_, joints), error) in within.iter_mut().zip(finer.errors_within()) {
+                    joints[pair.scene_joint()] = error;
+                }
             }
         }
+        self.within.append(&mut within);
         self.lives.push(life);
         self.worn.push(worn);
     }
@@ -106,7 +119,15 @@ impl ErrorEstimate {
                     let values = (&*checkpoints, &*histories[k]);
                     let behind = |life| self.relative_wear_error(scene, life);
                     let missed_peak = sampling.missed_peak(phase);
-                    self.conditions[condition].motion_errors(k, values, measured, missed_peak, behind)
+                    let of_motion = &self.conditions[condition];
+                    let mut error = of_motion.motion_errors(k, values, measured, missed_peak, behind);
+                    if !scene.control_points_of_model {
+                        error
+                            .iter_mut()
+                            .zip(&checkpoints)
+                            .for_each(|(e, &life)| *e += of_motion.points_error(k, life));
+                    }
+                    error
                 }
             };
             errors.push(
@@ -148,7 +169,9 @@ impl ErrorEstimate {
             wear_output(quantity, joints.iter().map(|&joint| amounts(joint)))
         };
         let now = value(&|j| worn[j].worn);
-        let wear = value(&|j| worn[j].worn.with(&worn[j].error, |worn, error| worn + error)) - now;
+        let within = self.within.binary_search_by_key(&life, |(life, _)| *life);
+        let error = |j: usize| within.map_or(worn[j].error, |k| self.within[k].1[j]);
+        let wear = value(&|j| worn[j].worn.with(&error(j), |worn, error| worn + error)) - now;
         let rates =
             value(&|j| worn[j].worn.with(&self.relative_rate_errors(j, life), |worn, share| worn * share));
         (libm::hypot(wear, rates), now)
@@ -197,7 +220,7 @@ mod tests {
         let worn = [(10.0, 0.1), (9.0, 1.3)]
             .map(|(depth, error)| WornJoint { worn: bore(depth), error: bore(error) })
             .to_vec();
-        ErrorEstimate { conditions, lives: vec![0, 100], worn: vec![vec![], worn] }
+        ErrorEstimate { conditions, lives: vec![0, 100], worn: vec![vec![], worn], within: vec![] }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::cycle_history::FirstCycle;
 use super::life_history::LifeHistory;
 use super::run::Run;
 use common::failure::SimulationFailure;
-use common::outputs::{Diagnostics, Evaluation, JointSummary};
+use common::outputs::{Diagnostics, Evaluation, JointSummary, PointsError};
 
 /// Assembles the result from the outputs over life: counts of the `runs` of all operating conditions, at least one, and bores and motion
 /// of the first one, on which all others have run too.
@@ -60,9 +60,23 @@ pub(crate) fn finish(
             constraint_drift: runs.iter().fold(0.0, |a, run| run.counts.drift.max(a)),
             held_wear_points: run.wear_counts.held,
             narrow_grooves: run.grooves.clone(),
+            control_points: worst(runs),
             quasi_static: !run.quasi_static.is_empty(),
             energy: first.energy,
             worn_energy: run.display.as_ref().and_then(|display| display.energy),
         },
     })
+}
+
+/// What more control points change in each output of the motion, under the condition where that is most.
+fn worst(runs: &[Run]) -> Vec<PointsError> {
+    let mut all: Vec<PointsError> = runs[0].points_errors.clone();
+    for run in &runs[1..] {
+        for (worst, of_run) in all.iter_mut().zip(&run.points_errors) {
+            if of_run.error > worst.error {
+                worst.clone_from(of_run);
+            }
+        }
+    }
+    all
 }

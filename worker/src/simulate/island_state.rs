@@ -63,6 +63,8 @@ pub struct IslandState {
     pub steps: Vec<WearStep>,
     /// Each pair with more control points, for the error of the wear `(pairs,)`.
     pub finer: Vec<FinerBore<WearRate>>,
+    /// Each pair with twice as many again, if the motion is compared on them (`finer_surfaces.rs`), else empty `(pairs,)`.
+    pub finest: Vec<FinerBore<WearRate>>,
     /// Wear depth of each pair at the control points of its first surface, then of the second if that wears `(pairs, depths)` [m].
     pub depth: Vec<Vec<f64>>,
 }
@@ -143,6 +145,7 @@ impl IslandState {
             rates: island.pairs().map(WearingPair::wear_rate).collect(),
             steps: island.pairs().map(|pair| WearStep::new(pair.depths(), accuracy.wear_tolerance)).collect(),
             finer: island.pairs().map(|pair| pair.finer_copy(accuracy.wear_tolerance)).collect(),
+            finest: vec![],
             depth: island.pairs().map(|pair| vec![0.0; pair.depths()]).collect(),
             island,
         }
@@ -188,6 +191,16 @@ impl IslandState {
             *angle -= TAU * cycles * turns;
         }
         self.time = time;
+    }
+
+    /// Wears copies of all pairs with four times the control points beside them, within the wear tolerance of this `accuracy`; none has
+    /// worn yet.
+    pub(crate) fn add_finest(&mut self, accuracy: &Accuracy) {
+        let mut finer = self.island.clone();
+        finer.pairs_mut().for_each(|pair| {
+            pair.refine(1);
+        });
+        self.finest = finer.pairs().map(|pair| pair.finer_copy(accuracy.wear_tolerance)).collect();
     }
 
     /// Stepper and empty contact histories for another accuracy of the time steps; `period` is the length of a cycle [s].

@@ -2,6 +2,7 @@
 
 use super::blocks::{at_checkpoints, block_ends};
 use super::conditions::mix_contacts;
+use super::finer_surfaces::points_errors;
 use super::life_history::LifeHistory;
 use super::longer_steps::LongerSteps;
 use super::partial_life::{CycleModel, PartialLife};
@@ -91,6 +92,9 @@ pub(crate) async fn simulate_life<M: CycleModel>(
 
     for ((run, life), estimate) in runs.iter().zip(&lives).zip(&mut estimate.conditions) {
         model.check_life(run, &life.measured(), estimate)?;
+    }
+    for (run, estimate) in runs.iter_mut().zip(&estimate.conditions) {
+        run.points_errors = points_errors(scene, &estimate.finer);
     }
     let cycles = scene.life.checkpoints();
     let mut found = Vec::with_capacity(lives.len());

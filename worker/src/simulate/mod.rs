@@ -20,6 +20,7 @@
 //! | `conditions.rs` | several operating conditions on the same bores |
 //! | `longer_steps.rs`, `compared_islands.rs` | longer time steps while they make no difference, and which islands make one |
 //! | `probe.rs`, `motion_estimate.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
+//! | `finer_surfaces.rs` | the motion on surfaces with more control points |
 //! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
 //! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
 //! | `island_state.rs`, `worn_joints.rs` | an island with its state, stepper, recorder and wear; the wear of all joints |
@@ -36,6 +37,7 @@ mod contact_arcs;
 mod control_points;
 mod cycle_history;
 mod error_estimate;
+mod finer_surfaces;
 mod finish;
 mod first_look;
 mod grooves;
@@ -177,6 +179,9 @@ async fn simulate_stages(
         runs[0].simulated += cycles;
     }
     runs.iter_mut().for_each(|run| run.display = options.first_cycle.then(WornDisplay::default));
+    if !scene.control_points_of_model || options.first_cycle {
+        runs[0].start_comparing_finer();
+    }
     let mut result = evaluate(&mut runs).await;
     if let (Ok(evaluation), Some((_, origin))) = (&mut result, &local) {
         evaluation.move_histories(*origin);

@@ -1,6 +1,7 @@
 //! What the cycles simulated under one operating condition show of the error of an evaluation (`error_estimate.rs`): probes, the spread
 //! of several motions, and what the quasi-static model was off by.
 
+use super::finer_surfaces::FinerCycles;
 use super::probe::Probe;
 use super::run::Run;
 use super::several_cycles::{CycleSpread, MOTIONS, mean_and_variance};
@@ -61,6 +62,8 @@ pub struct MotionEstimate {
     quasi_static: Option<f64>,
     /// Spread of the cycles at each simulated life of a motion that does not repeat itself, else empty.
     spreads: Vec<CycleSpread>,
+    /// Comparisons with surfaces of more control points; lives ascend.
+    pub finer: Vec<FinerCycles>,
     /// Volume that the blocks added so far have worn from every surface of every joint of the scene `(SURFACES joints,)` [m^3].
     pub worn: Vec<f64>,
 }
@@ -186,6 +189,13 @@ impl MotionEstimate {
             }
         }
         if ends > 0.0 { (sum / ends).sqrt() } else { 0.0 }
+    }
+
+    /// Estimated error of output `k` at `life` that the number of control points leaves [SI]: the larger of the comparisons around it.
+    pub(crate) fn points_error(&self, k: usize, life: u32) -> f64 {
+        let next = self.finer.partition_point(|cycles| cycles.life < life);
+        let around = &self.finer[next.saturating_sub(1)..(next + 1).min(self.finer.len())];
+        around.iter().map(|cycles| cycles.error(k).0).fold(0.0, f64::max)
     }
 
     /// The two probes around `life`, or the one next to it.

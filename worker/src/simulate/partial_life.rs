@@ -160,7 +160,8 @@ impl<'a> PartialLife<'a> {
         share_bores(runs);
         let conditions = runs.iter_mut().zip(&mut self.conditions).zip(&mut self.estimate.conditions);
         let cycles = conditions.map(|((run, life), estimate)| life.go_on(run, model, block, estimate));
-        join(cycles).await.into_iter().collect()
+        join(cycles).await.into_iter().collect::<Result<Vec<()>, _>>()?;
+        Ok(self.compare_finer(runs, block).await?)
     }
 }
 

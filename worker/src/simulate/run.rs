@@ -6,13 +6,14 @@ use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
 use super::unbounded_forces::refuse_unbounded_forces;
 use super::wall::{wear_failure, worn_through};
+use super::worn_joints::wear_histories;
 use crate::integrate::StepCounts;
 use crate::mechanism::{WearingPair, ideal_cycle, islands, turns_per_cycle};
-use crate::outputs::{FullRecording, IdealTracks, Recorder, recording_request, sample_times};
-use crate::wear::{WearHistory, WearLaw, WearStepStats, WornAmounts, wear_output};
+use crate::outputs::{FullRecording, IdealTracks, recording_request, sample_times};
+use crate::wear::{MarkedDepths, WearHistory, WearLaw, WearStepStats, WornAmounts, wear_output};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
-use common::outputs::{EnergyBalance, NarrowGroove, WornLife};
+use common::outputs::{EnergyBalance, NarrowGroove, PointsError, WornLife};
 use common::scene::{Output, Scene};
 use std::ops::Range;
 use std::slice;
@@ -50,6 +51,8 @@ pub struct Run<'a> {
     pub quasi_static: Vec<QuasiStaticIsland>,
     /// Largest relative difference of the wear rates of the two models for each output, zero unless compared `(outputs,)` [1].
     pub tier_difference: Vec<f64>,
+    /// What more control points change in the outputs of the motion, empty where that is not compared `(motion outputs,)`.
+    pub points_errors: Vec<PointsError>,
     /// What is displayed of the worn mechanism, if anything is.
     pub display: Option<WornDisplay>,
 }
@@ -114,6 +117,7 @@ impl<'a> Run<'a> {
             measured: vec![0.0; scene.outputs.len()],
             quasi_static: vec![],
             tier_difference: vec![0.0; scene.outputs.len()],
+            points_errors: vec![],
             display: None,
         })
     }
@@ -268,17 +272,6 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Compares the bores at the end of life with their finer copies, under the contact of the cycle just measured.
-    pub(crate) fn compare_bores(&mut self) {
-        for (index, state) in self.islands.iter_mut().enumerate() {
-            let IslandState { island, recorder, finer, rates, depth, .. } = state;
-            let histories = wear_histories(&self.mixed, &self.quasi_static, recorder, index);
-            for (k, _) in island.pairs().enumerate().filter(|(_, pair)| pair.wears()) {
-                finer[k].advance(&histories[k], 0.0, rates[k].sizes().amounts(&depth[k]));
-            }
-        }
-    }
-
     /// Keeps the bores as they are at `life` [cycles], if cycles are displayed.
     pub(crate) fn keep_bores(&mut self, life: u32) {
         if self.display.is_none() {
@@ -350,16 +343,24 @@ impl<'a> Run<'a> {
                 let (rate, depth) = (&mut state.rates[k], &mut state.depth[k]);
                 rate.freeze(&histories[k]);
                 let (sizes, scene_joint) = (rate.sizes(), pair.scene_joint());
-                let note = |mark: usize, depth: &[f64]| {
-                    marked[mark][scene_joint] = sizes.amounts(depth);
+                let note = |mark: usize, depths: &MarkedDepths| {
+                    marked[mark][scene_joint] = sizes.amounts_at(depths);
                 };
                 let length = f64::from(to - from);
-                state.finer[k].advance(&histories[k], length, sizes.amounts(depth));
+                let within = marks.partition_point(|mark| *mark < length);
+                state.finer[k].mark(&marks[..within]);
+                for finer in
+                    [&mut state.finer, &mut state.finest].into_iter().filter_map(|all| all.get_mut(k))
+                {
+                    finer.advance(&histories[k], length, sizes.amounts(depth));
+                }
                 let advanced =
                     state.steps[k].advance(rate, depth, length, &marks, note, &mut self.wear_counts);
                 advanced.map_err(|failed| {
                     wear_failure(&self.scene.joints[scene_joint].kind, from, pair.name().to_owned(), failed)
                 })?;
+                state.finer[k]
+                    .add_marked(marked[..within].iter().map(|joints| joints[scene_joint]).collect());
                 let surfaces = depth.split_at(pair.first_depths());
                 if let Some((depth, wall)) = worn_through(self.scene, scene_joint, surfaces.into()) {
                     let joint = pair.name().to_owned();
@@ -376,19 +377,5 @@ impl<'a> Run<'a> {
         }
         self.cycle = to;
         Ok(())
-    }
-}
-
-/// The contact histories that wear the joints of island number `index`: those `mixed` of several conditions, or those of the last cycle,
-/// quasi-static or in the `recorder`.
-fn wear_histories<'h>(
-    mixed: &'h [Vec<WearHistory>],
-    quasi_static: &'h [QuasiStaticIsland],
-    recorder: &'h Recorder,
-    index: usize,
-) -> &'h [WearHistory] {
-    match mixed.get(index) {
-        Some(histories) => histories,
-        None => &quasi_static.get(index).map_or(recorder, |island| &island.recorder).histories,
     }
 }

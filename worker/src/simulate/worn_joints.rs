@@ -1,7 +1,11 @@
-//! The wear of the joints of an evaluation so far.
+//! The wear of the joints of an evaluation so far, and the contacts that cause it.
 
+use super::island_state::IslandState;
+use super::quasi_static_island::QuasiStaticIsland;
 use super::run::Run;
-use crate::wear::{WearLaw, WornAmounts};
+use crate::mechanism::WearingPair;
+use crate::outputs::Recorder;
+use crate::wear::{WearHistory, WearLaw, WornAmounts};
 
 impl Run<'_> {
     /// Depth at every control point of the bore and of the journal of every joint of the scene, or of the guide and of the slider, empty where
@@ -26,5 +30,30 @@ impl Run<'_> {
             }
         }
         all
+    }
+
+    /// Compares the bores at the end of life with their finer copies, under the contact of the cycle just measured.
+    pub(crate) fn compare_bores(&mut self) {
+        for (index, state) in self.islands.iter_mut().enumerate() {
+            let IslandState { island, recorder, finer, rates, depth, .. } = state;
+            let histories = wear_histories(&self.mixed, &self.quasi_static, recorder, index);
+            for (k, _) in island.pairs().enumerate().filter(|(_, pair)| pair.wears()) {
+                finer[k].advance(&histories[k], 0.0, rates[k].sizes().amounts(&depth[k]));
+            }
+        }
+    }
+}
+
+/// The contact histories that wear the joints of island number `index`: those `mixed` of several conditions, or those of the last cycle,
+/// quasi-static or in the `recorder`.
+pub(super) fn wear_histories<'h>(
+    mixed: &'h [Vec<WearHistory>],
+    quasi_static: &'h [QuasiStaticIsland],
+    recorder: &'h Recorder,
+    index: usize,
+) -> &'h [WearHistory] {
+    match mixed.get(index) {
+        Some(histories) => histories,
+        None => &quasi_static.get(index).map_or(recorder, |island| &island.recorder).histories,
     }
 }

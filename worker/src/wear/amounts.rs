@@ -8,6 +8,7 @@
 //! # Source
 //! Derived here.
 
+use super::step::MarkedDepths;
 use crate::extremum::largest;
 use crate::rail::RailLayout;
 use common::scene::WearQuantity;
@@ -23,6 +24,11 @@ pub enum SurfaceSizes {
 }
 
 impl SurfaceSizes {
+    /// Amounts at a mark within a block.
+    pub(crate) fn amounts_at(&self, marked: &MarkedDepths) -> WornAmounts {
+        WornAmounts { volume: self.amounts(marked.free).volume, ..self.amounts(marked.depth) }
+    }
+
     /// Amounts of the depths `depth` `(depths,)` [m].
     pub(crate) fn amounts(&self, depth: &[f64]) -> WornAmounts {
         match self {

@@ -9,6 +9,8 @@
 //!
 //! e(n) = 2 max over the blocks that end in [n/4, n] of |max h - max h_f|
 //!
+//! At a checkpoint within a block it is no less than twice the difference there.
+//!
 //! An early difference heals as a scar widens its own arc, and the two may cross, so that neither the last nor the
 //! largest difference would do. Sums of the local errors of sub-steps and blocks would not do either: most of them heal
 //! too, and were they added up, they would state ten and more times the true error. A bore with fewer control points
@@ -23,7 +25,7 @@
 
 use super::amounts::WornAmounts;
 use super::archard::{BoreWearRate, WearCoefficients};
-use super::step::{WearStep, WearStepStats};
+use super::step::{MarkedDepths, WearStep, WearStepStats};
 use super::wear_law::WearLaw;
 use crate::bore::Profile;
 use crate::contact::Contact;
@@ -57,6 +59,14 @@ pub struct FinerBore<L> {
     missed: WornAmounts,
     /// Life [cycle] and difference of the two at the end of each block.
     differences: Vec<(f64, WornAmounts)>,
+    /// Marks within the block behind, and those of the next one, counted from its start [cycle].
+    marks: Vec<f64>,
+    next_marks: Vec<f64>,
+    /// Wear of the joint at the marks within the block behind, and that of the copy at those it has passed.
+    marked: Vec<WornAmounts>,
+    passed: Vec<WornAmounts>,
+    /// Differences of the two at the marks within the block whose end was compared last.
+    within: Vec<WornAmounts>,
 }
 
 impl<L: WearLaw + From<BoreWearRate>> FinerBore<L> {
@@ -91,7 +101,22 @@ impl<L: WearLaw> FinerBore<L> {
             failed: false,
             missed: WornAmounts::default(),
             differences: Vec::new(),
+            marks: Vec::new(),
+            next_marks: Vec::new(),
+            marked: Vec::new(),
+            passed: Vec::new(),
+            within: Vec::new(),
         }
+    }
+
+    /// Compares the two also at these marks within the next block (increasing, counted from its start, before its end) [cycle].
+    pub(crate) fn mark(&mut self, marks: &[f64]) {
+        self.next_marks = marks.to_vec();
+    }
+
+    /// Adds the wear of the joint at the marks within the block that it has just been worn over.
+    pub(crate) fn add_marked(&mut self, worn: Vec<WornAmounts>) {
+        self.marked = worn;
     }
 
     /// Compares the copy with the bore at the end of the block behind, where the joint is `worn`
@@ -101,25 +126,50 @@ impl<L: WearLaw> FinerBore<L> {
         self.rate.freeze(history);
         let mut uncounted = WearStepStats::default();
         let sizes = self.rate.sizes();
-        let (behind, mut copy) = (self.behind, sizes.amounts(&self.depth));
+        let (behind, half) = (self.behind, 0.5 * cycles);
         let growth = worn.with(&self.worn, |now, before| now - before);
         // Wear steps that failed miss the half blocks on both sides of a history.
         let miss = |missed: f64, growth: f64| missed + 0.5 * growth;
         if self.failed {
             self.missed = self.missed.with(&growth, miss);
         }
-        let to_compare = |_: usize, depth: &[f64]| copy = sizes.amounts(depth);
+        // Marks in the second half of the block behind, its end, and marks in the first half of the next one.
+        let late = self.marks[self.passed.len()..].iter().map(|mark| mark - behind);
+        let next_marks = std::mem::take(&mut self.next_marks);
+        let early = next_marks.iter().filter(|mark| **mark <= half).map(|mark| behind + mark);
+        let marks: Vec<f64> = late.chain([behind]).chain(early).collect();
+        let mut copies = vec![sizes.amounts(&self.depth); marks.len()];
+        let to_compare = |mark: usize, depths: &MarkedDepths| copies[mark] = sizes.amounts_at(depths);
         let (step, rate) = (&mut self.step, &mut self.rate);
-        let advanced =
-            step.advance(rate, &mut self.depth, behind + 0.5 * cycles, &[behind], to_compare, &mut uncounted);
+        let advanced = step.advance(rate, &mut self.depth, behind + half, &marks, to_compare, &mut uncounted);
         self.failed = advanced.is_err();
         if self.failed {
             self.missed = self.missed.with(&growth, miss);
         }
-        self.differences.push((self.life, worn.with(&copy, |worn, copy| (worn - copy).abs())));
+        let difference =
+            |worn: &WornAmounts, copy: &WornAmounts| worn.with(copy, |worn, copy| (worn - copy).abs());
+        let early = copies.split_off(self.marks.len() - self.passed.len() + 1);
+        let end = copies.pop().unwrap_or_default();
+        self.passed.append(&mut copies);
+        self.within =
+            self.marked.iter().zip(&self.passed).map(|(worn, copy)| difference(worn, copy)).collect();
+        self.differences.push((self.life, difference(&worn, &end)));
+        (self.marks, self.passed, self.marked) = (next_marks, early, vec![]);
         self.life += cycles;
-        self.behind = 0.5 * cycles;
+        self.behind = half;
         self.worn = worn;
+    }
+
+    /// Depths of the copy at the end of the block behind, where this contact `history` was measured `(depths,)` [m]; `None` if the wear
+    /// steps fail.
+    pub(crate) fn depth_at_end(&self, history: &L::History) -> Option<Vec<f64>>
+    where
+        L: Clone,
+    {
+        let FinerBore { mut rate, mut step, mut depth, behind, .. } = self.clone();
+        rate.freeze(history);
+        step.advance(&mut rate, &mut depth, behind, &[], |_, _| {}, &mut WearStepStats::default()).ok()?;
+        Some(depth)
     }
 
     /// Estimated error of the wear of the joint where it was compared last.
@@ -128,5 +178,13 @@ impl<L: WearLaw> FinerBore<L> {
         let recent = self.differences.iter().filter(|(life, _)| *life >= (1.0 - RECENT) * now);
         let largest = recent.fold(WornAmounts::default(), |a, (_, difference)| a.with(difference, f64::max));
         largest.with(&self.missed, |difference, missed| SAFETY * difference + missed)
+    }
+
+    /// Estimated errors at the marks within the block whose end was compared last: that at the end, or what the two differ by there if that is more.
+    pub(crate) fn errors_within(&self) -> impl Iterator<Item = WornAmounts> {
+        let at_end = self.errors();
+        self.within.iter().map(move |difference| {
+            at_end.with(difference, |error, difference| error.max(SAFETY * difference))
+        })
     }
 }

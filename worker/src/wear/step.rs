@@ -54,6 +54,15 @@ struct Refused {
     error: f64,
 }
 
+/// Depths at a mark within a block `(points,)` [m].
+#[derive(Debug, Clone, Copy)]
+pub struct MarkedDepths<'d> {
+    /// The depths, none of them outside those at the ends of its sub-step.
+    pub depth: &'d [f64],
+    /// The same before they were kept within: their sum is that of the rates, as the worn volume has to be.
+    pub free: &'d [f64],
+}
+
 /// Scratch and state of the wear step of one joint; all vectors `(points,)`.
 #[derive(Debug, Clone)]
 pub struct WearStep {
@@ -98,7 +107,7 @@ impl WearStep {
         }
     }
 
-    /// Advances `depth` by `cycles` under the frozen history in `rate`. `mark` receives the depth at each of
+    /// Advances `depth` by `cycles` under the frozen history in `rate`. `mark` receives the depths at each of
     /// `marks` (increasing, within the block, counted from its start), by cubic Hermite interpolation in a
     /// sub-step.
     ///
@@ -111,7 +120,7 @@ impl WearStep {
         depth: &mut [f64],
         cycles: f64,
         marks: &[f64],
-        mut mark: impl FnMut(usize, &[f64]),
+        mut mark: impl FnMut(usize, &MarkedDepths),
         stats: &mut WearStepStats,
     ) -> Result<(), WearStepFailed> {
         let sizes = rate.sizes();
@@ -147,9 +156,12 @@ impl WearStep {
             let last = if step == cycles - done { cycles } else { done + step };
             while marked < marks.len() && marks[marked] <= last {
                 if marks[marked] == last {
-                    mark(marked, &self.end);
+                    mark(marked, &MarkedDepths { depth: &self.end, free: &self.end });
                 } else {
-                    mark(marked, &self.between(depth, (marks[marked] - done) / step, step));
+                    let free = self.between(depth, (marks[marked] - done) / step, step);
+                    let ends = depth.iter().zip(&self.end);
+                    let kept = free.iter().zip(ends).map(|(h, (y0, y1))| h.clamp(*y0, y1.max(*y0)));
+                    mark(marked, &MarkedDepths { depth: &kept.collect::<Vec<f64>>(), free: &free });
                 }
                 marked += 1;
             }
@@ -217,11 +229,11 @@ impl WearStep {
         )
     }
 
-    /// Depth at the fraction `s` of the sub-step, kept between its ends [m].
+    /// Depth at the fraction `s` of the sub-step [m].
     fn between(&self, depth: &[f64], s: f64, step: f64) -> Vec<f64> {
         let ends = self.f0.iter().zip(&self.f1);
         let hermite = |((y0, y1), (f0, f1)): ((&f64, &f64), (&f64, &f64))| {
-            Cubic::hermite([*y0, *y1], [step * f0, step * f1]).value(s).clamp(*y0, y1.max(*y0))
+            Cubic::hermite([*y0, *y1], [step * f0, step * f1]).value(s)
         };
         depth.iter().zip(&self.end).zip(ends).map(hermite).collect()
     }

@@ -177,7 +177,7 @@ fn wear_does_not_depend_on_how_a_block_is_cut() {
                 &mut vec![0.0; POINTS],
                 4000.0,
                 &[2000.0],
-                |_, depth| marked = depth.to_vec(),
+                |_, depths| marked = depths.depth.to_vec(),
                 &mut WearStepStats::default(),
             )
             .expect("the wear step reaches its tolerance");

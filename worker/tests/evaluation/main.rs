@@ -3,6 +3,7 @@
 mod backlash;
 mod both_surfaces;
 mod conditions;
+mod control_points;
 mod energy;
 mod errors;
 mod expected_cost;
@@ -31,4 +32,5 @@ mod side_by_side;
 mod single_cycle;
 mod start_motion;
 mod transformed;
+mod within_blocks;
 mod worn_guides;

@@ -46,7 +46,7 @@ fn cost_and_error(
         "Error: largest difference over all points and checkpoints, relative to the threshold of the output's limit state or \
          to its largest value; in brackets, only up to where the reference reaches that limit. Life: largest change of the \
          life at which the limit is reached. A star marks the Pareto front of time and error. The last row is the \
-         reference with its own stated error.\n"
+         reference with its own stated error. All have the control points of the scene: what more of them change is not in these errors.\n"
     )?;
     write!(out, "| setting | s | steps | cycles |")?;
     for output in &scene.outputs {

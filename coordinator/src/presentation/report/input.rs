@@ -6,6 +6,7 @@ use super::life::{no_simulated_failure, steps_and_noise};
 use super::mechanism::Mechanism;
 use super::stated_errors::{StatedAt, StatedErrorCollector};
 use super::written::WrittenScene;
+use crate::presentation::control_points::control_points_notes;
 use crate::presentation::unphysical_work::unphysical_work;
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
@@ -193,7 +194,14 @@ impl ReportInput {
     fn new(scene: &Scene, summary: StudySummary, distributions: Vec<CheckpointDistribution>) -> Self {
         Self {
             title: scene.title.clone(),
-            notes: [of_designs(&summary), unsupported(&summary), rough(&summary), notes(scene)].concat(),
+            notes: [
+                of_designs(&summary),
+                unsupported(&summary),
+                rough(&summary),
+                notes(scene),
+                control_points_notes(&summary.control_points),
+            ]
+            .concat(),
             summary,
             limit_states: scene.limit_states.clone(),
             outputs: scene

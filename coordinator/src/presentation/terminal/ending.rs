@@ -1,5 +1,6 @@
 //! The summary printed at the end of a study.
 
+use crate::presentation::control_points::control_points_notes;
 use crate::presentation::report::format::{count, duration, fixed};
 use crate::presentation::report::life::{
     Included, LEVELS, LifeAt, life_and_limits, life_at, no_simulated_failure, rows_that_matter,
@@ -26,7 +27,8 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
             .collect(),
         _ => over_life(summary, &names),
     };
-    if let Some(note) = no_simulated_failure(summary) {
+    for note in no_simulated_failure(summary).into_iter().chain(control_points_notes(&summary.control_points))
+    {
         text += &format!("caution: {note}\n");
     }
     if !summary.convergence.stopped_because.is_empty() {

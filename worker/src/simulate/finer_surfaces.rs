@@ -1,0 +1,222 @@
+//! What more control points change in the outputs of the motion: the measured cycle again on surfaces worn beside its own with twice and with
+//! four times the points.
+//!
+//! The two surfaces have worn under the contacts of the same cycles (`wear/finer_bore.rs`); the cycle on them starts where the measured
+//! one did. With the values y1, y2 and y4 of an output on n, 2 n and 4 n points and r = |y4 - y2| / |y2 - y1| the stated error is
+//!
+//!   |y4 - y1| + r / (1 - r) |y4 - y2|              r < 3/4, what is left of a geometric series,
+//!   2 max (|y2 - y1|, |y4 - y1|, |y4 - y2|)        else: the output does not converge with the points.
+//!
+//! The cycles are compared where others are probed (`probe.rs`), and before where an output has moved.
+//!
+//! # Source
+//! Comparison of three grids: Roache, Verification and Validation in Computational Science and Engineering (1998), chapter 5.
+
+use super::conditions::mix_contacts;
+use super::motion_estimate::MeasuredLives;
+use super::partial_life::{ConditionLife, PartialLife};
+use super::probe::is_probed;
+use super::run::Run;
+use super::side_by_side::join;
+use super::worn_joints::wear_histories;
+use common::failure::SimulationFailure;
+use common::outputs::PointsError;
+use common::scene::{Life, Output, Scene};
+use std::ops::Range;
+
+/// Ratio of successive changes above which an output does not converge [1]: a spline through a scar with edges halves them.
+const CONVERGES: f64 = 0.75;
+/// Stated error over the largest change of such an output [1].
+const SAFETY: f64 = 2.0;
+/// Relative change of an output since the last comparison after which there is another one [1].
+const MOVED: f64 = 5e-3;
+/// Least share of the life between two such comparisons [1].
+const APART: u32 = 16;
+
+/// Depths of all pairs of surfaces `(islands, pairs, depths)` [m].
+type Depths = Vec<Vec<Vec<f64>>>;
+
+/// Outputs of the motion of one cycle on surfaces with n, 2 n and 4 n control points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FinerCycles {
+    /// Life of the surfaces [cycles].
+    pub life: u32,
+    /// The outputs `(3, outputs)` [SI].
+    pub outputs: [Vec<f64>; 3],
+}
+
+impl FinerCycles {
+    /// Changes of output `k` with twice and with four times the points [SI].
+    pub(crate) fn changes(&self, k: usize) -> [f64; 2] {
+        let [own, twice, four_times] = &self.outputs;
+        [twice, four_times].map(|finer| finer[k] - own[k])
+    }
+
+    /// Estimated error of output `k` [SI], and whether it converges.
+    pub(crate) fn error(&self, k: usize) -> (f64, bool) {
+        estimate(self.changes(k))
+    }
+}
+
+/// What more control points change in each output of the motion, at the one of the compared `lives` where that is most; empty without any.
+pub(crate) fn points_errors(scene: &Scene, lives: &[FinerCycles]) -> Vec<PointsError> {
+    let outputs = scene.outputs.iter().enumerate().filter(|(_, output)| output.kind.wear().is_none());
+    let largest = |(k, output): (usize, &Output)| {
+        let at = lives.iter().max_by(|a, b| a.error(k).0.total_cmp(&b.error(k).0))?;
+        let (error, converges) = at.error(k);
+        Some(PointsError {
+            output: output.name.clone(),
+            cycles: at.life,
+            values: [0, 1, 2].map(|points: usize| at.outputs[points][k]),
+            error,
+            converges,
+            stated: !scene.control_points_of_model,
+        })
+    };
+    outputs.filter_map(largest).collect()
+}
+
+/// Error of a value that twice and four times the points change by these amounts, and whether it converges.
+fn estimate([twice, four_times]: [f64; 2]) -> (f64, bool) {
+    let (first, second) = (twice.abs(), (four_times - twice).abs());
+    if second < CONVERGES * first {
+        return (four_times.abs() + second * second / (first - second), true);
+    }
+    (SAFETY * first.max(second).max(four_times.abs()), second == 0.0)
+}
+
+impl<'a> PartialLife<'a> {
+    /// Compares the cycles measured at the end of this `block` with those on finer surfaces, where that is due.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if one of these cycles fails.
+    pub(crate) async fn compare_finer(
+        &mut self,
+        runs: &mut [Run<'a>],
+        block: &Range<u32>,
+    ) -> Result<(), SimulationFailure> {
+        if !runs[0].compares_finer() || !self.is_due(&runs[0].scene.life, block) {
+            return Ok(());
+        }
+        mix_contacts(runs);
+        let [Some(twice), Some(four_times)] = [false, true].map(|finest| runs[0].finer_depths(finest)) else {
+            return Ok(());
+        };
+        let depths = [twice, four_times];
+        let cycles = join(runs.iter_mut().map(|run| run.finer_cycles(block.end, &depths))).await;
+        for (cycles, estimate) in cycles.into_iter().zip(&mut self.estimate.conditions) {
+            estimate.finer.push(cycles?);
+        }
+        Ok(())
+    }
+
+    /// True if cycles have been measured at the end of this `block` of motions that repeat themselves, and it is one of those that are probed, or
+    /// an output has moved since the last comparison.
+    fn is_due(&self, life: &Life, block: &Range<u32>) -> bool {
+        let conditions =
+            || self.conditions.iter().map(ConditionLife::measured).zip(&self.estimate.conditions);
+        if conditions().any(|(now, of)| of.has_several_motions() || now.lives.last() != Some(&block.end)) {
+            return false;
+        }
+        let last = self.estimate.conditions[0].finer.last().map_or(0, |cycles| cycles.life);
+        let is_apart = block.end - last >= life.cycles / APART;
+        is_probed(block, life) || is_apart && conditions().any(|(now, of)| has_moved(&now, of.finer.last()))
+    }
+}
+
+/// True if an output has moved by [`MOVED`] since the `last` comparison, or since the unworn surfaces.
+fn has_moved(now: &MeasuredLives, last: Option<&FinerCycles>) -> bool {
+    let (Some(values), Some(unworn)) = (now.outputs.last(), now.outputs.first()) else { return false };
+    let before = last.map_or(unworn, |cycles| &cycles.outputs[0]);
+    values.iter().zip(before).any(|(now, before)| (now - before).abs() > MOVED * before.abs())
+}
+
+impl Run<'_> {
+    /// Wears the copies on which the motion is compared, if outputs depend on it and a joint wears.
+    pub(crate) fn start_comparing_finer(&mut self) {
+        if self.first_motion_output().is_some() && self.wears() && !self.scene.life.is_single_cycle() {
+            let accuracy = self.accuracy;
+            self.islands.iter_mut().for_each(|state| state.add_finest(accuracy));
+        }
+    }
+
+    /// True if copies with four times the control points wear beside the surfaces of this run.
+    fn compares_finer(&self) -> bool {
+        self.islands.iter().any(|state| !state.finest.is_empty())
+    }
+
+    /// Depths of all pairs on twice or, if `finest`, four times the control points, worn as long as this run's own; `None` if the wear steps fail.
+    fn finer_depths(&self, finest: bool) -> Option<Depths> {
+        let islands = self.islands.iter().enumerate().map(|(index, state)| {
+            let histories = wear_histories(&self.mixed, &self.quasi_static, &state.recorder, index);
+            let copies = if finest { &state.finest } else { &state.finer };
+            let pairs = state.island.pairs().zip(copies).zip(histories);
+            pairs
+                .map(
+                    |((pair, copy), history)| {
+                        if pair.wears() { copy.depth_at_end(history) } else { Some(vec![]) }
+                    },
+                )
+                .collect()
+        });
+        islands.collect()
+    }
+
+    /// Outputs of the cycle just measured, and of that on surfaces with twice and with four times the control points, worn to these `depths`
+    /// at `life` [cycles].
+    async fn finer_cycles(
+        &mut self,
+        life: u32,
+        depths: &[Depths; 2],
+    ) -> Result<FinerCycles, SimulationFailure> {
+        let own = self.measured.clone();
+        let twice = self.outputs_on_finer(1, &depths[0]).await?;
+        let four_times = self.outputs_on_finer(2, &depths[1]).await?;
+        Ok(FinerCycles { life, outputs: [own, twice, four_times] })
+    }
+
+    /// Outputs of the cycle just measured, on surfaces with 2^`times` times the control points, worn to `depths`.
+    async fn outputs_on_finer(&mut self, times: u32, depths: &Depths) -> Result<Vec<f64>, SimulationFailure> {
+        let mut finer = self.clone();
+        finer.begin_count();
+        let (period, samples) = (self.scene.life.period, self.accuracy.wear_samples);
+        for (state, depths) in finer.islands.iter_mut().zip(depths) {
+            state.recorder.full = None;
+            let histories = state.recorder.histories.iter_mut();
+            for ((pair, depth), history) in state.island.pairs_mut().zip(depths).zip(histories) {
+                if pair.wears() && pair.refine(times) {
+                    pair.set_depth(depth);
+                    *history = pair.empty_history(period, samples);
+                }
+            }
+        }
+        if self.accuracy.warm_up > 0.0 {
+            finer.next_cycle().await?;
+        } else {
+            for state in &mut finer.islands {
+                state.restore_cycle_start();
+                state.stepper.control.after_jump();
+            }
+            finer.measure().await?;
+        }
+        self.add_counts(&finer);
+        Ok(finer.measured)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changes_that_halve_state_their_limit_and_others_twice_the_largest() {
+        // 1, 1/2, 1/4 ... add up to 2.
+        assert_eq!(estimate([1.0, 1.5]), (2.0, true));
+        assert_eq!(estimate([-1.0, -1.25]), (1.25 + 1.0 / 12.0, true));
+        // The drive at 66 000 cycles: 24.58, 26.37 and 34.39 r/min.
+        let (error, converges) = estimate([1.79, 9.81]);
+        assert!((error - 19.62).abs() < 1e-12 && !converges);
+        assert_eq!(estimate([0.0, 0.0]), (0.0, true));
+        assert_eq!(estimate([0.0, 1.0]), (2.0, false));
+    }
+}
