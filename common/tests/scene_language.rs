@@ -327,7 +327,7 @@ fn a_scene_says_how_accurately_it_is_to_be_simulated() {
 
 #[test]
 fn life_and_its_defaults() {
-    let expected = Life { period: 0.1, cycles: 2000, checkpoint_every: 1000, settle_cycles: 3 };
+    let expected = Life { period: 0.1, cycles: 2000, checkpoint_every: 1000, settle_cycles: 3, turn_of: None };
     assert_eq!(scene().life, expected);
     let four_bar = SceneSource::builtin("four-bar").unwrap();
     assert_eq!(four_bar.nominal().life.settle_cycles, 1);

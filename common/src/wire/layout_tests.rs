@@ -7,7 +7,7 @@ use crate::external::SimulatorId;
 use crate::failure::SimulationFailure;
 use crate::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, NarrowGroove,
-    WornLife,
+    UnsettledMotion, WornLife,
 };
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
@@ -84,6 +84,12 @@ fn evaluation() -> Evaluation {
                 width: 0.5,
                 open: 1e-6,
             }],
+            unsettled: Some(UnsettledMotion {
+                output: "wear".into(),
+                change: 0.01,
+                further_cycles: 60,
+                turning: Some(("crank".into(), 5.75)),
+            }),
             quasi_static: true,
             energy: Some(energy),
             worn_energy: None,

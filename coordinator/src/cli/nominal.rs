@@ -7,7 +7,7 @@ use common::outputs::Evaluation;
 use common::scene::{Fails, JointKind, Scene, Warning};
 use coordinator::presentation::nominal_life::{NominalLife, Reached, nominal_lives};
 use coordinator::presentation::report::format::three_digits;
-use coordinator::presentation::unphysical_work::unphysical_work;
+use coordinator::presentation::motion_cautions::motion_cautions;
 use worker::simulate::{SimulateOptions, simulate};
 
 /// Checkpoints up to the life of the nominal mechanism that resolve the lives of others: their spread is some tens of per cent.
@@ -38,9 +38,8 @@ pub fn nominal_check<'s>(scene: &'s Scene, evaluation: &Evaluation) -> (Vec<Nomi
     let warnings = lives.iter().filter_map(|life| {
         Some(Warning { key: format!("limit_states.{}", life.limit.name), message: warning(scene, life)? })
     });
-    let of_contacts =
-        unphysical_work(&evaluation.diagnostics).map(|message| Warning { key: "joints".to_owned(), message });
-    let warnings = warnings.chain(of_hinges(scene, evaluation)).chain(of_contacts).collect();
+    let of_motion = motion_cautions(&evaluation.diagnostics);
+    let warnings = warnings.chain(of_hinges(scene, evaluation)).chain(of_motion).collect();
     (lives, warnings)
 }
 

@@ -4,11 +4,11 @@ use super::error::CommandError;
 use super::output::count;
 use common::outputs::{Evaluation, NarrowGroove};
 use common::scene::{Output, Scene};
+use coordinator::presentation::motion_cautions::motion_cautions;
 use coordinator::presentation::nominal_life::nominal_lives;
 use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::format::{count as grouped, duration, three_digits};
 use coordinator::presentation::report::nominal_page::NominalView;
-use coordinator::presentation::unphysical_work::unphysical_work;
 use coordinator::study::{Settings, blank};
 use std::path::Path;
 
@@ -45,8 +45,8 @@ impl Simulated<'_> {
                 grouped((*since).into())
             );
         }
-        if let Some(caution) = unphysical_work(&evaluation.diagnostics) {
-            text += &format!("caution: {caution}\n");
+        for caution in motion_cautions(&evaluation.diagnostics) {
+            text += &format!("caution: {}\n", caution.message);
         }
         for file in files {
             text += &format!("written: {}\n", file.display());

@@ -60,6 +60,7 @@ pub(crate) fn finish(
             constraint_drift: runs.iter().fold(0.0, |a, run| run.counts.drift.max(a)),
             held_wear_points: run.wear_counts.held,
             narrow_grooves: run.grooves.clone(),
+            unsettled: runs.iter().find_map(|run| run.repetition.unsettled.clone()),
             quasi_static: !run.quasi_static.is_empty(),
             energy: first.energy,
             worn_energy: run.display.as_ref().and_then(|display| display.energy),

@@ -53,7 +53,9 @@ mod quasi_static;
 mod quasi_static_island;
 mod run;
 mod several_cycles;
+mod settling;
 mod side_by_side;
+mod turn_period;
 mod unbounded_forces;
 mod wall;
 mod worn_joints;
@@ -73,6 +75,7 @@ use run::{Run, WornDisplay};
 pub(crate) use side_by_side::widest_lanes;
 use side_by_side::{LaneQueue, RunningEvaluation, join, run_alone, run_side_by_side};
 use std::time::Duration;
+use turn_period::with_period_of_turn;
 
 pub use crate::quasi_static::Unsuitable;
 pub use contact_arcs::ContactArc;
@@ -159,6 +162,11 @@ async fn simulate_stages(
     options: SimulateOptions,
 ) -> CountedEvaluation {
     let failed = |failure| CountedEvaluation { result: Err(failure), steps_tried: 0 };
+    let timed = match with_period_of_turn(&queue, scene, accuracy).await {
+        Ok(timed) => timed,
+        Err(failure) => return failed(failure),
+    };
+    let scene = timed.as_ref().unwrap_or(scene);
     let numbered = match with_control_points(&queue, scene).await {
         Ok(numbered) => numbered,
         Err(failure) => return failed(failure),
@@ -200,7 +208,7 @@ async fn evaluate(runs: &mut [Run<'_>]) -> Result<Evaluation, SimulationFailure>
 async fn measure_first(run: &mut Run<'_>) -> Result<(f64, FirstCycle), SimulationFailure> {
     run.settle().await?;
     run.start_full_recording();
-    run.measure().await?;
+    run.measure_first().await?;
     let first = run.first_cycle();
     run.stop_full_recording();
     Ok((run.share, first))

@@ -26,6 +26,7 @@ mod quasi_static;
 mod rattling;
 mod restitution;
 mod scenes;
+mod settling;
 mod side_by_side;
 mod single_cycle;
 mod worn_guides;
