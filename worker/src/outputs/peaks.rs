@@ -149,12 +149,6 @@ impl Peaks {
 }
 
 impl ImpactRecording {
-    /// Adds an impact of this energy [J] in joint or guide number `place`.
-    fn add(&mut self, place: usize, energy: f64, later: bool) {
-        let counts = self.counts[place].iter_mut();
-        counts.take(if later { 2 } else { 1 }).for_each(|count| count.add(energy));
-    }
-
     fn push(
         &mut self,
         island: &Island,
@@ -174,7 +168,7 @@ impl ImpactRecording {
                 let direction = if pressed { force.direction } else { unit(at.e[joint]) };
                 let speed = before[0] * direction[0] + before[1] * direction[1];
                 let mass = island.effective_mass(joint, direction, t, q, v);
-                self.add(joint, 0.5 * mass * speed * speed, later);
+                add(&mut self.counts[joint], 0.5 * mass * speed * speed, later);
             }
         }
         for guide in 0..island.guides.len() {
@@ -196,11 +190,17 @@ impl ImpactRecording {
                 if struck > 0.0 {
                     let (speed, along) = (approach / struck, gradient.map(|sum| sum / struck));
                     let mass = island.guide_mass(guide, along, t, q, v);
-                    self.add(island.joints.len() + guide, 0.5 * mass * speed * speed, later);
+                    let counts = &mut self.counts[island.joints.len() + guide];
+                    add(counts, 0.5 * mass * speed * speed, later);
                 }
             }
         }
     }
+}
+
+/// Adds an impact of this energy [J] to the counts of the whole cycle and, if it is `later`, to that after its start.
+fn add(counts: &mut [ImpactCount; 2], energy: f64, later: bool) {
+    counts.iter_mut().take(if later { 2 } else { 1 }).for_each(|count| count.add(energy));
 }
 
 /// A vector over its length; zero if it is zero.

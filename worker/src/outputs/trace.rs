@@ -145,7 +145,7 @@ impl Piece {
 
     /// Value and slope at time `t` [s].
     #[inline]
-    pub(super) fn at(&self, t: f64) -> (f64, f64) {
+    pub(crate) fn at(&self, t: f64) -> (f64, f64) {
         let [start, end] = self.span;
         let h = end - start;
         let s = (t - start) / h;

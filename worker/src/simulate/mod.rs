@@ -20,6 +20,8 @@
 //! | `conditions.rs` | several operating conditions on the same bores |
 //! | `longer_steps.rs`, `compared_islands.rs` | longer time steps while they make no difference, and which islands make one |
 //! | `probe.rs`, `motion_estimate.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
+//! | `settling.rs`, `state_sequence.rs` | whether the motion repeats itself, and further cycles until it does |
+//! | `turn_period.rs` | the period of a cycle that is one turn of a free body |
 //! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
 //! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
 //! | `island_state.rs`, `worn_joints.rs` | an island with its state, stepper, recorder and wear; the wear of all joints |
@@ -55,6 +57,7 @@ mod run;
 mod several_cycles;
 mod settling;
 mod side_by_side;
+mod state_sequence;
 mod turn_period;
 mod unbounded_forces;
 mod wall;

@@ -1,28 +1,21 @@
 //! Whether a motion repeats itself from cycle to cycle, and further cycles until it does.
 //!
-//! States x_n at the starts of successive cycles, over the scales of the error control, change by u_n = x_(n+1) - x_n. Near a periodic motion s
-//! the change is linear, x_(n+1) - s = A (x_n - s), and decays geometrically. Reduced-rank extrapolation finds
-//!
-//!   s = x_0 + sum over j < k of xi_j u_j,   xi: least squares of |u_0 + sum of xi_j (u_(j+1) - u_j)|,
-//!
-//! exactly if k modes are left, as of a vibration of k / 2 natural frequencies. |s - x_n| is the sum of all changes still to come. After a
-//! window of cycles the motion goes on from s, where the ideal joints are closed again, until that sum is below the tolerance of a time step.
+//! From the states at the starts of successive cycles, over the scales of the error control, follows the periodic motion that they approach
+//! (`state_sequence.rs`). After a window of cycles the motion goes on from there, where the ideal joints are closed again, until what is still
+//! to come is below the tolerance of a time step.
 //!
 //! A motion whose state at the end of the first measured cycle is that at its start has settled; that costs nothing. The same comparison
 //! shows a cycle that begins with the fall into a bore deepened by wear: if an output has its extreme in the start of such a cycle, the
 //! cycle after it is measured in its place.
-//!
-//! # Source
-//! Sidi, Vector Extrapolation Methods with Applications (2017), chapters 1 and 2.
 
 use super::island_state::IslandState;
 use super::probe::{Probe, SURFACES};
 use super::run::Run;
-use crate::integrate::{Dynamics, Stepped};
+use super::state_sequence::{NOT_DECAYING, StateSequence, size};
+use crate::integrate::Stepped;
 use crate::outputs::{Recorder, motion_output};
 use common::failure::SimulationFailure;
 use common::outputs::UnsettledMotion;
-use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{PI, TAU};
 
 /// Change of the state over a cycle, in the scales of the error control, up to which it counts as the same [1]. The scale is 1 % of the
@@ -30,16 +23,13 @@ use std::f64::consts::{PI, TAU};
 const SAME: f64 = 0.1;
 /// Most further settling cycles.
 const MOST_FURTHER: u32 = 60;
-/// States from which a periodic motion is extrapolated, and the most modes of the change that are taken out at a time.
+/// States from which the periodic motion is extrapolated.
 const WINDOW: usize = 7;
-const MODES: usize = 4;
 /// Least share of the change that an extrapolation has to take out, or the motion does not settle [1].
 const PROGRESS: f64 = 0.5;
 /// Most cycles that are measured again on the same bores.
 const MOST_AGAIN: usize = 2;
 
-/// Ratio of successive changes above which they count as not decaying [1].
-const NOT_DECAYING: f64 = 0.98;
 /// What is still to come of such a motion, over the largest difference of three successive cycles [1].
 const WANDERING: f64 = 5.0;
 /// Angle from which on a body that turns is told from one that swings in a cycle [rad], and the part of it that counts [1].
@@ -71,60 +61,6 @@ pub struct ToCome {
     pub wear: Vec<f64>,
 }
 
-/// States of an island at the starts of successive cycles.
-struct StateSequence {
-    /// States `(k, 2 n)` [1], angles without whole turns.
-    states: Vec<Vec<f64>>,
-}
-
-impl StateSequence {
-    /// Sum of the changes still to come `(2 n,)` [1]: the change of the last cycle where it cannot be extrapolated.
-    fn to_come(&self) -> Vec<f64> {
-        let n = self.states.len();
-        let change = |k: usize| -> DVector<f64> {
-            DVector::from_iterator(
-                self.states[k].len(),
-                self.states[k + 1].iter().zip(&self.states[k]).map(|(next, now)| next - now),
-            )
-        };
-        let last = change(n - 2);
-        let modes = MODES.min(n - 2);
-        if modes == 0 {
-            return last.as_slice().to_vec();
-        }
-        let base = n - 2 - modes;
-        let changes: Vec<DVector<f64>> = (base..n - 1).map(change).collect();
-        let second: Vec<DVector<f64>> = changes.windows(2).map(|pair| &pair[1] - &pair[0]).collect();
-        let svd = DMatrix::from_columns(&second).svd(true, true);
-        let least = 1e-9 * svd.singular_values.max();
-        let Ok(xi) = svd.solve(&-&changes[0], least.max(f64::MIN_POSITIVE)) else {
-            return last.as_slice().to_vec();
-        };
-        let mut from_last = -(&DVector::from_column_slice(&self.states[n - 1])
-            - &DVector::from_column_slice(&self.states[base]));
-        for (xi, change) in xi.iter().zip(&changes) {
-            from_last += change * *xi;
-        }
-        from_last.as_slice().to_vec()
-    }
-}
-
-impl StateSequence {
-    /// Sum of a geometric series over its first term, with the mean ratio of the changes; infinite if they do not decay [1].
-    fn slowness(&self) -> f64 {
-        let n = self.states.len();
-        let change = |k: usize| -> f64 {
-            let squares = self.states[k + 1].iter().zip(&self.states[k]).map(|(next, now)| (next - now) * (next - now));
-            squares.sum::<f64>().sqrt()
-        };
-        if n < 3 || change(0) == 0.0 {
-            return 1.0;
-        }
-        let ratio = (change(n - 2) / change(0)).powf(1.0 / (n - 2) as f64);
-        if ratio < NOT_DECAYING { 1.0 / (1.0 - ratio) } else { f64::INFINITY }
-    }
-}
-
 /// How far further settling cycles have come.
 struct Rest {
     /// Their number.
@@ -137,11 +73,6 @@ struct Rest {
 /// A `change` over its `scale`; zero for none.
 fn over(change: f64, scale: f64) -> f64 {
     if change == 0.0 { 0.0 } else { change / scale }
-}
-
-/// Largest magnitude [1].
-fn size(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |a: f64, x| if x.is_nan() { f64::INFINITY } else { a.max(x.abs()) })
 }
 
 impl IslandState {
