@@ -123,19 +123,23 @@ async fn examine(
     let islands = run.islands.iter().map(|state| IslandModel::new(scene, &state.island)).collect();
     run.settle().await?;
     run.start_full_recording();
-    let before = run.counts.steps;
+    let before = (run.counts.steps, run.simulated);
     let settled = begun.elapsed();
-    let ((), cycle) = timed(run.measure_first()).await?;
+    let ((), measured) = timed(run.measure_first()).await?;
+    run.stop_full_recording();
+    // More than one if the motion had not settled.
+    let cycles = run.simulated - before.1;
+    let cycle = measured / cycles as u32;
     let mut look = FirstLook {
         islands,
         arcs: contact_arcs(&run.islands),
         wears: run.wears(),
         asks_for_motion: run.first_motion_output().is_some(),
         tier: Err(Unsuitable::Unwanted),
-        steps_per_cycle: run.counts.steps - before,
+        steps_per_cycle: (run.counts.steps - before.0) / cycles,
         dynamic_cycles: run.simulated as f64,
         quasi_static_cycles: 0.0,
-        expected: settled + cycle,
+        expected: settled + measured,
     };
     if !look.wears {
         // A second run of the cycle, at half the step, for its error.
