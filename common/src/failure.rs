@@ -344,13 +344,24 @@ fn with_digits(number: f64, digits: usize) -> String {
     if is_short { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
+/// A time [s] in words: in seconds up to a quarter of an hour.
+fn span(time: f64) -> String {
+    let (length, unit) = match time {
+        time if time > 2.0 * 86_400.0 => (86_400.0, "days"),
+        time if time > 2.0 * 3600.0 => (3600.0, "h"),
+        time if time > 900.0 => (60.0, "min"),
+        _ => (1.0, "s"),
+    };
+    format!("{} {unit}", rounded(time / length))
+}
+
 /// An instant `time` [s] after the start of a cycle; before it the mechanism settles, or warms up on new bores.
 fn instant(cycle: u32, time: f64) -> String {
-    let seconds = rounded(time.abs());
+    let span = span(time.abs());
     match (time < 0.0, cycle) {
-        (true, 0) => format!("settling, {seconds} s before the first measured cycle"),
-        (true, _) => format!("warming up, {seconds} s before cycle {cycle}"),
-        (false, _) => format!("at cycle {cycle}, t = {seconds} s"),
+        (true, 0) => format!("settling, {span} before the first measured cycle"),
+        (true, _) => format!("warming up, {span} before cycle {cycle}"),
+        (false, _) => format!("at cycle {cycle}, t = {span}"),
     }
 }
 
@@ -372,6 +383,8 @@ mod tests {
             out(0, -0.014593).starts_with("settling, 0.01459 s before the first measured cycle, joint 3")
         );
         assert!(out(4, -1e-5).starts_with("warming up, 1e-5 s before cycle 4, joint 3"));
+        assert!(out(0, -3.878e7).starts_with("settling, 448.8 days before the first measured cycle"));
+        assert!(out(9, 8000.0).starts_with("at cycle 9, t = 2.222 h"));
         let numbers = [0.0, 1.0, 2.5e-13, -1234567.8, 8.0e9].map(rounded);
         assert_eq!(numbers, ["0", "1", "2.5e-13", "-1235000", "8e9"]);
     }

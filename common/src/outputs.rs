@@ -180,6 +180,19 @@ pub struct PointsError {
     pub stated: bool,
 }
 
+/// A motion that does not repeat itself from cycle to cycle, or has not come to.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct UnsettledMotion {
+    /// Name of the output that changes most from one cycle to the next.
+    pub output: String,
+    /// That change over the value of the output [1].
+    pub change: f64,
+    /// Settling cycles simulated in addition to those of the scene.
+    pub further_cycles: u32,
+    /// Name of a body that turns in every cycle, but by no whole number of turns, and the angle by which it does [rad].
+    pub turning: Option<(String, f64)>,
+}
+
 /// Work counters and repairs of one evaluation.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Diagnostics {
@@ -209,6 +222,9 @@ pub struct Diagnostics {
     /// What more control points change in each output of the motion; empty where that was not compared.
     #[serde(default)]
     pub control_points: Vec<PointsError>,
+    /// How far the motion is from repeating itself in the first measured cycle, if it has not settled.
+    #[serde(default)]
+    pub unsettled: Option<UnsettledMotion>,
     /// True if the wear was computed from quasi-static motion.
     pub quasi_static: bool,
     /// Energy balance of the first cycle, if that cycle was requested.

@@ -109,7 +109,7 @@ fn files_and_a_version_are_read() {
 fn without_a_life_there_is_one_checkpoint() {
     let text = beam("[life]\ncycles = 300\ncheckpoint_every = 100\n", "");
     let life = SceneSource::parse(&text, "beam.toml").unwrap().nominal().life;
-    assert_eq!(life, Life { period: 0.0, cycles: 1, checkpoint_every: 1, settle_cycles: 0 });
+    assert_eq!(life, Life { period: 0.0, cycles: 1, checkpoint_every: 1, settle_cycles: 0, turn_of: None });
 }
 
 #[test]

@@ -3,17 +3,20 @@
 use super::body_row::{BodyRow, MotionWord};
 use super::context::Range;
 use super::drive::{Drive, Over};
-use super::faults::in_first_unit;
+use super::faults::{FaultKind, in_first_unit};
 use super::limits::{CHECKPOINT_LIMIT, COUNT_LIMIT};
 use super::load::Load;
-use super::model::Life;
+use super::model::{Life, Motion};
 use super::monotone::monotone_integral;
 use super::outputs::OutputRow;
 use super::quantity::{ANGLE, TIME};
 use super::section::Section;
 use super::tables::{repetitions, span};
 use std::f64::consts::TAU;
+use toml::Value;
 
+/// Start of a period that is a turn of a body.
+const TURN_OF: &str = "turn of ";
 /// Most settling cycles: more are a typing error rather than intent.
 const SETTLE_LIMIT: i64 = 1000;
 /// How a scene is written whose motion is seen once.
@@ -29,9 +32,12 @@ pub(super) fn life(
     outputs: &[OutputRow],
 ) -> Option<Life> {
     let mut section = file.section("life", "a table [life] with cycles and checkpoint_every")?;
-    let period = match section.get("period") {
-        Some(_) => section.quantity("period", TIME, Range::Positive),
-        None => period_of_drive(&section, bodies),
+    let written = section.get("period").and_then(Value::as_str);
+    let turning = written.and_then(|text| text.trim().strip_prefix(TURN_OF));
+    let period = match (turning, section.peek("period")) {
+        (Some(name), _) => turn(&section, name.trim(), bodies),
+        (None, Some(_)) => section.quantity("period", TIME, Range::Positive).map(|period| (period, None)),
+        (None, None) => period_of_drive(&section, bodies).map(|period| (period, None)),
     };
     let cycles = section.integer("cycles", 1..=COUNT_LIMIT, None);
     let every = section.integer("checkpoint_every", 1..=COUNT_LIMIT, None);
@@ -54,16 +60,42 @@ pub(super) fn life(
         section.out_of_range("checkpoint_every", every.to_string(), allowed);
         return None;
     }
-    let (period, cycles, every, settle) = (period?, cycles?, every?, settle?);
+    let ((period, turn_of), cycles, every, settle) = (period?, cycles?, every?, settle?);
     // All fit: COUNT_LIMIT is below u32::MAX.
     let (cycles, checkpoint_every, settle_cycles) = (cycles as u32, every as u32, settle as u32);
-    let life = Life { period, cycles, checkpoint_every, settle_cycles };
+    let life = Life { period, cycles, checkpoint_every, settle_cycles, turn_of };
     // A motion seen once may be cut anywhere.
     if !life.is_single_cycle() {
         check_repetitions(&section, period, bodies, loads);
         check_wanted_curves(&section, period, outputs);
     }
     Some(life)
+}
+
+/// A cycle that is one turn of the free body `name`: the time that it takes at its start speed [s], and its index.
+fn turn(life: &Section, name: &str, bodies: &[BodyRow]) -> Option<(f64, Option<usize>)> {
+    let body = life.reference("period", "body", name, bodies.iter().map(|body| body.name.as_str()))?;
+    if let Some(driven) = bodies.iter().find(|body| body.word == Some(MotionWord::Driven)) {
+        let message = format!("is a turn of a body, but the drive of {} sets the cycle: write a time", driven.name);
+        life.inconsistent("period", message);
+        return None;
+    }
+    match bodies[body].motion {
+        Some(Motion::Free { start_speed, .. }) if start_speed != 0.0 => {
+            Some((TAU / start_speed.abs(), Some(body)))
+        }
+        Some(Motion::Free { .. }) => {
+            let expected = "about the speed at which it turns once settled, since a turn of it is the cycle";
+            life.cx.fault(format!("bodies.{name}.start_speed"), FaultKind::Missing { expected: expected.into() });
+            None
+        }
+        Some(_) => {
+            life.inconsistent("period", format!("is a turn of {name}, which does not turn: it is fixed"));
+            None
+        }
+        // Its own fault comes first.
+        None => None,
+    }
 }
 
 /// One turn, or one repetition of the table, of the only driven body.

@@ -308,8 +308,11 @@ pub struct Life {
     pub cycles: u32,
     /// Distance between two checkpoints [cycles]; `cycles` is a multiple of it.
     pub checkpoint_every: u32,
-    /// Cycles that settle the motion before the first measured one; 0 to measure from the start.
+    /// Cycles that settle the motion before the first measured one, at least; 0 to measure from the start.
     pub settle_cycles: u32,
+    /// Free body whose turn is the cycle; `period` is then the time that a turn takes at its start speed.
+    #[serde(default)]
+    pub turn_of: Option<usize>,
 }
 
 impl Life {

@@ -7,7 +7,7 @@ use crate::external::SimulatorId;
 use crate::failure::SimulationFailure;
 use crate::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, NarrowGroove,
-    PointsError, WornLife,
+    PointsError, UnsettledMotion, WornLife,
 };
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
@@ -92,6 +92,12 @@ fn evaluation() -> Evaluation {
                 converges: true,
                 stated: false,
             }],
+            unsettled: Some(UnsettledMotion {
+                output: "wear".into(),
+                change: 0.01,
+                further_cycles: 60,
+                turning: Some(("crank".into(), 5.75)),
+            }),
             quasi_static: true,
             energy: Some(energy),
             worn_energy: None,

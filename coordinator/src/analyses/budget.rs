@@ -2,7 +2,7 @@
 //!
 //! Tries settings from the cheapest to the most expensive at a few sample points and compares the errors that the
 //! evaluations state with the budget. A setting that cannot be sufficient is skipped: with e the stated error of the last
-//! setting and p_i the order of the error part i [1], a step from h_i to h_i' leaves at least
+//! setting of the same warm-up and p_i the order of the error part i [1], a step from h_i to h_i' leaves at least
 //!
 //!   e min_i (h_i' / h_i)^p_i
 //!
@@ -21,13 +21,14 @@ use common::outputs::Evaluation;
 use common::scene::{LimitState, Scene};
 use thiserror::Error;
 
-/// The settings from the cheapest on: the best that `coordinator tradeoff` finds for their time and, beyond `balanced`,
-/// finer ones in which every part of the error decreases.
-pub const LADDER: [&str; 9] = [
+/// The settings from the cheapest on: the best that `coordinator tradeoff` finds for their time and, beyond `balanced`, one with a whole
+/// cycle of warm-up, for motions that settle slowly on new bores, and finer ones in which every part of the error decreases.
+pub const LADDER: [&str; 10] = [
     "draft+step-x1.41",
     "draft",
     "draft+step-x0.71",
     "balanced",
+    "balanced+warm-up-1",
     "jump-2000",
     "jump-1000+wear-tolerance-1e-2",
     "step-x0.71+jump-500+wear-tolerance-5e-3",
@@ -128,7 +129,9 @@ pub fn choose_setting(
     let mut attempts: Vec<TriedSetting> = Vec::new();
     for name in ladder {
         let setting: NamedAccuracy = name.parse()?;
-        if attempts.last().is_some_and(|last| cannot_be_enough(last, &setting.accuracy, budget)) {
+        let warm_up = setting.accuracy.warm_up;
+        let comparable = attempts.iter().rev().find(|attempt| attempt.setting.accuracy.warm_up == warm_up);
+        if comparable.is_some_and(|last| cannot_be_enough(last, &setting.accuracy, budget)) {
             continue;
         }
         let attempt = attempt(scene, budget, setting, points, evaluator)?;
@@ -248,7 +251,8 @@ fn refusal(budget: f64, attempts: Vec<TriedSetting>) -> BudgetError {
             best: short_percent(worst.error),
             setting: (*setting).clone(),
             advice: if flat {
-                "; finer settings hardly lessen this error: if it is of the wear, raise `control_points`, which no accuracy changes"
+                "; finer settings hardly lessen this error: if it is of the wear, raise `control_points`, which no accuracy changes; if it is of the motion, see \
+                 whether `coordinator simulate` finds that it has not settled"
             } else {
                 ""
             },

@@ -8,7 +8,7 @@ use common::scene::{Fails, JointKind, Scene, Warning};
 use coordinator::presentation::control_points::control_points_notes;
 use coordinator::presentation::nominal_life::{NominalLife, Reached, nominal_lives};
 use coordinator::presentation::report::format::three_digits;
-use coordinator::presentation::unphysical_work::unphysical_work;
+use coordinator::presentation::motion_cautions::motion_cautions;
 use coordinator::results::control_points::control_points_rows;
 use worker::simulate::{SimulateOptions, simulate};
 
@@ -102,9 +102,10 @@ pub fn nominal_check<'s>(scene: &'s Scene, evaluation: &Evaluation) -> (Vec<Nomi
         Some(Warning { key: format!("limit_states.{}", life.limit.name), message: warning(scene, life)? })
     });
     let of_points = control_points_notes(&control_points_rows(scene, &evaluation.diagnostics));
-    let of_contacts = unphysical_work(&evaluation.diagnostics).into_iter().chain(of_points);
-    let of_contacts = of_contacts.map(|message| Warning { key: "joints".to_owned(), message });
-    let warnings = warnings.chain(of_hinges(scene, evaluation)).chain(of_contacts).collect();
+    let of_points = of_points.into_iter().map(|message| Warning { key: "joints".to_owned(), message });
+    let of_motion = motion_cautions(&evaluation.diagnostics);
+    let warnings =
+        warnings.chain(of_hinges(scene, evaluation)).chain(of_motion).chain(of_points).collect();
     (lives, warnings)
 }
 

@@ -22,8 +22,7 @@ use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
 use coordinator::analyses::scene_settings::scene_with;
 use coordinator::presentation::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
 use coordinator::presentation::terminal::{Terminal, final_text, print_message};
-use coordinator::presentation::unphysical_work::unphysical_work;
-use coordinator::results::control_points::control_points_rows;
+use coordinator::presentation::motion_cautions::motion_cautions;
 use coordinator::results::store::{CampaignFile, CampaignMeta};
 use coordinator::results::summary::StudySummary;
 use coordinator::study::{Method, Settings};
@@ -240,7 +239,7 @@ fn print_summary(
         return print(&to_json(summary)?);
     }
     let nominal = campaign.evaluation(0)?.and_then(|stored| stored.outcome.ok());
-    let caution = nominal.and_then(|nominal| unphysical_work(&nominal.diagnostics));
-    let caution = caution.map_or_else(String::new, |caution| format!("caution: {caution}\n"));
+    let cautions = nominal.map(|nominal| motion_cautions(&nominal.diagnostics)).unwrap_or_default();
+    let caution: String = cautions.iter().map(|caution| format!("caution: {}\n", caution.message)).collect();
     print(&format!("{caution}{}", final_text(summary, campaign.dir())))
 }

@@ -10,6 +10,7 @@ use super::simulated::Simulated;
 use clap::Args;
 use common::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, NarrowGroove,
+    UnsettledMotion,
     WornLife,
 };
 use common::scene::{Fault, FaultKind, Faults, OutputUnit, Scene, SceneSource};
@@ -126,6 +127,16 @@ struct PrintedGroove<'r> {
     open_m: f64,
 }
 
+/// A motion that has not settled.
+#[derive(Debug, Serialize)]
+struct PrintedUnsettled<'r> {
+    output: &'r str,
+    change_per_cycle: f64,
+    further_cycles: u32,
+    turning_body: Option<&'r str>,
+    turn_deg: Option<f64>,
+}
+
 #[derive(Debug, Serialize)]
 struct PrintedDiagnostics<'r> {
     steps: u64,
@@ -140,6 +151,8 @@ struct PrintedDiagnostics<'r> {
     held_wear_points: u64,
     narrow_grooves: Vec<PrintedGroove<'r>>,
     control_points: Vec<ControlPointsRow>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unsettled: Option<PrintedUnsettled<'r>>,
     quasi_static: bool,
     energy: Option<PrintedEnergy>,
     worn_energy: Option<PrintedEnergy>,
@@ -328,9 +341,21 @@ fn printed_diagnostics<'r>(scene: &Scene, diagnostics: &'r Diagnostics) -> Print
         held_wear_points: diagnostics.held_wear_points,
         narrow_grooves: diagnostics.narrow_grooves.iter().map(printed_groove).collect(),
         control_points: control_points_rows(scene, diagnostics),
+        unsettled: diagnostics.unsettled.as_ref().map(printed_unsettled),
         quasi_static: diagnostics.quasi_static,
         energy: diagnostics.energy.map(printed_energy),
         worn_energy: diagnostics.worn_energy.map(printed_energy),
+    }
+}
+
+fn printed_unsettled(motion: &UnsettledMotion) -> PrintedUnsettled<'_> {
+    let turning = motion.turning.as_ref();
+    PrintedUnsettled {
+        output: &motion.output,
+        change_per_cycle: motion.change,
+        further_cycles: motion.further_cycles,
+        turning_body: turning.map(|(body, _)| body.as_str()),
+        turn_deg: turning.map(|(_, angle)| angle.to_degrees()),
     }
 }
 

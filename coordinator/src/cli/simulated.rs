@@ -5,11 +5,11 @@ use super::output::count;
 use common::outputs::{Evaluation, NarrowGroove};
 use common::scene::{Output, Scene};
 use coordinator::presentation::control_points::control_points_notes;
+use coordinator::presentation::motion_cautions::motion_cautions;
 use coordinator::presentation::nominal_life::nominal_lives;
 use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::format::{count as grouped, duration, three_digits};
 use coordinator::presentation::report::nominal_page::NominalView;
-use coordinator::presentation::unphysical_work::unphysical_work;
 use coordinator::results::control_points::control_points_rows;
 use coordinator::study::{Settings, blank};
 use std::path::Path;
@@ -48,7 +48,8 @@ impl Simulated<'_> {
             );
         }
         let of_points = control_points_notes(&control_points_rows(scene, &evaluation.diagnostics));
-        for caution in unphysical_work(&evaluation.diagnostics).into_iter().chain(of_points) {
+        let of_motion = motion_cautions(&evaluation.diagnostics).into_iter().map(|caution| caution.message);
+        for caution in of_motion.chain(of_points) {
             text += &format!("caution: {caution}\n");
         }
         for file in files {

@@ -47,7 +47,7 @@ fn scene() -> Scene {
         correlations: vec![],
         limit_states: vec![limit("wear", 0, 30e-6), limit("asymmetry", 1, 2.618)],
         control_points_of_model: false,
-        life: Life { period: 0.125, cycles: 72_000, checkpoint_every: 1000, settle_cycles: 1 },
+        life: Life { period: 0.125, cycles: 72_000, checkpoint_every: 1000, settle_cycles: 1, turn_of: None },
         conditions: vec![],
         study: StudySettings { population: 100_000, initial: 120, batch: 16, max_evaluations: 300, seed: 1 },
         accuracy: NamedAccuracy::default(),

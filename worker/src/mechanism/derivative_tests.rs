@@ -361,7 +361,7 @@ pub(super) fn everything() -> Scene {
     ];
     scene.gravity = [0.0, -9.81];
     (scene.outputs, scene.limit_states, scene.variables) = (vec![], vec![], vec![]);
-    scene.life = Life { period: 0.1, cycles: 1, checkpoint_every: 1, settle_cycles: 0 };
+    scene.life = Life { period: 0.1, cycles: 1, checkpoint_every: 1, settle_cycles: 0, turn_of: None };
     scene
 }
 

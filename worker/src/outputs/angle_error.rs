@@ -39,6 +39,10 @@ impl MotionOutput for AngleError<'_> {
         };
         deviation.measure(self.measure)
     }
+
+    fn is_extreme(&self) -> bool {
+        self.measure == ErrorMeasure::Largest
+    }
 }
 
 /// Deviation of an angle from an ideal one, whose track covers the same span of time.

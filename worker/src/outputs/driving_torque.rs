@@ -60,7 +60,9 @@ impl MotionOutput for DrivingTorque {
 /// times of all moments and at `times` [s].
 fn largest_torque(moments: &[&MomentTrack], times: &[f64], own: impl Fn(f64) -> f64) -> f64 {
     let known = moments.iter().flat_map(|m| &m.time);
-    known.chain(times).fold(0.0, |largest: f64, &t| {
+    // A recording may begin after the start of the cycle.
+    let start = moments.iter().filter_map(|m| m.time.first()).fold(f64::NEG_INFINITY, |a, &t| a.max(t));
+    known.chain(times).filter(|&&t| t >= start).fold(0.0, |largest: f64, &t| {
         let moment: f64 = moments.iter().map(|m| m.moment_at(t)).sum();
         largest.max((own(t) - moment).abs())
     })

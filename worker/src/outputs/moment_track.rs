@@ -1,5 +1,7 @@
 //! Moment of joints and loads on a driven body over a cycle, at the times of the integrator.
 
+use super::trace::before;
+
 /// Moment on a driven body about its axis, at increasing times.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MomentTrack {
@@ -14,6 +16,13 @@ impl MomentTrack {
     pub(crate) fn clear(&mut self) {
         self.time.clear();
         self.moment.clear();
+    }
+
+    /// Removes the instants up to a time [s], as far as two are left.
+    pub(crate) fn drop_until(&mut self, time: f64) {
+        let dropped = before(&self.time, time);
+        self.time.drain(..dropped);
+        self.moment.drain(..dropped);
     }
 
     /// Adds the moment [N m] at a time [s].

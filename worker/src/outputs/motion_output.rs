@@ -40,4 +40,9 @@ pub trait MotionOutput {
     fn sampling(&self) -> Sampling {
         Sampling::Cubic
     }
+
+    /// True if the value is that of an instant or of single events, and not a mean over the cycle.
+    fn is_extreme(&self) -> bool {
+        true
+    }
 }

@@ -1,4 +1,5 @@
-//! Largest accelerations, and impacts, of one island over a cycle: what [`super::Recorder`] keeps of every state without a history.
+//! Largest accelerations, and impacts, of one island over a cycle and over its part after the start: what [`super::Recorder`] keeps of every
+//! state without a history.
 
 use super::RecordingRequest;
 use super::impact_count::ImpactCount;
@@ -8,13 +9,33 @@ use crate::mechanism::{End, Frame, Island};
 use crate::plane::length;
 use common::scene::{Attachment, Scene};
 
+/// Largest value over a cycle, and over its part after the start.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Largest {
+    /// Over the whole cycle.
+    pub whole: f64,
+    /// After the start.
+    pub later: f64,
+}
+
+impl Largest {
+    /// Adds a value at an instant that is `later` than the start.
+    #[inline(always)]
+    pub(super) fn push(&mut self, value: f64, later: bool) {
+        self.whole = self.whole.max(value);
+        if later {
+            self.later = self.later.max(value);
+        }
+    }
+}
+
 /// Peaks of the requested accelerations, and the impacts of the joints with clearance and the guides if they are requested.
 #[derive(Debug, Clone, Default)]
 pub struct Peaks {
     /// Requested points with their place on the island, and their largest acceleration so far [m/s^2].
-    accelerations: Vec<(Attachment, End, f64)>,
+    accelerations: Vec<(Attachment, End, Largest)>,
     /// Requested bodies of the scene, their index in the island, and their largest angular acceleration so far [rad/s^2].
-    angular: Vec<(usize, usize, f64)>,
+    angular: Vec<(usize, usize, Largest)>,
     /// Impacts of the joints with clearance and of the guides.
     impacts: Option<ImpactRecording>,
 }
@@ -22,8 +43,8 @@ pub struct Peaks {
 /// Impacts of every joint with clearance, then of every guide.
 #[derive(Debug, Clone, Default)]
 struct ImpactRecording {
-    /// Impacts so far `(joints + guides,)`.
-    counts: Vec<ImpactCount>,
+    /// Impacts so far, of the whole cycle and after its start `(joints + guides, 2)`.
+    counts: Vec<[ImpactCount; 2]>,
     /// Velocity of the journal's centre against the bushing's in the bushing's frame at the last state, if that was one of free flight
     /// `(joints,)` [m/s].
     flight: Vec<Option<[f64; 2]>>,
@@ -36,14 +57,17 @@ impl Peaks {
     pub(crate) fn new(island: &Island, scene: &Scene, requested: &RecordingRequest) -> Self {
         let slot = |body: usize| island.bodies.iter().position(|&b| b == body);
         let point =
-            |place: &Attachment| Some((*place, End { frame: slot(place.body)?, arm: scene.arm(place) }, 0.0));
-        let angular = |&body: &usize| Some((body, slot(body)?, 0.0));
+            |place: &Attachment| {
+            let end = End { frame: slot(place.body)?, arm: scene.arm(place) };
+            Some((*place, end, Largest::default()))
+        };
+        let angular = |&body: &usize| Some((body, slot(body)?, Largest::default()));
         let (joints, guides) = (island.joints.len(), island.guides.len());
         Peaks {
             accelerations: requested.accelerations.iter().filter_map(point).collect(),
             angular: requested.angular_accelerations.iter().filter_map(angular).collect(),
             impacts: requested.impacts.then(|| ImpactRecording {
-                counts: vec![ImpactCount::default(); joints + guides],
+                counts: vec![[ImpactCount::default(); 2]; joints + guides],
                 flight: vec![None; joints],
                 corners: vec![[None; PADS]; guides],
             }),
@@ -52,10 +76,10 @@ impl Peaks {
 
     /// Removes the recording, for a new cycle.
     pub(crate) fn clear(&mut self) {
-        self.accelerations.iter_mut().for_each(|(.., peak)| *peak = 0.0);
-        self.angular.iter_mut().for_each(|(.., peak)| *peak = 0.0);
+        self.accelerations.iter_mut().for_each(|(.., peak)| *peak = Largest::default());
+        self.angular.iter_mut().for_each(|(.., peak)| *peak = Largest::default());
         if let Some(impacts) = &mut self.impacts {
-            impacts.counts.fill(ImpactCount::default());
+            impacts.counts.fill([ImpactCount::default(); 2]);
             impacts.flight.fill(None);
             impacts.corners.fill([None; PADS]);
         }
@@ -71,8 +95,24 @@ impl Peaks {
         self.impacts.is_some()
     }
 
-    /// Adds an accepted state at time `t` [s].
-    pub(crate) fn push(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
+    /// Leaves what comes after the start of the cycle.
+    pub(super) fn drop_start(&mut self) {
+        self.accelerations.iter_mut().for_each(|(.., peak)| peak.whole = peak.later);
+        self.angular.iter_mut().for_each(|(.., peak)| peak.whole = peak.later);
+        if let Some(impacts) = &mut self.impacts {
+            impacts.counts.iter_mut().for_each(|[whole, later]| *whole = *later);
+        }
+    }
+
+    /// Adds an accepted state at time `t` [s], which is `later` than the start of the cycle.
+    pub(crate) fn push(
+        &mut self,
+        island: &Island,
+        (t, later): (f64, bool),
+        q: &[f64],
+        v: &[f64],
+        at: &Linearised,
+    ) {
         let acceleration = |k: usize| at.f[k] / island.mass()[k];
         for (_, End { frame, arm }, peak) in &mut self.accelerations {
             let k = 3 * *frame;
@@ -81,35 +121,42 @@ impl Peaks {
             let (alpha, turning) = (acceleration(k + 2), body.omega * body.omega);
             let ax = acceleration(k) - alpha * ry - turning * rx;
             let ay = acceleration(k + 1) + alpha * rx - turning * ry;
-            *peak = peak.max(libm::hypot(ax, ay));
+            peak.push(libm::hypot(ax, ay), later);
         }
         for (_, slot, peak) in &mut self.angular {
-            *peak = peak.max(acceleration(3 * *slot + 2).abs());
+            peak.push(acceleration(3 * *slot + 2).abs(), later);
         }
         if let Some(impacts) = &mut self.impacts {
-            impacts.push(island, t, q, v, at);
+            impacts.push(island, (t, later), q, v, at);
         }
     }
 
     /// Largest acceleration of a point, if it is on this island and requested [m/s^2].
     pub(crate) fn acceleration(&self, at: &Attachment) -> Option<f64> {
-        self.accelerations.iter().find(|(place, ..)| place == at).map(|(.., peak)| *peak)
+        self.accelerations.iter().find(|(place, ..)| place == at).map(|(.., peak)| peak.whole)
     }
 
     /// Largest angular acceleration of a body of the scene, if it is in this island and requested [rad/s^2].
     pub(crate) fn angular_acceleration(&self, body: usize) -> Option<f64> {
-        self.angular.iter().find(|(of, ..)| *of == body).map(|(.., peak)| *peak)
+        self.angular.iter().find(|(of, ..)| *of == body).map(|(.., peak)| peak.whole)
     }
 
     /// Impacts of a joint of the scene, if it is in this island and they are requested.
     pub(crate) fn impacts(&self, island: &Island, joint: usize) -> Option<ImpactCount> {
         let place = island.contacts().position(|scene_joint| scene_joint == joint)?;
-        self.impacts.as_ref().map(|impacts| impacts.counts[place])
+        self.impacts.as_ref().map(|impacts| impacts.counts[place][0])
     }
 }
 
 impl ImpactRecording {
-    fn push(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
+    fn push(
+        &mut self,
+        island: &Island,
+        (t, later): (f64, bool),
+        q: &[f64],
+        v: &[f64],
+        at: &Linearised,
+    ) {
         for (joint, force) in at.joints.iter().enumerate() {
             let touches = force.penetration > 0.0;
             let flight = self.flight[joint].take();
@@ -121,7 +168,7 @@ impl ImpactRecording {
                 let direction = if pressed { force.direction } else { unit(at.e[joint]) };
                 let speed = before[0] * direction[0] + before[1] * direction[1];
                 let mass = island.effective_mass(joint, direction, t, q, v);
-                self.counts[joint].add(0.5 * mass * speed * speed);
+                add(&mut self.counts[joint], 0.5 * mass * speed * speed, later);
             }
         }
         for guide in 0..island.guides.len() {
@@ -143,11 +190,17 @@ impl ImpactRecording {
                 if struck > 0.0 {
                     let (speed, along) = (approach / struck, gradient.map(|sum| sum / struck));
                     let mass = island.guide_mass(guide, along, t, q, v);
-                    self.counts[island.joints.len() + guide].add(0.5 * mass * speed * speed);
+                    let counts = &mut self.counts[island.joints.len() + guide];
+                    add(counts, 0.5 * mass * speed * speed, later);
                 }
             }
         }
     }
+}
+
+/// Adds an impact of this energy [J] to the counts of the whole cycle and, if it is `later`, to that after its start.
+fn add(counts: &mut [ImpactCount; 2], energy: f64, later: bool) {
+    counts.iter_mut().take(if later { 2 } else { 1 }).for_each(|count| count.add(energy));
 }
 
 /// A vector over its length; zero if it is zero.

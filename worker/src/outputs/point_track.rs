@@ -1,6 +1,6 @@
 //! Path of a point of a body over a cycle, at the times of the integrator.
 
-use super::trace::Piece;
+use super::trace::{Piece, before};
 
 /// Position and velocity of a point, at increasing times.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -18,6 +18,15 @@ impl PointTrack {
     pub(crate) fn clear(&mut self) {
         self.time.clear();
         self.position.iter_mut().chain(&mut self.velocity).for_each(Vec::clear);
+    }
+
+    /// Removes the states up to a time [s], as far as two are left.
+    pub(crate) fn drop_until(&mut self, time: f64) {
+        let dropped = before(&self.time, time);
+        self.time.drain(..dropped);
+        self.position.iter_mut().chain(&mut self.velocity).for_each(|values| {
+            values.drain(..dropped);
+        });
     }
 
     /// Adds a state: time [s], position [m] and velocity [m/s].

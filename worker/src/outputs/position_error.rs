@@ -36,6 +36,10 @@ impl MotionOutput for PositionError<'_> {
         };
         deviation.measure(self.measure)
     }
+
+    fn is_extreme(&self) -> bool {
+        self.measure == ErrorMeasure::Largest
+    }
 }
 
 impl PositionError<'_> {

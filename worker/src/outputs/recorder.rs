@@ -3,7 +3,7 @@
 
 use super::impact_count::ImpactCount;
 use super::moment_track::MomentTrack;
-use super::peaks::Peaks;
+use super::peaks::{Largest, Peaks};
 use super::{BodyTrack, FullRecording, LaneRows, PointTrack, RecordingRequest};
 use crate::contact::GuideReaction;
 use crate::integrate::{Dynamics, Linearised, StateObserver};
@@ -11,6 +11,9 @@ use crate::lanes::Real;
 use crate::mechanism::{End, Frame, Island};
 use crate::wear::{ContactInstant, RailInstant, WearHistory};
 use common::scene::{Attachment, Scene};
+
+/// Start of a cycle, as a share of it [1], in which a transient may hide what the rest of the cycle shows.
+const START: f64 = 0.25;
 
 /// Contacts of the last state, which is added to the histories when the length of the step after it is known.
 #[derive(Debug, Clone)]
@@ -40,7 +43,9 @@ pub struct Recorder {
     /// Largest accelerations and impacts so far.
     peaks: Peaks,
     /// Largest force so far of each joint, those with clearance first, if requested [N].
-    peak_forces: Option<Vec<f64>>,
+    peak_forces: Option<Vec<Largest>>,
+    /// End of the start of a cycle [s].
+    start_end: f64,
     /// Contacts of the last state.
     pub(super) last: Option<LastContacts>,
 }
@@ -67,7 +72,8 @@ impl Recorder {
             points: requested.points.iter().filter_map(point).collect(),
             moments: touched.map(|k| (k, MomentTrack::default())).collect(),
             peaks: Peaks::new(island, scene, requested),
-            peak_forces: requested.peak_forces.then(|| vec![0.0; joints]),
+            peak_forces: requested.peak_forces.then(|| vec![Largest::default(); joints]),
+            start_end: std::env::var("HWSTART").ok().and_then(|x| x.parse().ok()).unwrap_or(START) * scene.life.period,
             last: None,
         }
     }
@@ -91,7 +97,7 @@ impl Recorder {
     pub(crate) fn peak_force(&self, island: &Island, joint: usize) -> Option<f64> {
         let all = island.all_joints();
         let peaks = self.peak_forces.as_ref()?;
-        all.zip(peaks).find(|(scene_joint, _)| *scene_joint == joint).map(|(_, peak)| *peak)
+        all.zip(peaks).find(|(scene_joint, _)| *scene_joint == joint).map(|(_, peak)| peak.whole)
     }
 
     /// Largest acceleration of a point over the cycle, if it is on this island and requested [m/s^2].
@@ -116,10 +122,21 @@ impl Recorder {
         self.points.iter_mut().for_each(|(.., track)| track.clear());
         self.moments.iter_mut().for_each(|(_, track)| track.clear());
         if let Some(peaks) = &mut self.peak_forces {
-            peaks.fill(0.0);
+            peaks.fill(Largest::default());
         }
         self.peaks.clear();
         self.last = None;
+    }
+
+    /// The recording of the motion without the start of the cycle.
+    pub(crate) fn without_start(&self) -> Self {
+        let mut rest = self.clone();
+        rest.bodies.iter_mut().for_each(|(.., track)| track.drop_until(self.start_end));
+        rest.points.iter_mut().for_each(|(.., track)| track.drop_until(self.start_end));
+        rest.moments.iter_mut().for_each(|(_, track)| track.drop_until(self.start_end));
+        rest.peak_forces.iter_mut().flatten().for_each(|peak| peak.whole = peak.later);
+        rest.peaks.drop_start();
+        rest
     }
 
     /// Closes the recording at the end of the cycle.
@@ -151,6 +168,7 @@ impl Recorder {
 
     /// Records everything of a state but the contacts.
     pub(crate) fn record_motion(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
+        let later = t > self.start_end;
         for (slot, inertia, track) in &mut self.bodies {
             let k = 3 * *slot + 2;
             track.push(t, q[k], v[k], at.f[k] / *inertia);
@@ -167,10 +185,10 @@ impl Recorder {
             let contacts = at.joints.iter().map(|j| libm::hypot(j.force[0], j.force[1]));
             let contacts = contacts.chain(at.guides.iter().map(GuideReaction::force));
             for (peak, force) in peaks.iter_mut().zip(contacts.chain(island.ideal_forces(at))) {
-                *peak = peak.max(force);
+                peak.push(force, later);
             }
         }
-        self.peaks.push(island, t, q, v, at);
+        self.peaks.push(island, (t, later), q, v, at);
         if let Some(full) = &mut self.full {
             full.push(island, t, q, v, at);
         }

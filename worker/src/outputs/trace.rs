@@ -9,6 +9,11 @@ use crate::interpolate::Cubic;
 /// the secant where it peaks, below this value up to x = 2.2, and x / sin x where it is steepest, below it up to x = 1.5.
 const LARGEST_SLOPE: f64 = 1.5;
 
+/// Number of the first `times` `(n,)` [s] that are not after `time` and may be removed: two are left.
+pub(super) fn before(times: &[f64], time: f64) -> usize {
+    times.partition_point(|&t| t <= time).min(times.len().saturating_sub(2))
+}
+
 /// Angle of one body with its first two rates, at increasing times.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct BodyTrack {
@@ -29,6 +34,14 @@ impl BodyTrack {
         self.angle.clear();
         self.omega.clear();
         self.alpha.clear();
+    }
+
+    /// Removes the states up to a time [s], as far as two are left.
+    pub(crate) fn drop_until(&mut self, time: f64) {
+        let dropped = before(&self.time, time);
+        for values in [&mut self.time, &mut self.angle, &mut self.omega, &mut self.alpha] {
+            values.drain(..dropped);
+        }
     }
 
     /// Adds a state: time [s], angle [rad], angular velocity [rad/s], angular acceleration [rad/s^2].
@@ -132,7 +145,7 @@ impl Piece {
 
     /// Value and slope at time `t` [s].
     #[inline]
-    pub(super) fn at(&self, t: f64) -> (f64, f64) {
+    pub(crate) fn at(&self, t: f64) -> (f64, f64) {
         let [start, end] = self.span;
         let h = end - start;
         let s = (t - start) / h;

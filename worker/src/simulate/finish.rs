@@ -61,6 +61,7 @@ pub(crate) fn finish(
             held_wear_points: run.wear_counts.held,
             narrow_grooves: run.grooves.clone(),
             control_points: worst(runs),
+            unsettled: runs.iter().find_map(|run| run.repetition.unsettled.clone()),
             quasi_static: !run.quasi_static.is_empty(),
             energy: first.energy,
             worn_energy: run.display.as_ref().and_then(|display| display.energy),

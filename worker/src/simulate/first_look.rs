@@ -10,6 +10,7 @@ use super::quasi_static::is_measured;
 use super::run::Run;
 use super::several_cycles::MOTIONS;
 use super::side_by_side::{LaneQueue, run_alone};
+use super::turn_period::with_period_of_turn;
 use crate::mechanism::Island;
 use crate::quasi_static::Unsuitable;
 use common::accuracy::Accuracy;
@@ -77,6 +78,8 @@ pub struct FirstLook {
 /// # Errors
 /// [`SimulationFailure`] as in an evaluation.
 pub fn first_look(scene: &Scene, accuracy: &Accuracy) -> Result<FirstLook, SimulationFailure> {
+    let timed = run_alone(|queue| async move { with_period_of_turn(&queue, scene, accuracy).await })?;
+    let scene = timed.as_ref().unwrap_or(scene);
     let numbered = run_alone(|queue| async move { with_control_points(&queue, scene).await })?;
     let scene = numbered.as_ref().map_or(scene, |numbered| &numbered.scene);
     let look = |scene| run_alone(|queue| examine(queue, scene, accuracy));
@@ -119,19 +122,24 @@ async fn examine(
     let mut run = Run::assemble(queue, scene, accuracy)?;
     let islands = run.islands.iter().map(|state| IslandModel::new(scene, &state.island)).collect();
     run.settle().await?;
-    let before = run.counts.steps;
+    run.start_full_recording();
+    let before = (run.counts.steps, run.simulated);
     let settled = begun.elapsed();
-    let ((), cycle) = timed(run.measure()).await?;
+    let ((), measured) = timed(run.measure_first()).await?;
+    run.stop_full_recording();
+    // More than one if the motion had not settled.
+    let cycles = run.simulated - before.1;
+    let cycle = measured / cycles as u32;
     let mut look = FirstLook {
         islands,
         arcs: contact_arcs(&run.islands),
         wears: run.wears(),
         asks_for_motion: run.first_motion_output().is_some(),
         tier: Err(Unsuitable::Unwanted),
-        steps_per_cycle: run.counts.steps - before,
-        dynamic_cycles: f64::from(scene.life.settle_cycles) + 1.0,
+        steps_per_cycle: (run.counts.steps - before.0) / cycles,
+        dynamic_cycles: run.simulated as f64,
         quasi_static_cycles: 0.0,
-        expected: settled + cycle,
+        expected: settled + measured,
     };
     if !look.wears {
         // A second run of the cycle, at half the step, for its error.

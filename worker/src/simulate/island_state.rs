@@ -52,7 +52,7 @@ pub struct IslandState {
     /// Time of the state [s].
     pub time: f64,
     /// Whole turns of the bodies per cycle `(n / 3,)` [1].
-    turns: Vec<f64>,
+    pub turns: Vec<f64>,
     /// State from which the next warm-up starts.
     pub warm_up_start: StateSnapshot,
     /// State at the start of the cycle measured last.
@@ -82,6 +82,11 @@ pub struct StateSnapshot {
 }
 
 impl StateSnapshot {
+    /// Time [s], positions and velocities `(n,)`.
+    pub(crate) fn state(&self) -> (f64, &[f64], &[f64]) {
+        (self.time, &self.q, &self.v)
+    }
+
     /// A snapshot of the state `q`, `v` `(n,)` at `time` [s] and of the island's joints.
     pub(crate) fn new(island: &Island, time: f64, q: &[f64], v: &[f64]) -> Self {
         let damping = vec![0.0; island.joints.len()];

@@ -25,7 +25,7 @@ impl CycleModel for DynamicCycles {
         if block.end == run.scene.life.cycles {
             run.last_cycle().await?
         } else {
-            run.next_cycle().await?
+            run.next_settled_cycle().await?
         }
         Ok(true)
     }

@@ -105,7 +105,7 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
                 let steps = LongerSteps::taken(runs, plain, &life, all);
                 return Ok((life, Some(steps)));
             }
-            runs.iter_mut().zip(before).for_each(|(run, before)| return_to(run, before));
+            runs.iter_mut().zip(before).for_each(|(run, before)| run.return_to(before));
         }
         let mut life = PartialLife::start(runs, model).await?;
         if life.estimate.conditions.iter().any(|c| c.probes.iter().any(|p| p.aperiodic)) {
@@ -224,7 +224,7 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         let cycles = *cycles;
         tracing::debug!("longer time steps make a difference in islands {islands:?}: back to cycle {cycles}");
         for (run, before) in runs.iter_mut().zip(before) {
-            return_to(run, before.clone());
+            run.return_to(before.clone());
         }
         life.clone_from(checked);
         self.give_up(runs, islands);
@@ -257,12 +257,6 @@ pub(crate) fn longer(accuracy: &Accuracy) -> Option<Accuracy> {
 /// True if a life in blocks between these `ends` [cycles] is worth the checks.
 pub(crate) fn is_long_enough(ends: &[u32]) -> bool {
     ends.len() > FEWEST_BLOCKS
-}
-
-/// Returns a run to what it was `before`; its counts go on.
-fn return_to<'a>(run: &mut Run<'a>, mut before: Run<'a>) {
-    before.copy_counts(run);
-    *run = before;
 }
 
 /// Measured cycles under all conditions, compared with further ones.

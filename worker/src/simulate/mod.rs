@@ -21,6 +21,8 @@
 //! | `longer_steps.rs`, `compared_islands.rs` | longer time steps while they make no difference, and which islands make one |
 //! | `probe.rs`, `motion_estimate.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
 //! | `finer_surfaces.rs` | the motion on surfaces with more control points |
+//! | `settling.rs`, `state_sequence.rs` | whether the motion repeats itself, and further cycles until it does |
+//! | `turn_period.rs` | the period of a cycle that is one turn of a free body |
 //! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
 //! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
 //! | `island_state.rs`, `worn_joints.rs` | an island with its state, stepper, recorder and wear; the wear of all joints |
@@ -55,7 +57,10 @@ mod quasi_static;
 mod quasi_static_island;
 mod run;
 mod several_cycles;
+mod settling;
 mod side_by_side;
+mod state_sequence;
+mod turn_period;
 mod unbounded_forces;
 mod wall;
 mod worn_joints;
@@ -76,6 +81,7 @@ use run::{Run, WornDisplay};
 pub(crate) use side_by_side::widest_lanes;
 use side_by_side::{LaneQueue, RunningEvaluation, join, run_alone, run_side_by_side};
 use std::time::Duration;
+use turn_period::with_period_of_turn;
 
 pub use crate::quasi_static::Unsuitable;
 pub use contact_arcs::ContactArc;
@@ -162,6 +168,11 @@ async fn simulate_stages(
     options: SimulateOptions,
 ) -> CountedEvaluation {
     let failed = |failure| CountedEvaluation { result: Err(failure), steps_tried: 0 };
+    let timed = match with_period_of_turn(&queue, scene, accuracy).await {
+        Ok(timed) => timed,
+        Err(failure) => return failed(failure),
+    };
+    let scene = timed.as_ref().unwrap_or(scene);
     // Coordinates from a point of the mechanism: far from it they would round away what small motions are.
     let local = moved_to_origin(scene);
     let scene = local.as_ref().map_or(scene, |(local, _)| local);
@@ -212,7 +223,7 @@ async fn evaluate(runs: &mut [Run<'_>]) -> Result<Evaluation, SimulationFailure>
 async fn measure_first(run: &mut Run<'_>) -> Result<(f64, FirstCycle), SimulationFailure> {
     run.settle().await?;
     run.start_full_recording();
-    run.measure().await?;
+    run.measure_first().await?;
     let first = run.first_cycle();
     run.stop_full_recording();
     Ok((run.share, first))

@@ -4,6 +4,7 @@
 use super::finer_surfaces::FinerCycles;
 use super::probe::Probe;
 use super::run::Run;
+use super::settling::Repetition;
 use super::several_cycles::{CycleSpread, MOTIONS, mean_and_variance};
 
 /// Error of the motion outputs over their change in a probe [1]: both cycles start from a state computed with the coarser
@@ -56,6 +57,8 @@ impl MeasuredLives<'_> {
 pub struct MotionEstimate {
     /// Life of the first checkpoint [cycles].
     pub first_checkpoint: u32,
+    /// How the motion repeats itself.
+    pub repetition: Repetition,
     /// Probes made so far; lives ascend.
     pub probes: Vec<Probe>,
     /// If the quasi-static model drives the wear, the largest relative difference of its wear rates from those of the dynamics [1].
@@ -79,8 +82,10 @@ impl MotionEstimate {
         self.quasi_static = Some(share);
     }
 
-    /// Adds a probe; lives ascend.
-    pub(crate) fn add_probe(&mut self, probe: Probe) {
+    /// Adds a probe; lives ascend. Where a motion settles slowly, what the next cycle changes is the first part of what is to come.
+    pub(crate) fn add_probe(&mut self, mut probe: Probe) {
+        let factor = self.repetition.slowness.max(1.0);
+        probe.motion.iter_mut().chain(&mut probe.wear).for_each(|change| *change *= factor);
         self.probes.push(probe);
     }
 
@@ -119,6 +124,7 @@ impl MotionEstimate {
         behind: impl Fn(u32) -> f64,
     ) -> Vec<f64> {
         let values = measured.of_output(k);
+        let to_come = self.repetition.to_come.as_ref().map_or(0.0, |to_come| to_come.motion[k]);
         if self.has_several_motions() {
             let scatter = SCATTER * self.largest_variance(k).sqrt();
             // All motions see the same bores: what follows from these alone does not scatter, and has the error of the wear.
@@ -131,7 +137,7 @@ impl MotionEstimate {
             };
             let checkpoints = checkpoints.iter().zip(history);
             return checkpoints
-                .map(|(&life, &value)| scatter + missed_peak * value.abs() + of_wear(life, value))
+                .map(|(&life, &value)| to_come + scatter + missed_peak * value.abs() + of_wear(life, value))
                 .collect();
         }
         let irregular = self.irregularity(measured.lives, &values);
@@ -141,7 +147,8 @@ impl MotionEstimate {
             .map(|(&life, value)| {
                 let (secant, slope) = neighbours(measured.lives, &values, life);
                 let behind = behind(life) * f64::from(life);
-                MOTION_SAFETY * self.largest_near(life, |p| p.motion[k])
+                to_come
+                    + MOTION_SAFETY * self.largest_near(life, |p| p.motion[k])
                     + (missed_peak + WORN_MOTION) * value.abs()
                     + (value - secant).abs()
                     + (self.irregularity_share(life) * irregular).max(erratic)
@@ -157,10 +164,11 @@ impl MotionEstimate {
 
     /// Relative error of the wear rates of a surface up to `life` from the cycles that were simulated [1].
     pub(crate) fn relative_rate_error(&self, surface: usize, life: u32) -> f64 {
+        let to_come = self.repetition.to_come.as_ref().map_or(0.0, |to_come| to_come.wear[surface]);
         if self.spreads.is_empty() {
-            WEAR_SAFETY * self.largest_near(life, |p| p.wear[surface])
+            to_come + WEAR_SAFETY * self.largest_near(life, |p| p.wear[surface])
         } else {
-            SCATTER * self.scatter_of_depth(surface)
+            to_come + SCATTER * self.scatter_of_depth(surface)
         }
     }
 

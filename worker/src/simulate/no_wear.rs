@@ -26,11 +26,14 @@ impl Run<'_> {
         let values = self.measured.clone();
         let finer = self.accuracy.refined(FINER);
         self.restart_cycle(&finer);
+        let to_come = self.repetition.to_come.clone();
+        let to_come = |k: usize| to_come.as_ref().map_or(0.0, |to_come| to_come.motion[k]);
         self.measure().await?;
         let again = self.measured.clone();
         let count = self.scene.life.checkpoints().len();
         let error = |value: f64, again: f64| (SAFETY * (value - again).abs()).max(ROUNDING * value.abs());
-        let errors = values.iter().zip(again).map(|(&v, a)| vec![error(v, a); count]).collect();
+        let errors = values.iter().zip(again).enumerate();
+        let errors = errors.map(|(k, (&v, a))| vec![to_come(k) + error(v, a); count]).collect();
         let histories = values.iter().map(|&v| vec![v; count]).collect();
         Ok(LifeHistory { histories, errors, start: values })
     }

@@ -73,6 +73,7 @@ impl<'a> ConditionLife<'a> {
             let probe = run.probe(0).await?;
             model.check_probe(&probe)?;
             motions = probe.rattles.then(SeveralMotions::default);
+            run.repetition.is_irregular = probe.rattles;
             estimate.add_probe(probe);
         }
         let outputs = vec![mean_outputs(run, 0, motions.as_mut(), estimate).await?];
@@ -129,6 +130,10 @@ impl<'a> PartialLife<'a> {
         let scene = runs[0].scene;
         let mut estimate = ErrorEstimate::new(scene.life.checkpoint_every, runs.len());
         let starts = runs.iter_mut().zip(&mut estimate.conditions);
+        let starts = starts.map(|(run, estimate)| {
+            estimate.repetition = run.repetition.clone();
+            (run, estimate)
+        });
         let started = join(starts.map(|(run, estimate)| ConditionLife::start(run, model, estimate))).await;
         let conditions = started.into_iter().collect::<Result<_, _>>()?;
         runs[0].keep_bores(0);

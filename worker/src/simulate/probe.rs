@@ -282,7 +282,7 @@ mod tests {
     fn two_worn_lives_are_probed_or_fewer() {
         let probed = |lives: &[u32], every: u32| -> Vec<u32> {
             let cycles = lives[lives.len() - 1];
-            let life = Life { period: 1.0, cycles, checkpoint_every: every, settle_cycles: 1 };
+            let life = Life { period: 1.0, cycles, checkpoint_every: every, settle_cycles: 1, turn_of: None };
             lives.windows(2).filter(|w| is_probed(&(w[0]..w[1]), &life)).map(|w| w[1]).collect()
         };
         assert_eq!(probed(&[0, 125, 250, 1000, 2000, 4000, 6000, 8000, 9000], 1000), [6000, 9000]);

@@ -80,7 +80,7 @@ impl CycleModel for QuasiStaticCycles {
         if block.end == run.scene.life.cycles {
             run.last_cycle().await?;
         } else if run.first_motion_output().is_some() && is_measured(block, &run.scene.life) {
-            run.next_cycle().await?;
+            run.next_settled_cycle().await?;
         } else {
             return Ok(false);
         }

@@ -3,6 +3,7 @@
 use super::ideal_tracks::{ideal_tracks, left_open};
 use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
 use super::quasi_static_island::QuasiStaticIsland;
+use super::settling::Repetition;
 use super::side_by_side::{Integrated, LaneQueue, Span};
 use super::unbounded_forces::refuse_unbounded_forces;
 use super::wall::{wear_failure, worn_through};
@@ -53,6 +54,8 @@ pub struct Run<'a> {
     pub tier_difference: Vec<f64>,
     /// What more control points change in the outputs of the motion, empty where that is not compared `(motion outputs,)`.
     pub points_errors: Vec<PointsError>,
+    /// How the motion repeats itself.
+    pub repetition: Repetition,
     /// What is displayed of the worn mechanism, if anything is.
     pub display: Option<WornDisplay>,
 }
@@ -78,7 +81,8 @@ impl<'a> Run<'a> {
         accuracy: &'a Accuracy,
     ) -> Result<Self, SimulationFailure> {
         let mut newton = 0;
-        let requested = recording_request(&scene.outputs);
+        let mut requested = recording_request(&scene.outputs);
+        requested.bodies.extend(scene.life.turn_of);
         let islands = islands(scene)?;
         // A linkage that locks is found here, and not attributed to a contact.
         let samples = if requested.needs_ideal_motion() { PATH_POINTS } else { 2 };
@@ -118,6 +122,7 @@ impl<'a> Run<'a> {
             quasi_static: vec![],
             tier_difference: vec![0.0; scene.outputs.len()],
             points_errors: vec![],
+            repetition: Repetition { is_determined: poses.len() > 1, ..Repetition::default() },
             display: None,
         })
     }
@@ -216,6 +221,9 @@ impl<'a> Run<'a> {
             state.recorder.clear();
             state.keep_cycle_start();
         }
+        if self.islands.iter().any(|state| state.recorder.full.is_some()) {
+            self.start_full_recording();
+        }
         if kept > 0.0 {
             self.integrate(0.0..kept, true).await?;
         }
@@ -248,10 +256,10 @@ impl<'a> Run<'a> {
     /// [`SimulationFailure`] if the integration stops.
     pub(crate) async fn last_cycle(&mut self) -> Result<(), SimulationFailure> {
         if self.display.is_none() {
-            return self.next_cycle().await;
+            return self.next_settled_cycle().await;
         }
         self.start_full_recording();
-        self.next_cycle().await?;
+        self.next_settled_cycle().await?;
         let (energy, history) = (self.energy(), self.cycle_history());
         let display = self.display.get_or_insert_default();
         display.energy = Some(energy);
@@ -290,7 +298,7 @@ impl<'a> Run<'a> {
     }
 
     /// Integrates every island over a span of the cycle [s], recording it or not.
-    async fn integrate(&mut self, time: Range<f64>, record: bool) -> Result<(), SimulationFailure> {
+    pub(super) async fn integrate(&mut self, time: Range<f64>, record: bool) -> Result<(), SimulationFailure> {
         let period = self.scene.life.period;
         let mut islands = std::mem::take(&mut self.islands);
         islands.iter_mut().for_each(|state| state.begin(time.start, period));

@@ -28,6 +28,7 @@ mod quasi_static;
 mod rattling;
 mod restitution;
 mod scenes;
+mod settling;
 mod side_by_side;
 mod single_cycle;
 mod start_motion;

@@ -7,7 +7,7 @@ use super::mechanism::Mechanism;
 use super::stated_errors::{StatedAt, StatedErrorCollector};
 use super::written::WrittenScene;
 use crate::presentation::control_points::control_points_notes;
-use crate::presentation::unphysical_work::unphysical_work;
+use crate::presentation::motion_cautions::motion_cautions;
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
 use common::outputs::{Diagnostics, Evaluation};
@@ -168,7 +168,7 @@ impl ReportInput {
                     let failed_at = failures_of(scene, &evaluation);
                     input.samples.push(SimulatedSample { values: stored.sample, failed_at });
                     if stored.id == 0 {
-                        input.notes.extend(unphysical_work(&evaluation.diagnostics));
+                        input.notes.extend(cautions(&evaluation.diagnostics));
                         input.nominal = Some(evaluation);
                     }
                 }
@@ -186,7 +186,7 @@ impl ReportInput {
     pub fn of_one(scene: &Scene, summary: StudySummary, nominal: Option<Evaluation>) -> Self {
         let mut input = Self { nominal, ..Self::new(scene, summary, vec![]) };
         let diagnostics = input.nominal.as_ref().map(|evaluation| &evaluation.diagnostics);
-        input.notes.extend(diagnostics.and_then(unphysical_work));
+        input.notes.extend(diagnostics.into_iter().flat_map(cautions));
         input
     }
 
@@ -325,6 +325,11 @@ fn of_designs(summary: &StudySummary) -> Vec<String> {
          designs/designs.html, and `coordinator designs`.",
         summary.designs.join(", ")
     )]
+}
+
+/// What is to be said about the motion of the nominal mechanism.
+fn cautions(diagnostics: &Diagnostics) -> Vec<String> {
+    motion_cautions(diagnostics).into_iter().map(|caution| caution.message).collect()
 }
 
 /// Cautions about properties of the model that affect the result.

@@ -37,7 +37,7 @@ pub(super) fn scene() -> Scene {
             fails: Fails::Above,
         }],
         control_points_of_model: false,
-        life: Life { period: 0.125, cycles: 2000, checkpoint_every: 1000, settle_cycles: 1 },
+        life: Life { period: 0.125, cycles: 2000, checkpoint_every: 1000, settle_cycles: 1, turn_of: None },
         conditions: vec![],
         study: StudySettings { population: 100, initial: 10, batch: 4, max_evaluations: 20, seed: 1 },
         accuracy: NamedAccuracy::default(),

@@ -188,6 +188,9 @@ pub(super) fn study_settings(scene: &Scene, summary: &StudySummary, stored: &ser
 /// The length of a cycle as the scene states it, or the period of the drive that it follows from; `None` without one.
 fn cycle_of(scene: &Scene, written: &WrittenScene) -> Option<String> {
     let period = Some(scene.life.period).filter(|period| *period > 0.0)?;
+    if let Some(body) = scene.life.turn_of {
+        return Some(format!("one turn of {}", scene.bodies[body].name));
+    }
     Some(match written.quantity("life.period") {
         Some(_) => exact(period, "s"),
         None => format!("{}\u{a0}s, the period of the drive", seven_digits(period)),

@@ -1,0 +1,149 @@
+//! Cautions about the simulated motion of a mechanism: work that no real contact does, an energy balance that does not close, and a motion
+//! that has not settled.
+//!
+//! On a worn bore the elastic force of `local-hertz` has no potential: over a cycle it does the work W [J] beside the work of drives and loads. Where
+//! W is not small against the energy that goes through the mechanism, it maintains a vibration that no real contact would, which changes
+//! forces, wear and lives; finer time steps show the same. What the balance leaves beside that work is the numerical error of the cycle.
+
+use crate::presentation::report::format::three_digits;
+use common::outputs::{Diagnostics, EnergyBalance, UnsettledMotion};
+use common::scene::Warning;
+
+/// Share of the energy of a cycle from which on such work is pointed out [1]: the nominal `flapping-wing` has 0.001.
+const NOTABLE: f64 = 0.01;
+/// Share of all powers over a cycle below which a residual counts as rounding of the balance, whatever goes through [1].
+const NEGLIGIBLE: f64 = 1e-4;
+
+/// The cautions about an evaluation, each with the key of the scene that it belongs to; none if there is nothing to point out.
+pub fn motion_cautions(diagnostics: &Diagnostics) -> Vec<Warning> {
+    let balance = match (&diagnostics.worn_energy, &diagnostics.energy) {
+        (Some(worn), _) => Some((worn, "last")),
+        (None, first) => first.as_ref().map(|first| (first, "first")),
+    };
+    let of_energy = balance.into_iter().flat_map(|(energy, cycle)| {
+        let unphysical = unphysical_work(energy, cycle).map(|message| ("joints", message));
+        unphysical.into_iter().chain(residual(energy, cycle).map(|message| ("accuracy", message)))
+    });
+    let unsettled = diagnostics.unsettled.iter().map(|motion| ("life.settle_cycles", unsettled(motion)));
+    let all = of_energy.chain(unsettled);
+    all.map(|(key, message)| Warning { key: key.to_owned(), message: message.replace('\u{a0}', " ") }).collect()
+}
+
+/// The caution about work of the contact law.
+fn unphysical_work(energy: &EnergyBalance, cycle: &str) -> Option<String> {
+    let share = share(energy.unphysical, energy)?;
+    let (work, through) = (three_digits(energy.unphysical.abs()), three_digits(through(energy)));
+    (share > NOTABLE).then(|| {
+        format!(
+            "in the {cycle} cycle of the nominal mechanism the contact law local-hertz does {work} J of work that no real contact does, {:.0} % of the \
+             {through} J that go through it: this law is not conservative on a worn bore, and the vibration that it maintains changes forces, wear \
+             and lives, whatever the accuracy; compare with contact_law = \"hertz\"",
+            100.0 * share
+        )
+    })
+}
+
+/// The caution about an energy balance that does not close.
+fn residual(energy: &EnergyBalance, cycle: &str) -> Option<String> {
+    let share = share(energy.residual(), energy)?;
+    let is_notable = share > NOTABLE && energy.residual().abs() > NEGLIGIBLE * energy.turnover;
+    is_notable.then(|| {
+        format!(
+            "in the {cycle} cycle of the nominal mechanism the energy balance leaves {} J, {:.0} % of the {} J that go through it: the time \
+             steps do not resolve the motion, often a vibration of the contacts in a slow mechanism; compare with shorter ones \
+             (--accuracy step-x0.5), or give the joints contact_damping or film_damping",
+            three_digits(energy.residual().abs()),
+            100.0 * share,
+            three_digits(through(energy))
+        )
+    })
+}
+
+/// The caution about a motion that has not settled.
+fn unsettled(motion: &UnsettledMotion) -> String {
+    let UnsettledMotion { output, change, further_cycles, turning } = motion;
+    let turns = turning.as_ref().map_or_else(String::new, |(body, angle)| {
+        let angle = angle.to_degrees().abs();
+        format!(
+            ". {body} turns {angle:.1} deg a cycle, not a whole turn: with period = \"turn of {body}\" in [life] a cycle ends when it has turned once"
+        )
+    });
+    format!(
+        "the motion has not settled after {further_cycles} further cycles: {output} still changes by {} % from one cycle to the next, which its \
+         stated error contains; give settle_cycles more, or the mechanism more damping{turns}",
+        three_digits(100.0 * change)
+    )
+}
+
+/// The energy that goes through a mechanism in a cycle [J]: what is put in, or what is lost if that is more.
+fn through(energy: &EnergyBalance) -> f64 {
+    energy.input.abs().max(energy.dissipated.abs())
+}
+
+/// A `part` [J] over that energy [1]; `None` without any energy.
+fn share(part: f64, energy: &EnergyBalance) -> Option<f64> {
+    let share = part.abs() / through(energy);
+    share.is_finite().then_some(share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn messages(diagnostics: &Diagnostics) -> Vec<String> {
+        motion_cautions(diagnostics).into_iter().map(|caution| caution.message).collect()
+    }
+
+    #[test]
+    fn issue_a_quarter_of_the_energy_came_from_the_contact_law_without_a_word() {
+        let energy = |unphysical: f64| EnergyBalance {
+            input: 6.478,
+            stored: 0.0,
+            dissipated: 6.478 + unphysical,
+            unphysical,
+            turnover: 20.0,
+        };
+        let said = |first: f64, worn: Option<f64>| {
+            messages(&Diagnostics {
+                energy: Some(energy(first)),
+                worn_energy: worn.map(energy),
+                ..Diagnostics::default()
+            })
+        };
+        let [text] = &said(0.0, Some(1.532))[..] else { panic!("one caution") };
+        assert!(
+            text.starts_with("in the last cycle")
+                && text.contains("1.53 J")
+                && text.contains("19 % of the 8.01 J"),
+            "{text}"
+        );
+        assert!(said(0.2, None)[0].starts_with("in the first cycle"));
+        // An unworn bore does no such work, and that of a worn one may be small.
+        assert!(said(0.2, Some(0.01)).is_empty() && said(0.0, None).is_empty());
+        assert!(messages(&Diagnostics::default()).is_empty());
+    }
+
+    #[test]
+    fn issue_an_energy_residual_of_more_than_all_that_goes_through_passed_without_a_word() {
+        // A slider-crank at 1 r/min: -0.123 J put in, 0.089 J dissipated.
+        let energy = |input: f64, turnover: f64| {
+            let energy = EnergyBalance { input, dissipated: 0.089, turnover, ..EnergyBalance::default() };
+            messages(&Diagnostics { energy: Some(energy), ..Diagnostics::default() })
+        };
+        let [text] = &energy(-0.123, 60.0)[..] else { panic!("one caution") };
+        assert!(text.contains("leaves 0.212 J, 172 % of the 0.123 J"), "{text}");
+        assert!(energy(0.0895, 60.0).is_empty() && energy(0.094, 60.0).is_empty());
+        assert_eq!(energy(0.094, 0.2).len(), 1);
+    }
+
+    #[test]
+    fn issue_a_motion_that_had_not_settled_entered_the_life_without_a_word() {
+        let turning = Some(("crank".to_owned(), 329.5_f64.to_radians()));
+        let unsettled =
+            UnsettledMotion { output: "F".into(), change: 0.0321, further_cycles: 12, turning };
+        let text = &messages(&Diagnostics { unsettled: Some(unsettled), ..Diagnostics::default() })[0];
+        for said in ["after 12 further cycles", "F still changes by 3.21 %", "crank turns 329.5 deg", "\"turn of crank\""] {
+            assert!(text.contains(said), "{said}: {text}");
+        }
+    }
+}
