@@ -81,8 +81,8 @@ fn turn(life: &Section, name: &str, bodies: &[BodyRow]) -> Option<(f64, Option<u
         return None;
     }
     match bodies[body].motion {
-        Some(Motion::Free { start_speed, .. }) if start_speed != 0.0 => {
-            Some((TAU / start_speed.abs(), Some(body)))
+        Some(Motion::Free { start_speed: Some(speed), .. }) if speed != 0.0 => {
+            Some((TAU / speed.abs(), Some(body)))
         }
         Some(Motion::Free { .. }) => {
             let expected = "about the speed at which it turns once settled, since a turn of it is the cycle";
