@@ -2,7 +2,7 @@
 
 use super::drive::{Curve, Drive, Over};
 use super::load::Load;
-use super::model::{Motion, Scene};
+use super::model::{Body, Motion, Scene};
 use super::monotone::monotone_integral;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -23,8 +23,24 @@ impl fmt::Display for Warning {
     }
 }
 
-/// The warnings about a scene: loads that are seen in one cycle only, while cycles follow each other.
+/// The warnings about a scene: bodies that nothing holds, and loads that are seen in one cycle only, while cycles follow each other.
 pub(super) fn warnings(scene: &Scene) -> Vec<Warning> {
+    [loose_bodies(scene), single_loads(scene)].concat()
+}
+
+fn loose_bodies(scene: &Scene) -> Vec<Warning> {
+    let joined = scene.joints.iter().flat_map(|joint| [joint.journal.body, joint.bushing.body]);
+    let held: Vec<usize> = joined.chain(scene.loads.iter().flat_map(Load::bodies)).collect();
+    let bodies = scene.bodies.iter().enumerate();
+    let loose = bodies.filter(|(k, body)| matches!(body.motion, Motion::Free { .. }) && !held.contains(k));
+    let warning = |(_, body): (usize, &Body)| Warning {
+        key: format!("bodies.{}", body.name),
+        message: "is held by no joint and no load: it has no effect on the other bodies".to_owned(),
+    };
+    loose.map(warning).collect()
+}
+
+fn single_loads(scene: &Scene) -> Vec<Warning> {
     if scene.life.is_single_cycle() {
         return Vec::new();
     }
@@ -53,5 +69,21 @@ fn has_full_turns(motion: &Motion) -> bool {
         Drive::ConstantSpeed { .. } => true,
         Drive::Angle(table) => (table.value[table.value.len() - 1] - table.value[0]).abs() > PI,
         Drive::Speed { table, .. } => monotone_integral(table).abs() > PI,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::SceneSource;
+
+    #[test]
+    fn issue_a_body_that_nothing_holds_had_no_warning() {
+        let loose = "[[bodies]]\nname = \"loose\"\nmotion = \"free\"\nmass = \"1 g\"\ninertia = \"1 g mm^2\"\n\
+                     centre_of_mass = [\"0 m\", \"0 m\"]\nstart_position = [\"0 m\", \"0 m\"]\nstart_angle = \"0 deg\"\n";
+        let four_bar = SceneSource::builtin("four-bar").expect("built in");
+        let with_it = SceneSource::parse(&format!("{}\n{loose}", four_bar.text()), "loose").expect("valid");
+        let keys = |source: &SceneSource| source.warnings().into_iter().map(|w| w.key).collect::<Vec<_>>();
+        assert_eq!(keys(&with_it), ["bodies.loose"]);
+        assert!(keys(&four_bar).is_empty());
     }
 }
