@@ -230,6 +230,9 @@ async fn examine(
     } else {
         blocks as f64 * warm
     };
+    // Cycles on surfaces with twice and four times the control points, where others are probed.
+    let is_compared = look.asks_for_motion && !scene.control_points_of_model && !life.is_single_cycle();
+    let measured = measured + if is_compared { 2.0 * probes * warm } else { 0.0 };
     look.dynamic_cycles += measured;
     look.expected += cycle.mul_f64(slower * measured);
     Ok(look)

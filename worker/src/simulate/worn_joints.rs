@@ -3,7 +3,6 @@
 use super::island_state::IslandState;
 use super::quasi_static_island::QuasiStaticIsland;
 use super::run::Run;
-use crate::mechanism::WearingPair;
 use crate::outputs::Recorder;
 use crate::wear::{WearHistory, WearLaw, WornAmounts};
 
