@@ -52,16 +52,20 @@ mod rows;
 mod run_times;
 mod samples;
 mod settings;
+mod sobol;
 mod step;
 mod stopped;
 mod surrogate_state;
 mod surrogates;
+mod untested;
 mod verification;
 
 #[cfg(test)]
 mod campaign_tests;
 #[cfg(test)]
 mod from_results_tests;
+#[cfg(test)]
+mod interval_tests;
 #[cfg(test)]
 mod life_tests;
 #[cfg(test)]

@@ -245,7 +245,10 @@ impl LimitState {
         match self.fails {
             Fails::Above => value,
             Fails::Below => -value,
-            Fails::Outside { lower } => (value - middle(lower, self.threshold)).abs(),
+            // About the middle, so that a value at a limit has the threshold of the response whatever rounding does.
+            Fails::Outside { lower } => {
+                self.response_threshold() + (value - self.threshold).max(lower - value)
+            }
         }
     }
 

@@ -6,7 +6,7 @@
 use super::life_summary::{LifeCurveRow, LifeRow, UnresolvedFall};
 use super::point_summary::{FailurePointRow, PredictionRow};
 use super::scene_summary::{LimitRow, VariableRow, limit_rows, sha256, variable_rows};
-pub use super::surrogate_summary::SurrogateRow;
+pub use super::surrogate_summary::{SurrogateRow, UntestedRow};
 pub use super::timing::{Timing, WorkerShare};
 use crate::statistics::reliability::REACH;
 use common::accuracy::Accuracy;
@@ -88,6 +88,9 @@ pub struct StudySummary {
     /// and in studies by earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulations_beyond_a_limit: Option<usize>,
+    /// Failure probabilities that no simulation has tested.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub untested: Option<UntestedRow>,
     /// Moments of the outputs, one row per checkpoint.
     pub moments: Vec<MomentsRow>,
     /// Derivatives of the failure probabilities.

@@ -37,6 +37,23 @@ pub struct SurrogateRow {
     pub separate_would_gain: Option<bool>,
     /// Standard deviation of the noise over the stated errors [1]; absent without stated errors.
     pub share_of_stated_error: Option<f64>,
+    /// Number of different values of the response, if its limit lies between two of them that occur again and again; absent
+    /// otherwise, and in studies by earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub different_values: Option<usize>,
+}
+
+/// Failure probabilities that no simulation has tested, whose intervals are bounded by the independent samples alone.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct UntestedRow {
+    /// Limit states, and `total` for the system.
+    pub curves: Vec<String>,
+    /// Number of independent samples without a failure.
+    pub samples: usize,
+    /// Failure probability that these exclude with 95 % [1].
+    pub bound: f64,
+    /// Upper limit of the failure probability of the system at the end of life by the surrogates alone [1].
+    pub predicted: f64,
 }
 
 /// Share of the variance above which the noise of the simulations costs more than a finer accuracy [1].

@@ -13,7 +13,6 @@ use super::campaign_data::CampaignData;
 use super::campaign_result::CampaignResult;
 use super::classified_population::ClassifiedPopulation;
 use super::failures::{Failed, check_failures, check_nominal, check_results};
-use super::interim::InterimResult;
 use super::observations::ObservedOutcome;
 use super::plan::{Plan, Problem};
 use super::prediction_check::{judge, largest_prediction_error};
@@ -134,6 +133,7 @@ impl Campaign {
     pub fn record(&mut self, outcomes: Vec<ObservedOutcome>) -> Result<(), CampaignError> {
         let chunk = self.requests.finish_oldest(outcomes.len());
         let is_nominal = self.data.observations.is_empty();
+        let learning = !self.progress.rounds.is_empty();
         let is_repetition = chunk.iter().all(|pending| pending.stricter);
         for (pending, outcome) in chunk.into_iter().zip(outcomes) {
             match outcome {
@@ -147,8 +147,8 @@ impl Campaign {
                     self.requests.retries.push_back((PendingSample { stricter: true, ..pending }, cause));
                 }
                 Err(cause) => {
-                    let beyond = pending.member.is_none();
-                    self.data.add_failed(pending.z, cause, pending.exploring, beyond);
+                    let beyond = pending.exploring && pending.member.is_none();
+                    self.data.add_failed(pending.z, cause, learning, beyond);
                 }
             }
         }
@@ -156,7 +156,7 @@ impl Campaign {
         if is_nominal {
             return check_nominal(&self.data.failed);
         }
-        if self.progress.rounds.is_empty() && !is_repetition {
+        if !learning && !is_repetition {
             self.data.observations.close_design();
         }
         let samples = self.requests.samples_received();
@@ -226,13 +226,14 @@ impl Campaign {
             let cov = self.classified.coefficient_of_variation(failed);
             self.add_round(&assessment, cov);
             self.surrogates.previous_curves = Some(assessment.curves.clone());
-            let rare = self.classified.is_rare(&self.plan, failed);
+            let barred = assessment.feasibility.barred_share(self.classified.unconditional());
+            let rare = self.classified.is_rare(&self.plan, failed, barred);
             let targets = &self.plan.targets;
             let needed = (targets.hold, targets.points_to_hold(self.problem.inputs.dimension(), rare));
             let held = self.progress.stopping.record_round(met, self.data.results(), needed);
             if held && self.requests.under_way() == 0 {
                 let models = &assessment.surrogates;
-                if self.classified.replace_if_needed(&self.problem, &self.plan, models, failed, cov) {
+                if self.classified.replace_if_needed(&self.plan, models, failed, barred) {
                     self.restart_on_new_population();
                     continue;
                 }
@@ -251,7 +252,7 @@ impl Campaign {
             return Ok(());
         };
         let before = self.classified.condition.probability * assessment.governing_failed();
-        self.classified.draw(&self.problem, &self.plan, &assessment.surrogates);
+        self.classified.draw(&self.plan, &assessment.surrogates);
         self.restart_on_new_population();
         let (assessment, _) = self.assess_until_fresh()?;
         let failed = assessment.governing_failed();
@@ -348,18 +349,6 @@ impl Campaign {
         (0..self.problem.modes.len()).filter(constant).collect()
     }
 
-    /// The reliability after the last round, if no outcome was recorded since.
-    pub(super) fn interim(&self) -> Option<InterimResult> {
-        let assessment = self.progress.assessment.as_ref()?;
-        Some(InterimResult {
-            failed: assessment.curves.clone(),
-            points: self.classified.population.len(),
-            missing: assessment.feasibility.barred_share(self.classified.unconditional()),
-            surrogate: assessment.combined_errors(),
-            condition: self.classified.condition,
-        })
-    }
-
     /// The surrogates of the last round, one per limit state; empty before the first.
     pub(super) fn into_surrogates(self) -> Vec<Surrogate> {
         self.surrogates.models
@@ -380,10 +369,12 @@ impl Campaign {
             expected: false,
         });
         self.data.failed.extend(retries);
+        let assessment = self.progress.assessment.take()?;
         Some(CampaignResult {
+            untested: self.untested(&assessment),
             classified: self.classified,
             observations: self.data.observations,
-            assessment: self.progress.assessment?,
+            assessment,
             rounds: self.progress.rounds,
             evaluations: self.requests.received,
             failed: self.data.failed,

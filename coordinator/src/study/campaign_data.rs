@@ -53,11 +53,11 @@ impl CampaignData {
         }
     }
 
-    /// Adds a simulation that failed for good at the standardised point `z` `(d,)`. A failure while exploring
-    /// was to be expected where the nearest simulation failed, too, and `beyond` the population, where the
-    /// simulator may not reach.
-    pub fn add_failed(&mut self, z: Vec<f64>, cause: SimulationFailure, exploring: bool, beyond: bool) {
-        let expected = exploring && (beyond || self.is_nearest_to_a_failure(&z));
+    /// Adds a simulation that failed for good at the standardised point `z` `(d,)`. A failure was to be expected
+    /// `beyond` the population, where the simulator may not reach, and of a `learning` request, one after the initial
+    /// design, where the nearest simulation failed, too.
+    pub fn add_failed(&mut self, z: Vec<f64>, cause: SimulationFailure, learning: bool, beyond: bool) {
+        let expected = learning && (beyond || self.is_nearest_to_a_failure(&z));
         self.failed.push(Failed { z, cause, expected });
     }
 
@@ -104,9 +104,10 @@ mod tests {
         let mut data = CampaignData::new(1, 1);
         data.observations.add(&[0.0], Observed::exact(vec![vec![1.0]]));
         let cause = SimulationFailure::NotModelled { what: "beyond".into() };
-        // The first failure of a corner counts, the exploring points that follow it do not, another corner does.
-        for (z, exploring) in [(4.0, true), (4.2, true), (3.5, true), (-4.0, true), (4.1, false)] {
-            data.add_failed(vec![z], cause.clone(), exploring, false);
+        // The first failure of a corner counts, the requests of learning that follow it do not, another corner does, and
+        // so does every failure of the initial design.
+        for (z, learning) in [(4.0, true), (4.2, true), (3.5, true), (-4.0, true), (4.1, false)] {
+            data.add_failed(vec![z], cause.clone(), learning, false);
         }
         let expected = data.failed.iter().map(|failed| failed.expected).collect::<Vec<_>>();
         assert_eq!(expected, [false, true, true, false, false]);

@@ -6,6 +6,7 @@ use super::interim::InterimResult;
 use super::observations::Observations;
 use super::round::Assessment;
 use super::step::StopReason;
+use super::untested::Untested;
 use crate::results::summary::Round;
 use crate::statistics::reliability::CurvePoint;
 
@@ -26,6 +27,8 @@ pub struct CampaignResult {
     pub failed: Vec<Failed>,
     /// Reason for the end of learning.
     pub stop: StopReason,
+    /// Curves whose failures no simulation has tested.
+    pub(super) untested: Untested,
 }
 
 impl CampaignResult {
@@ -47,6 +50,7 @@ impl CampaignResult {
             missing: self.barred_share(),
             surrogate: self.assessment.combined_errors(),
             condition: self.classified.condition,
+            untested: self.untested.clone(),
         }
     }
 }

@@ -1,6 +1,9 @@
 //! Campaigns on a published static case: the series system of four branches.
 
-use super::{Campaign, CampaignResult, ClassifiedPopulation, Observed, Plan, Problem, Settings};
+use super::observations::ObservedOutcome;
+use super::{
+    Campaign, CampaignError, CampaignResult, ClassifiedPopulation, Observed, Plan, Problem, Settings,
+};
 use crate::results::summary::Round;
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Mode, StoppingTargets};
@@ -33,14 +36,27 @@ fn learn_of(
     learn_from(inputs, output, (0.0, populations), initial, seed, targets)
 }
 
-fn learn_from(
+pub(super) fn learn_from(
     inputs: InputModel,
     output: impl Fn(&[f64]) -> f64,
-    (threshold, (population, largest_population)): (f64, (usize, usize)),
+    limits: (f64, (usize, usize)),
     initial: usize,
     seed: u64,
     targets: StoppingTargets,
 ) -> CampaignResult {
+    let simulate = |x: &[f64]| Ok(Observed::exact(vec![vec![output(x)]]));
+    learn_by(inputs, simulate, limits, initial, seed, targets).unwrap()
+}
+
+/// A campaign with simulations that may fail.
+pub(super) fn learn_by(
+    inputs: InputModel,
+    simulate: impl Fn(&[f64]) -> ObservedOutcome,
+    (threshold, (population, largest_population)): (f64, (usize, usize)),
+    initial: usize,
+    seed: u64,
+    targets: StoppingTargets,
+) -> Result<CampaignResult, CampaignError> {
     let problem =
         Problem { inputs, outputs: 1, modes: vec![Mode { output: 0, threshold }], checkpoints: vec![1] };
     let settings = Settings {
@@ -52,8 +68,7 @@ fn learn_from(
         ..Settings::default()
     };
     let plan = Plan { settings, targets, largest_population, retry: false };
-    let simulate = |x: &[f64]| Ok(Observed::exact(vec![vec![output(x)]]));
-    Campaign::new(problem, plan).learn_from(simulate, |_| {}).unwrap()
+    Campaign::new(problem, plan).learn_from(simulate, |_| {})
 }
 
 /// Share of the population that fails in truth, and as classified.

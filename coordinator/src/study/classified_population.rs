@@ -1,7 +1,7 @@
 //! The population that a campaign classifies: a Monte Carlo population, and where failures are too rare for
 //! any, one conditional on an intermediate event.
 
-use super::plan::{Plan, Problem};
+use super::plan::Plan;
 use super::rare::conditional_population;
 use super::surrogates::Surrogate;
 use crate::statistics::design::{Population, Stream, open_stream};
@@ -22,6 +22,10 @@ const MOST_SAMPLES: usize = 400_000;
 /// Coefficient of variation of a rare failure probability above which more samples are drawn, over the one
 /// wanted of others: levels and chains cost a factor of about two.
 const RARE_COV: f64 = 2.0;
+
+/// Standard deviation of a failure probability by sampling, over the share of the population that cannot be simulated, below
+/// which more samples add nothing to its interval [1].
+const WITHIN: f64 = 0.05;
 
 /// The population that a campaign classifies.
 #[derive(Debug)]
@@ -62,10 +66,24 @@ impl ClassifiedPopulation {
 
     /// True if failures are too rare for an unconditional population: the population is conditional, or will be
     /// at the next stop with the failed share of the system `failed` [1].
-    pub(super) fn is_rare(&self, plan: &Plan, failed: f64) -> bool {
+    /// Where more of the population is `barred` [1], that will not be.
+    pub(super) fn is_rare(&self, plan: &Plan, failed: f64, barred: f64) -> bool {
         self.is_conditional()
-            || (self.coefficient_of_variation(failed) > plan.targets.cov
-                && self.size_needed(plan, failed).is_none())
+            || (!self.is_resolved(plan, failed, barred) && self.size_needed(plan, failed).is_none())
+    }
+
+    /// True if the population resolves the failure probability that belongs to the share `failed` of its points [1]: with the
+    /// coefficient of variation wanted, or as well as the share of the population that is `barred` [1] allows.
+    pub(super) fn is_resolved(&self, plan: &Plan, failed: f64, barred: f64) -> bool {
+        self.coefficient_of_variation(failed) <= plan.targets.cov || self.is_within_barred(failed, barred)
+    }
+
+    /// True if the sampling of the failure probability that belongs to the share `failed` of the points [1] adds nothing to an
+    /// interval that contains the share `barred` [1].
+    pub(super) fn is_within_barred(&self, failed: f64, barred: f64) -> bool {
+        let counted = failed.max(1.0 / self.population.len() as f64);
+        let std = self.coefficient_of_variation(failed) * counted * self.condition.probability;
+        std <= WITHIN * barred
     }
 
     /// True if the last change left the population much as it was.
@@ -103,16 +121,19 @@ impl ClassifiedPopulation {
     ///
     /// An unconditional population grows as long as the size needed is allowed; beyond that it is replaced by
     /// one conditional on an intermediate event. A conditional population is drawn anew until the failure
-    /// probability no longer depends on the draw. `failed` is the failed share of the system [1], `cov` the
-    /// coefficient of variation of the failure probability [1].
+    /// probability no longer depends on the draw. `failed` is the failed share of the system [1], `barred` the share of
+    /// the population that cannot be simulated [1].
     pub(super) fn replace_if_needed(
         &mut self,
-        problem: &Problem,
         plan: &Plan,
         surrogates: &[Surrogate],
         failed: f64,
-        cov: f64,
+        barred: f64,
     ) -> bool {
+        let cov = self.coefficient_of_variation(failed);
+        if self.is_within_barred(failed, barred) {
+            return false;
+        }
         if self.unconditional.is_none() {
             if cov <= plan.targets.cov {
                 return false;
@@ -146,15 +167,15 @@ impl ClassifiedPopulation {
             }
             self.pf_before = Some(pf);
         }
-        self.draw(problem, plan, surrogates);
+        self.draw(plan, surrogates);
         true
     }
 
     /// Replaces the population by a new one conditional on an intermediate event.
-    pub(super) fn draw(&mut self, problem: &Problem, plan: &Plan, surrogates: &[Surrogate]) {
+    pub(super) fn draw(&mut self, plan: &Plan, surrogates: &[Surrogate]) {
         let mut rng = open_stream(plan.settings.seed, Stream::Subset(self.draws));
         let (drawn, condition) =
-            conditional_population(problem, self.unconditional(), surrogates, self.samples, &mut rng);
+            conditional_population(self.unconditional(), surrogates, self.samples, &mut rng);
         let replaced = std::mem::replace(&mut self.population, drawn);
         self.unconditional.get_or_insert(replaced);
         self.condition = condition;

@@ -15,7 +15,8 @@ impl Campaign {
         let assessment = self.progress.assessment.as_mut().expect("all outcomes have been assessed");
         let Self { classified, requests, data, problem, plan, .. } = self;
         let failed = assessment.governing_failed();
-        if !classified.is_rare(plan, failed) {
+        let barred = assessment.feasibility.barred_share(classified.unconditional());
+        if !classified.is_rare(plan, failed, barred) {
             let mut known = data.explored();
             known.extend(requests.points_under_way().map(<[f64]>::to_vec));
             let chosen = assessment.explore(&classified.population, &requests.requested, &known, count);

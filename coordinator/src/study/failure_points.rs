@@ -53,9 +53,7 @@ pub(super) fn failure_points(
 /// The correlated standard normals of a point `(d,)`, and its distance from the origin of the independent ones [1].
 fn normals(population: &Population, point: usize) -> (Vec<f64>, f64) {
     let inputs = population.inputs();
-    let values = population.physical(point);
-    let normals: Vec<f64> =
-        inputs.variables().iter().zip(values).map(|(variable, x)| variable.to_standard_normal(x)).collect();
+    let normals = inputs.normals(&population.physical(point));
     let independent = inputs.copula().decorrelate(&normals);
     let distance = independent.iter().map(|v| v * v).sum::<f64>().sqrt();
     (normals, distance)

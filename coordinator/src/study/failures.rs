@@ -6,8 +6,8 @@
 //!   P(failed at z) = s^2 / (f^2 + s^2),
 //!
 //! one at a failure, zero at a result, and one half where both are equally near. A candidate's score is multiplied by 1 - P, so that
-//! a region without results is not sampled again and again, and the share of the population nearer to a failure than to any result is
-//! that which cannot be simulated. Where failures were simulated more often than elsewhere does not count: more of them divide the same region among
+//! a region without results is not sampled again and again; where P is above 3/4 that is settled, and no sample is requested. The share of the population nearer to a failure than to any result is
+//! that which cannot be simulated; the intervals contain it, whatever the surrogates predict there. Where failures were simulated more often than elsewhere does not count: more of them divide the same region among
 //! themselves. (Indicator Kriging with the lengths of the response was tried and dropped: a response that is nearly linear has lengths far beyond the region, and its
 //! trend is the share of failures among the simulations, which learning changes.) With few simulations the estimate is rough.
 //!
@@ -27,6 +27,9 @@ use std::mem::discriminant;
 const FAILED_AFTER: usize = 10;
 /// Probability of failure above which a point counts as barred [1].
 const BARRED: f64 = 0.5;
+/// Probability of failure above which no simulation is requested [1]: the nearest failure is nearer by 1 / sqrt(3) than any
+/// result.
+const SETTLED: f64 = 0.75;
 /// Number of points estimated together.
 const BLOCK: usize = 512;
 
@@ -37,8 +40,8 @@ pub struct Failed {
     pub z: Vec<f64>,
     /// Cause of the failure.
     pub cause: SimulationFailure,
-    /// True for an exploring point nearer to an earlier failure than to any result: it adds nothing to what was
-    /// known, and does not count against the largest share of failures.
+    /// True for a point that learning or exploring requested nearer to an earlier failure than to any result: it adds
+    /// little to what was known, and does not count against the largest share of failures.
     pub expected: bool,
 }
 
@@ -141,19 +144,34 @@ impl Feasibility {
 
     /// Share of the population [1] where a simulation is more likely to fail than to succeed.
     pub fn barred_share(&self, population: &Population) -> f64 {
+        let barred = self.probable_failures(population, BARRED);
+        barred.iter().filter(|barred| **barred).count() as f64 / population.len() as f64
+    }
+
+    /// Marks the points of the population `(N,)` where it is settled that simulations fail; empty without failures.
+    pub fn settled(&self, population: &Population) -> Vec<bool> {
+        self.probable_failures(population, SETTLED)
+    }
+
+    /// Estimated probability of a result `(b,)` [1] at points `(d, b)`, 0 where failure is settled.
+    pub fn open_probability(&self, points: MatRef<'_, f64>) -> Vec<f64> {
+        let open = |p: f64| if p < 1.0 - SETTLED { 0.0 } else { p };
+        self.probability(points).into_iter().map(open).collect()
+    }
+
+    /// Marks the points of the population `(N,)` whose simulation fails with more than this probability [1]; empty without
+    /// failures.
+    fn probable_failures(&self, population: &Population, probability: f64) -> Vec<bool> {
         if self.failed.ncols() == 0 {
-            return 0.0;
+            return vec![];
         }
         let starts: Vec<usize> = (0..population.len()).step_by(BLOCK).collect();
-        let barred: usize = starts
-            .into_par_iter()
-            .map(|start| {
-                let end = population.len().min(start + BLOCK);
-                let probability = self.probability(population.columns(start..end));
-                probability.iter().filter(|p| **p < 1.0 - BARRED).count()
-            })
-            .sum();
-        barred as f64 / population.len() as f64
+        let of_block = |start: usize| {
+            let columns = population.columns(start..population.len().min(start + BLOCK));
+            self.probability(columns).into_iter().map(|p| p < 1.0 - probability).collect::<Vec<bool>>()
+        };
+        let blocks: Vec<Vec<bool>> = starts.into_par_iter().map(of_block).collect();
+        blocks.concat()
     }
 }
 

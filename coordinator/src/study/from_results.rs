@@ -59,13 +59,14 @@ impl Campaign {
             outcomes.iter().filter(|(_, outcome)| outcome.is_ok()).map(|(sample, _)| bits(sample)).collect();
         let count = outcomes.len();
         let mut points = Vec::with_capacity(count);
-        for (sample, outcome) in outcomes {
+        for (number, (sample, outcome)) in outcomes.into_iter().enumerate() {
             let z = campaign.problem.inputs.standardise(&sample);
             match outcome {
                 Ok(observed) => campaign.data.observations.add(&z, observed),
                 // Neither a repetition that failed again, nor one that succeeded.
                 Err(cause) if known.insert(bits(&sample)) => {
-                    campaign.data.add_failed(z.clone(), cause, false, false);
+                    let learning = number >= campaign.plan.settings.initial;
+                    campaign.data.add_failed(z.clone(), cause, learning, false);
                 }
                 Err(_) => {}
             }

@@ -1,6 +1,10 @@
 //! The reliability during a study and at its end, as rows of the summary.
 
-use crate::results::summary::{PerLimitState, ReliabilityRange, ReliabilityRow};
+use super::campaign::Campaign;
+use super::plan::Problem;
+use super::round::Assessment;
+use super::untested::Untested;
+use crate::results::summary::{PerLimitState, ReliabilityRange, ReliabilityRow, UntestedRow};
 use crate::statistics::reliability::{Condition, CurvePoint, half_width, reliability_curve};
 use std::collections::BTreeMap;
 
@@ -19,6 +23,8 @@ pub(super) struct InterimResult {
     pub surrogate: Vec<Vec<(usize, f64)>>,
     /// The event the samples are conditional on.
     pub condition: Condition,
+    /// Curves whose failures no simulation has tested.
+    pub untested: Untested,
 }
 
 impl InterimResult {
@@ -41,7 +47,7 @@ impl InterimResult {
             let value = |of: fn(&CurvePoint) -> f64| -> PerLimitState {
                 names.iter().zip(&curves).map(|(name, curve)| (name.clone(), of(&curve[n]))).collect()
             };
-            let interval = |(c, name): (usize, &String)| (name.clone(), self.interval(c, n, &curves[c][n]));
+            let interval = |(c, name): (usize, &String)| (name.clone(), self.interval(c, n, &curves));
             ReliabilityRow {
                 interval: names.iter().enumerate().map(interval).collect(),
                 cycles: *cycles,
@@ -52,10 +58,56 @@ impl InterimResult {
         };
         cycles.iter().enumerate().map(row).collect()
     }
+
     /// 95 % interval of R at checkpoint `n` of curve `c`.
-    fn interval(&self, c: usize, n: usize, point: &CurvePoint) -> ReliabilityRange {
+    fn interval(&self, c: usize, n: usize, curves: &[Vec<CurvePoint>]) -> ReliabilityRange {
+        let predicted = self.predicted(c, n, curves);
+        let system = curves.len() - 1;
+        let of_system = if c == system { predicted } else { self.interval(system, n, curves) };
+        let possible = self.untested.possible(c, 1.0 - of_system.lower);
+        let lower = possible.map_or(predicted.lower, |pf| predicted.lower.min(1.0 - pf));
+        ReliabilityRange { lower, ..predicted }
+    }
+
+    /// 95 % interval of R by the surrogates, whether simulations have tested it or not.
+    fn predicted(&self, c: usize, n: usize, curves: &[Vec<CurvePoint>]) -> ReliabilityRange {
+        let point = &curves[c][n];
         let width = half_width(self.failed[c][n], point, self.points, &self.condition);
         let (r, width) = (point.reliability, self.condition.probability * width);
         ReliabilityRange { lower: (r - width).max(0.0), upper: (r + width).min(1.0) }
+    }
+
+    /// The curves that no simulation has tested, by `names`, for the summary; `None` without any.
+    pub fn untested_row(&self, names: &[String]) -> Option<UntestedRow> {
+        let curves = names.iter().enumerate().filter_map(|(c, name)| self.untested.bound(c).map(|_| name));
+        let curves: Vec<String> = curves.cloned().collect();
+        let bound = (0..names.len()).find_map(|c| self.untested.bound(c))?;
+        let (system, last) = (names.len() - 1, self.failed[0].len() - 1);
+        let predicted = 1.0 - self.predicted(system, last, &self.curves()).lower;
+        Some(UntestedRow { curves, samples: self.untested.samples, bound, predicted })
+    }
+}
+
+impl Campaign {
+    /// The reliability after the last round, if no outcome was recorded since.
+    pub(super) fn interim(&self) -> Option<InterimResult> {
+        let assessment = self.progress.assessment.as_ref()?;
+        Some(InterimResult {
+            failed: assessment.curves.clone(),
+            points: self.classified.population.len(),
+            missing: assessment.feasibility.barred_share(self.classified.unconditional()),
+            surrogate: assessment.combined_errors(),
+            condition: self.classified.condition,
+            untested: self.untested(assessment),
+        })
+    }
+
+    /// Curves whose failures no simulation has tested.
+    pub(super) fn untested(&self, assessment: &Assessment) -> Untested {
+        let probability = self.classified.condition.probability;
+        let pf = |curve: &Vec<f64>| probability * curve.last().copied().unwrap_or(0.0);
+        let pf: Vec<f64> = assessment.curves.iter().map(pf).collect();
+        let Problem { modes, inputs, .. } = &self.problem;
+        Untested::new(modes, &self.data.observations, inputs, &pf, self.plan.settings.initial)
     }
 }

@@ -127,7 +127,7 @@ impl LifeModel {
                 Some(sides) => History::of_sides(surrogate, &sides, surrogate.inflation()),
                 None => History::new(surrogate, &values, start, surrogate.inflation()),
             };
-            ModeModel { history, threshold: mode.threshold }
+            ModeModel { history, threshold: surrogate.threshold.value }
         };
         let modes: Vec<ModeModel> = layout.modes.iter().zip(surrogates).map(mode).collect();
         let mut deviations = modes.len();

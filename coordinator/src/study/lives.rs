@@ -118,7 +118,10 @@ pub(super) fn life_findings(
             condition: &shares.condition,
         })
     };
-    let curves: Vec<LifeCurve> = (0..names.len()).map(curve).collect();
+    let system = curve(names.len() - 1);
+    let possible = |c: usize, time: f64| shares.untested.possible(c, 1.0 - system.lower_at(time));
+    let bounded = |c: usize| curve(c).with_possible(|time| possible(c, time).unwrap_or(0.0));
+    let curves: Vec<LifeCurve> = (0..names.len()).map(bounded).collect();
     let row =
         |(name, curve): (&String, &LifeCurve)| LEVELS.map(|level| life_row(name, curve, level, numerical));
     let lives: Vec<LifeRow> = names.iter().zip(&curves).flat_map(row).collect();

@@ -14,6 +14,7 @@ use super::observations::{Observed, ObservedOutcome};
 use super::result::{Findings, LearnerFindings};
 use super::round::largest_change;
 use super::rows::failure_rows;
+use super::untested::Untested;
 use super::{CampaignError, Method, Problem, SampleRequest, SettingError, Settings, Step, StudyError};
 use crate::results::summary::{Convergence, EvaluationCounts, Failures, Round};
 use crate::statistics::design::Population;
@@ -114,6 +115,7 @@ impl<'a> DirectSimulation<'a> {
                 missing,
                 surrogate: vec![],
                 condition: Condition::NONE,
+                untested: Untested::default(),
             },
             failures: Failures {
                 barred_share: missing,
@@ -222,6 +224,7 @@ impl Learner for DirectSimulation<'_> {
             missing: self.missing(),
             surrogate: vec![],
             condition: Condition::NONE,
+            untested: Untested::default(),
         })
     }
 }

@@ -25,7 +25,7 @@ impl Surrogate {
             let (value, mean) = (results.values[(n + i, o)], prediction.mean[(o, i)]);
             let variance = self.model.sigma2()[o] * (prediction.variance_factor[i] + noise) * inflation;
             let error = (value - mean).abs() / variance.max(f64::MIN_POSITIVE).sqrt();
-            if concerns_limit(value, mean, results.threshold) { error } else { 0.0 }
+            if concerns_limit(value, mean, self.threshold.value) { error } else { 0.0 }
         };
         let pairs = (0..all - n).flat_map(|i| self.fitted_on.iter().map(move |o| (i, *o)));
         pairs.map(|(i, o)| standardised_error(i, o)).fold(0.0, f64::max)
@@ -112,8 +112,9 @@ pub(super) fn judge(surrogates: &[Surrogate], modes: &[Mode], z: &[f64], observe
         let values = observed.running_maximum(mode.output);
         for o in &surrogate.fitted_on {
             let (value, mean) = (values[*o], mean[(*o, 0)]);
-            gravest.verdict = gravest.verdict.max(verdict(value, mean, mode.threshold));
-            gravest.approach = gravest.approach.max(approach(value, mean, mode.threshold));
+            let threshold = surrogate.threshold.value;
+            gravest.verdict = gravest.verdict.max(verdict(value, mean, threshold));
+            gravest.approach = gravest.approach.max(approach(value, mean, threshold));
         }
     }
     gravest

@@ -20,7 +20,6 @@
 //! Huang, Chen, Zhu (2016), Assessing small failure probabilities by AK-SS: an active learning method
 //! combining Kriging and subset simulation, Structural Safety 59.
 
-use super::plan::Problem;
 use super::surrogates::Surrogate;
 use crate::statistics::design::Population;
 use crate::statistics::learning::UNCERTAIN;
@@ -47,7 +46,6 @@ const SUFFICIENT: f64 = 0.1;
 /// Draws a population of the same variables conditional on the last intermediate event, with `samples` points
 /// at each level, and returns it with that event.
 pub(super) fn conditional_population(
-    problem: &Problem,
     population: &Population,
     surrogates: &[Surrogate],
     samples: usize,
@@ -60,7 +58,7 @@ pub(super) fn conditional_population(
             let z: Vec<f64> = u.chunks_exact(d).flat_map(standardised).collect();
             let points = MatRef::from_column_major_slice(&z, d, u.len() / d);
             let mut largest = vec![f64::NEG_INFINITY; u.len() / d];
-            for (surrogate, mode) in surrogates.iter().zip(&problem.modes) {
+            for surrogate in surrogates {
                 let model = &surrogate.model;
                 let prediction = model.predict(points);
                 // In units of the spread at the end of life, so that limit states of any unit compete.
@@ -68,7 +66,7 @@ pub(super) fn conditional_population(
                 for (j, y) in largest.iter_mut().enumerate() {
                     let reached = prediction.mean.col(j).iter().copied().fold(f64::NEG_INFINITY, f64::max);
                     let std = prediction.variance_factor[j].sqrt();
-                    *y = y.max((reached - mode.threshold) / sigma + UNCERTAIN * std);
+                    *y = y.max((reached - surrogate.threshold.value) / sigma + UNCERTAIN * std);
                 }
             }
             largest

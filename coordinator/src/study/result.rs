@@ -4,7 +4,8 @@ use super::failure_points::failure_points;
 use super::interim::InterimResult;
 use super::lives::{learned_lives, life_findings};
 use super::predictions::{predictions, simulations_beyond_a_limit};
-use super::rows::{failures, first_failure, moments, sensitivity_row, sobol};
+use super::rows::{failures, first_failure, moments, sensitivity_row};
+use super::sobol::sobol;
 use super::stopped::{stop_in_words, targets_met};
 use super::{CampaignResult, ClassifiedPopulation, Settings, StopReason, Surrogate};
 use crate::results::point_summary::{FailurePointRow, PredictionRow};
@@ -69,6 +70,7 @@ impl SurrogateReport {
             stated_noise: self.correlation.stated,
             kernel: self.correlation.kernel.name().to_owned(),
             trend: self.trend.name().to_owned(),
+            different_values: surrogate.threshold.plateaus,
             separate_would_gain: self.sharing.map(|sharing| sharing.separate_would_gain),
             share_of_stated_error: surrogate.share_of_stated,
             noise_share: Some(surrogate.noise_share),
@@ -147,6 +149,7 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
         first_failure: Vec::new(),
         failures: Failures::default(),
         simulations_beyond_a_limit: None,
+        untested: None,
         conditional: None,
         sobol: Vec::new(),
         moments: Vec::new(),
@@ -284,6 +287,7 @@ impl Findings {
             first_failure: cycles.iter().enumerate().map(first_failure).collect(),
             failures: self.failures,
             simulations_beyond_a_limit: self.learner.exceeding,
+            untested: self.shares.untested_row(&names),
             moments: cycles.iter().enumerate().filter(|_| has_moments).map(moments).collect(),
             sensitivity: self
                 .derivatives

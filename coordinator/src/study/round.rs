@@ -17,6 +17,7 @@ use crate::statistics::reliability::governing_checkpoint;
 use crate::statistics::surrogate::{Effort, Kriging, PredictionCache};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Most checkpoints used for one mode, and for all modes together.
 const GRID: usize = 24;
@@ -54,6 +55,8 @@ pub struct Assessment {
     pub repairs: usize,
     /// Estimated probability that a simulation gives a result.
     pub feasibility: Feasibility,
+    /// Marks the points of the population where it is settled that simulations fail `(N,)`; empty without failures.
+    settled: Vec<bool>,
     /// Selection of the next samples.
     pub(super) selection: Selection,
 }
@@ -84,11 +87,9 @@ impl Assessment {
         known: &[Vec<f64>],
         count: usize,
     ) -> Vec<usize> {
-        if count == 0 {
-            return vec![];
-        }
         let models: Vec<&Kriging> = self.surrogates.iter().map(|surrogate| &surrogate.model).collect();
-        let exploration = Exploration { models: &models, modes: &self.modes, population, requested, known };
+        let closed = &closed(requested, &self.settled);
+        let exploration = Exploration { models: &models, modes: &self.modes, population, closed, known };
         let feasible = |points: MatRef<'_, f64>| self.feasibility.probability(points);
         let chosen = explore(&exploration, feasible, count);
         chosen.iter().for_each(|point| self.selection.believe_point(*point));
@@ -105,7 +106,7 @@ impl Assessment {
     ) -> Vec<Vec<f64>> {
         let points: Vec<&[f64]> = rim.iter().map(Vec::as_slice).collect();
         let columns = Mat::from_fn(points.first().map_or(0, |z| z.len()), points.len(), |k, i| points[i][k]);
-        let feasible = self.feasibility.probability(columns.as_ref());
+        let feasible = self.feasibility.open_probability(columns.as_ref());
         let chosen = farthest(&points, known, &feasible, count);
         chosen.into_iter().map(|place| std::mem::take(&mut rim[place])).collect()
     }
@@ -178,7 +179,10 @@ pub(super) fn assess(
     let modes = classify_modes(input, &surrogates, caches, &grid);
     let curves = failure_curves(input, &modes);
     let coupled = coupled_criterion(&modes);
-    let pool = joint_pool(input, &surrogates, &coupled);
+    let feasibility = Feasibility::new(points.as_ref(), input.failed);
+    let settled = feasibility.settled(input.population);
+    let closed = closed(input.requested, &settled);
+    let pool = joint_pool(input, &surrogates, &coupled, &closed);
     let mut rng = open_stream(input.plan.settings.seed, Stream::Realisations(input.round));
     let errors = estimate_errors(&modes, &coupled, &pool, &mut rng);
     // The noise of the simulations, in units of the enlarged standard deviations.
@@ -188,10 +192,9 @@ pub(super) fn assess(
 
     let governing = governing_checkpoint(&curves[curves.len() - 1]);
     let on_grid = nearest(&grid, governing);
-    let figures = figures_of_round(input, &curves, &coupled, &errors, (governing, on_grid));
-    let uncertain = open_points(input, &coupled).filter(|c| c.system < UNCERTAIN).count();
+    let figures = figures_of_round(input, &curves, (&coupled, &closed), &errors, (governing, on_grid));
+    let uncertain = open_points(&coupled, &closed).filter(|c| c.system < UNCERTAIN).count();
     let weights: Vec<f64> = pool.members().iter().filter_map(|j| dominance(&modes, *j, on_grid)).collect();
-    let feasibility = Feasibility::new(points.as_ref(), input.failed);
     let options = SelectionOptions {
         feasible: feasibility.probability(pool.points()),
         governing: on_grid,
@@ -211,6 +214,7 @@ pub(super) fn assess(
         errors,
         noise_shift,
         feasibility,
+        settled,
     })
 }
 
@@ -271,13 +275,16 @@ fn classify_modes(
     let limit = plan.settings.memory_bytes().saturating_sub(others) / problem.modes.len();
     surrogates
         .iter()
-        .zip(&problem.modes)
         .zip(caches)
         .enumerate()
-        .map(|(index, ((surrogate, mode), cache))| {
+        .map(|(index, (surrogate, cache))| {
             cache.set_limit(limit);
-            let inflation = surrogate.inflation();
-            let mode = ClassifiedMode { index, threshold: mode.threshold, grid, inflation };
+            let mode = ClassifiedMode {
+                index,
+                threshold: surrogate.threshold.value,
+                grid,
+                inflation: surrogate.inflation(),
+            };
             classify_cached(cache, &surrogate.model, population, &mode)
         })
         .collect()
@@ -290,9 +297,14 @@ fn failure_curves(input: &RoundInput<'_>, modes: &[Classification]) -> Vec<Vec<f
 }
 
 /// The pool of uncertain points, those under way included, with the joint posteriors of all modes.
-fn joint_pool(input: &RoundInput<'_>, surrogates: &[Surrogate], coupled: &[Coupled]) -> JointPool {
+fn joint_pool(
+    input: &RoundInput<'_>,
+    surrogates: &[Surrogate],
+    coupled: &[Coupled],
+    closed: &[bool],
+) -> JointPool {
     let least = POOL_PER_BATCH * input.plan.settings.batch;
-    let pool = choose_pool(coupled, input.requested, least, input.plan.settings.seed, input.round);
+    let pool = choose_pool(coupled, closed, least, input.plan.settings.seed, input.round);
     let models: Vec<&Kriging> = surrogates.iter().map(|surrogate| &surrogate.model).collect();
     JointPool::new(pool, input.under_way, input.population, &models)
 }
@@ -301,7 +313,7 @@ fn joint_pool(input: &RoundInput<'_>, surrogates: &[Surrogate], coupled: &[Coupl
 fn figures_of_round(
     input: &RoundInput<'_>,
     curves: &[Vec<f64>],
-    coupled: &[Coupled],
+    (coupled, closed): (&[Coupled], &[bool]),
     errors: &CurveErrors,
     (governing, on_grid): (usize, usize),
 ) -> Figures {
@@ -309,7 +321,7 @@ fn figures_of_round(
     let failed = curves[system][governing];
     Figures {
         points: input.observations.len(),
-        min_u: open_points(input, coupled).map(|c| c.system).fold(f64::INFINITY, f64::min),
+        min_u: open_points(coupled, closed).map(|c| c.system).fold(f64::INFINITY, f64::min),
         change: input.previous.map(|previous| largest_change(previous, curves)),
         error: errors.largest(),
         governing_error: errors.by_curve[system][on_grid],
@@ -317,9 +329,18 @@ fn figures_of_round(
     }
 }
 
-/// The coupled criterion of the points that were not requested.
-fn open_points<'a>(input: &RoundInput<'a>, coupled: &'a [Coupled]) -> impl Iterator<Item = &'a Coupled> {
-    coupled.iter().zip(input.requested).filter(|(_, requested)| !**requested).map(|(c, _)| c)
+/// The points of the population that are not requested any more `(N,)`: those requested before and those where it is `settled`
+/// that simulations fail, which is empty without failures.
+fn closed<'a>(requested: &'a [bool], settled: &[bool]) -> Cow<'a, [bool]> {
+    if settled.is_empty() {
+        return Cow::Borrowed(requested);
+    }
+    Cow::Owned(requested.iter().zip(settled).map(|(requested, settled)| *requested || *settled).collect())
+}
+
+/// The coupled criterion of the points that can still be requested.
+fn open_points<'a>(coupled: &'a [Coupled], closed: &'a [bool]) -> impl Iterator<Item = &'a Coupled> {
+    coupled.iter().zip(closed).filter(|(_, closed)| !**closed).map(|(c, _)| c)
 }
 
 fn nearest(grid: &[usize], checkpoint: usize) -> usize {

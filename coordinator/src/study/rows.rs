@@ -1,54 +1,14 @@
-//! Rows of the summary: Sobol indices, shares of first failures, failed simulations, moments, derivatives.
+//! Rows of the summary: shares of first failures, failed simulations, moments, derivatives.
 
 use super::{CampaignResult, Failed};
 use crate::results::summary::{
-    FailureRow, Failures, FirstFailureRow, MomentsRow, SensitivityError, SensitivityRow, SobolError, SobolRow,
+    FailureRow, Failures, FirstFailureRow, MomentsRow, SensitivityError, SensitivityRow,
 };
 use crate::statistics::design::InputModel;
 use crate::statistics::reliability::{Condition, OutputDistribution};
-use crate::statistics::sensitivity::{Sensitivity, sobol_indices};
+use crate::statistics::sensitivity::Sensitivity;
 use common::scene::Scene;
-use faer::{Mat, MatRef};
 use std::collections::BTreeMap;
-
-/// Sobol indices of the limit states' outputs themselves, neither of their running maxima nor of their distances from a middle, at
-/// the checkpoints of the grid; none for dependent variables. The surrogate of a limit state, which learns these, predicts
-/// the output from the same simulations.
-pub(super) fn sobol(scene: &Scene, campaign: &CampaignResult) -> Vec<SobolRow> {
-    let cycles = scene.life.checkpoints();
-    let population = campaign.classified.unconditional();
-    // For dependent variables the indices are no shares of the variance.
-    if !population.inputs().copula().is_independent() {
-        return Vec::new();
-    }
-    let grid = &campaign.assessment.grid;
-    let (Some(&first), Some(&last)) = (grid.first(), grid.last()) else { return Vec::new() };
-    let mut rows = Vec::new();
-    for (limit, surrogate) in scene.limit_states.iter().zip(&campaign.assessment.surrogates) {
-        let mut model = surrogate.model.clone();
-        model.set_values(campaign.observations.values(limit.output).as_ref());
-        let dual = model.dual();
-        let predict = |points: MatRef<'_, f64>| {
-            let all = model.predict_means(points, &dual, first..last + 1);
-            Mat::from_fn(grid.len(), points.ncols(), |o, j| all[(grid[o] - first, j)])
-        };
-        let indices = sobol_indices(population, grid.len(), &predict);
-        for (n, variables) in grid.iter().zip(indices) {
-            rows.extend(scene.variables.iter().zip(variables).map(|(variable, sobol)| SobolRow {
-                cycles: cycles[*n],
-                limit_state: limit.name.clone(),
-                variable: variable.name.clone(),
-                first_order: sobol.first_order.value,
-                total: sobol.total.value,
-                standard_error: SobolError {
-                    first_order: sobol.first_order.standard_error,
-                    total: sobol.total.standard_error,
-                },
-            }));
-        }
-    }
-    rows
-}
 
 /// Shares of first failures by checkpoint `n`; `shares` `(modes + 1, m)` as from
 /// [`crate::statistics::reliability::LifeCounts::first_failure_shares`].

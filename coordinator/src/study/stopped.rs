@@ -4,10 +4,37 @@ use super::{CampaignResult, Settings, StopReason};
 use crate::statistics::learning::Rule;
 use common::scene::Scene;
 
-/// Whether learning ended by a rule and with failures enough for the coefficient of variation asked for.
+/// Whether learning ended by a rule and with failures enough for the coefficient of variation asked for, or for the share of the
+/// population that cannot be simulated.
 pub(super) fn targets_met(learned: &CampaignResult, settings: &Settings) -> bool {
     let enough = learned.rounds.last().is_some_and(|round| round.cov_pf <= settings.targets().cov);
-    enough && matches!(learned.stop, StopReason::Rule(_))
+    (enough || is_within_barred(learned)) && matches!(learned.stop, StopReason::Rule(_))
+}
+
+/// True if the share of the population that cannot be simulated outweighs the sampling of the failure probability.
+fn is_within_barred(learned: &CampaignResult) -> bool {
+    learned.classified.is_within_barred(learned.assessment.governing_failed(), learned.barred_share())
+}
+
+/// What the intervals contain besides the surrogate error that the rules ask for, as the end of a sentence: noise and simulations
+/// that fail, where they matter more than the `error` of a curve [1] asked for.
+fn beyond_the_rules(learned: &CampaignResult, error: f64) -> String {
+    let noise =
+        learned.assessment.noise_shift.iter().flatten().fold(0.0, |most: f64, shift| most.max(*shift));
+    let (noise, barred) = (learned.classified.condition.probability * noise, learned.barred_share());
+    let mut text = String::new();
+    if noise > error {
+        text +=
+            &format!("; noise or steps of the outputs, no part of this error, move P_f by up to {noise:.1e}");
+    }
+    if barred > error {
+        text += &format!(
+            "; {:.1} % of the population, no part of this error, cannot be simulated, and the intervals contain both extremes, that all \
+             or none of it fails",
+            100.0 * barred
+        );
+    }
+    text
 }
 
 /// The outputs of limit states that were the same in all simulations, as the end of a sentence; empty without any.
@@ -52,6 +79,7 @@ pub(super) fn stop_in_words(scene: &Scene, learned: &CampaignResult, settings: &
             }
         ),
     };
+    let reason = reason + &beyond_the_rules(learned, targets.error);
     let system = &learned.assessment.curves[learned.assessment.curves.len() - 1];
     let cov = learned.rounds.last().map_or(f64::INFINITY, |round| round.cov_pf);
     if system.iter().all(|failed| *failed == 0.0) {
@@ -63,7 +91,7 @@ pub(super) fn stop_in_words(scene: &Scene, learned: &CampaignResult, settings: &
         };
         let constant = constant_outputs(scene, learned);
         format!("{reason}; no failure was found among {points} points of the population{bound}{constant}")
-    } else if cov > targets.cov {
+    } else if cov > targets.cov && !is_within_barred(learned) {
         format!("{reason}; the coefficient of variation of P_f is still {cov:.3} (target {})", targets.cov)
     } else {
         reason

@@ -1,6 +1,7 @@
 //! The surrogate of one limit state: fitted anew, or extended by the latest results.
 
 use super::observations::Sides;
+use crate::statistics::learning::{LearnedThreshold, learned_threshold};
 use crate::statistics::surrogate::{
     CrossValidation, Effort, Form, FormSettings, Incumbent, Kriging, LeaveOneOut, NoiseShape, Sharing,
     StatedErrors, SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
@@ -25,6 +26,12 @@ impl ModeResults<'_> {
     /// Values and errors that are learned `(n, m)`, or `(n, 2 m)` of two sides [unit of the output].
     fn learned(&self) -> (&Mat<f64>, &Mat<f64>) {
         self.sides.map_or((self.values, self.errors), |sides| (&sides.values, &sides.errors))
+    }
+
+    /// Threshold that a surrogate of these results uses.
+    fn learned_threshold(&self) -> LearnedThreshold {
+        let histories = (0..self.values.nrows()).map(|i| self.values.row(i).iter().copied());
+        learned_threshold(histories, self.threshold)
     }
 
     /// The columns of these of some checkpoints.
@@ -70,6 +77,8 @@ pub struct Surrogate {
     pub noise_share: f64,
     /// Number of repairs: starts of the likelihood that failed, and nuggets raised.
     pub repairs: usize,
+    /// Threshold that the surrogate uses, and the jump of the response there.
+    pub threshold: LearnedThreshold,
     /// Noise of the points in proportion to the stated errors.
     noise: Option<NoiseShape>,
 }
@@ -103,8 +112,8 @@ impl Surrogate {
         let found = fit_surrogate(training, forms, incumbent.as_ref(), effort)?;
         let mut model = found.model;
         let mut cross_validation = found.cross_validation;
-        let near =
-            |crossed: &CrossValidation| crossed.variance_ratio_near(results.threshold, chosen.as_ref());
+        let threshold = results.learned_threshold();
+        let near = |crossed: &CrossValidation| crossed.variance_ratio_near(threshold.value, chosen.as_ref());
         let (mut sharing, mut variance_ratio) = (None, cross_validation.as_ref().map(near));
         if effort == Effort::MultiStart {
             let Incumbent { correlation, trend } = model.incumbent();
@@ -129,6 +138,7 @@ impl Surrogate {
             share_of_stated: None,
             noise_share: 0.0,
             repairs: found.repairs,
+            threshold,
             noise,
         };
         surrogate.update_figures(results);
@@ -146,7 +156,8 @@ impl Surrogate {
         });
         let (points, values) = (results.points.subcols(n, all - n), rows(results.learned().0));
         let model = self.model.extended(points, values.as_ref(), weights.as_deref()).ok()?;
-        let mut extended = Self { model, repairs: 0, ..self.clone() };
+        let threshold = results.learned_threshold();
+        let mut extended = Self { model, repairs: 0, threshold, ..self.clone() };
         extended.update_figures(results);
         Some(extended)
     }

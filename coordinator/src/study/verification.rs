@@ -211,7 +211,7 @@ fn compare(
     for ((mode, surrogate), limit) in responses.modes.iter().zip(fitted).zip(&scene.limit_states) {
         let prediction = surrogate.model.predict(unseen_points.as_ref());
         let values = unseen.running_maxima(mode.output);
-        predicted.push(firsts(unseen.len(), m, |j, n| prediction.mean[(n, j)] >= mode.threshold));
+        predicted.push(firsts(unseen.len(), m, |j, n| prediction.mean[(n, j)] >= surrogate.threshold.value));
         surrogates.push(verified(
             &limit.name,
             surrogate,

@@ -2,7 +2,7 @@
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
 use super::grooves::{self, GroovedJoint};
-use super::life::no_simulated_failure;
+use super::life::{no_simulated_failure, steps_and_noise};
 use super::mechanism::Mechanism;
 use super::stated_errors::{StatedAt, StatedErrorCollector};
 use super::written::WrittenScene;
@@ -283,14 +283,15 @@ fn go_on(summary: &StudySummary, dir: &Path) -> Option<String> {
     (!summary.convergence.targets_met).then_some(note)
 }
 
-/// A caution if no simulation exceeded a limit.
+/// Cautions if no simulation exceeded a limit, and where outputs jump at their limits.
 fn unsupported(summary: &StudySummary) -> Vec<String> {
     let sentence = |text: String| {
         let mut letters = text.chars();
         let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
         format!("{first}{}.", letters.as_str())
     };
-    no_simulated_failure(summary).map(sentence).into_iter().collect()
+    let steps = steps_and_noise(summary).into_iter().filter(|note| note.starts_with("steps"));
+    no_simulated_failure(summary).into_iter().chain(steps).map(sentence).collect()
 }
 
 /// A caution if the accuracy is meant for a first look only.

@@ -3,7 +3,7 @@
 use crate::presentation::report::format::{count, duration, fixed};
 use crate::presentation::report::life::{
     Included, LEVELS, life_and_limits, life_at, no_simulated_failure, rows_that_matter,
-    states_numerical_errors, unresolved_fall,
+    states_numerical_errors, steps_and_noise, unresolved_fall,
 };
 use crate::presentation::report::{failure_probability, reliability};
 use crate::presentation::text_table::in_columns;
@@ -35,7 +35,9 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
     if let Some(command) = summary.convergence.command_to_go_on(dir) {
         text += &format!("the study ended before its targets were met; go on with `{command}`\n");
     }
-    text += &noise(summary);
+    for note in steps_and_noise(summary) {
+        text += &format!("{note}\n");
+    }
     let counts = summary.evaluations;
     let time = summary.timing_s;
     let [first, then] =
@@ -59,18 +61,6 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
         dir.display()
     );
     text.replace('\u{a0}', " ")
-}
-
-/// A line per surrogate whose training data are noisy.
-fn noise(summary: &StudySummary) -> String {
-    let noisy = summary.surrogates.iter().filter_map(|s| Some((&s.limit_state, s.much_noise()?)));
-    let line = |(name, share): (&String, f64)| {
-        format!(
-            "noise: {:.1} % of the variance of {name} is numerical noise; a finer --accuracy may need fewer simulations\n",
-            100.0 * share
-        )
-    };
-    noisy.map(line).collect()
 }
 
 /// Table of R around its fall with a row of names on top, and the lives.

@@ -115,6 +115,16 @@ impl InputModel {
         self.variables.iter().zip(u).map(|(variable, u)| variable.from_standard_normal(u)).collect()
     }
 
+    /// The correlated normals u `(d,)` [1] of x `(d,)` [SI]; infinite on the bounds.
+    pub fn normals(&self, x: &[f64]) -> Vec<f64> {
+        self.variables.iter().zip(x).map(|(variable, x)| variable.to_standard_normal(*x)).collect()
+    }
+
+    /// The independent normals v `(d,)` [1] of x `(d,)` [SI]; not finite on the bounds.
+    pub fn independent_normals(&self, x: &[f64]) -> Vec<f64> {
+        self.copula.decorrelate(&self.normals(x))
+    }
+
     /// z `(d,)` [1] from x `(d,)` [SI].
     pub fn standardise(&self, x: &[f64]) -> Vec<f64> {
         x.iter().enumerate().map(|(k, x)| self.standardised_value(k, *x)).collect()

@@ -60,13 +60,13 @@ pub struct Exploration<'a> {
     pub modes: &'a [Classification],
     /// Population to be explored.
     pub population: &'a Population,
-    /// Marks the points of the population that were requested `(N,)`.
-    pub requested: &'a [bool],
+    /// Marks the points of the population that are not to be requested `(N,)`.
+    pub closed: &'a [bool],
     /// Standardised points `(d,)` with results that are no data of the models.
     pub known: &'a [Vec<f64>],
 }
 
-/// Chooses the next `count` points of the population that were not requested, as indices in the order of
+/// Chooses the next `count` points of the population that are not closed, as indices in the order of
 /// choice. `feasible` returns the probability of a result `(b,)` [1] at points `(d, b)`. Fewer points are
 /// returned if fewer are open.
 pub fn explore(
@@ -74,9 +74,9 @@ pub fn explore(
     feasible: impl Fn(MatRef<'_, f64>) -> Vec<f64>,
     count: usize,
 ) -> Vec<usize> {
-    let Exploration { models, modes, population, requested, known } = *exploration;
+    let Exploration { models, modes, population, closed, known } = *exploration;
     let variance = |j: usize| modes.iter().map(|mode| mode.variance_factor[j]).fold(0.0, f64::max);
-    let mut candidates: Vec<usize> = (0..population.len()).filter(|j| !requested[*j]).collect();
+    let mut candidates: Vec<usize> = (0..population.len()).filter(|j| !closed[*j]).collect();
     let by_variance = |a: &usize, b: &usize| variance(*b).total_cmp(&variance(*a)).then(a.cmp(b));
     if candidates.len() > CANDIDATES {
         candidates.select_nth_unstable_by(CANDIDATES, by_variance);
@@ -104,7 +104,7 @@ pub fn draw_rim(inputs: &InputModel, pf: f64, rng: &mut impl Rng) -> Vec<Vec<f64
 
 /// Chooses `count` of the standardised `points` `(c)(d,)` one after the other, each with the largest square of the
 /// distance from the points `known` `(d,)`, which have factors on it [1], and those chosen before, times the
-/// probability of a result `feasible` `(c,)` [1]; returns their places.
+/// probability of a result `feasible` `(c,)` [1]; returns their places, fewer if no result is possible anywhere else.
 pub fn farthest<'a>(
     points: &[&[f64]],
     known: impl Iterator<Item = (&'a [f64], f64)>,
@@ -122,7 +122,8 @@ pub fn farthest<'a>(
     let mut chosen = Vec::with_capacity(count);
     while chosen.len() < count.min(points.len()) {
         let score = |i: usize| distances[i] * feasible[i];
-        let Some(pick) = (0..points.len()).reduce(|a, b| if score(b) > score(a) { b } else { a }) else {
+        let best = (0..points.len()).reduce(|a, b| if score(b) > score(a) { b } else { a });
+        let Some(pick) = best.filter(|pick| feasible[*pick] > 0.0) else {
             break;
         };
         approach(&mut distances, points[pick], 1.0);
@@ -187,8 +188,13 @@ mod tests {
         let modes = [classify(&model, &population, &mode)];
         let explored = |requested: &[bool], known: &[Vec<f64>], feasible: fn(MatRef<'_, f64>) -> Vec<f64>| {
             let models = [&model];
-            let exploration =
-                Exploration { models: &models, modes: &modes, population: &population, requested, known };
+            let exploration = Exploration {
+                models: &models,
+                modes: &modes,
+                population: &population,
+                closed: requested,
+                known,
+            };
             explore(&exploration, feasible, 4)
         };
         let everywhere = |points: MatRef<'_, f64>| vec![1.0; points.ncols()];

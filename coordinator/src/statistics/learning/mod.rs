@@ -18,6 +18,7 @@
 //! | `exploration` | samples at the largest predicted variance, or far from all others |
 //! | `error` | surrogate error of the failure shares |
 //! | `noise` | effect of the simulator's noise on the failure shares |
+//! | `steps` | threshold of the surrogate of an output with steps |
 //! | `stopping` | the stopping rules |
 //!
 //! # Source
@@ -36,6 +37,7 @@ mod function;
 mod noise;
 mod pool;
 mod selection;
+mod steps;
 mod stopping;
 
 pub use checkpoints::{checkpoints_that_matter, is_settled};
@@ -47,6 +49,7 @@ pub use function::LearningFunction;
 pub use noise::noise_shifts;
 pub use pool::{JointPool, Pool, choose_pool};
 pub use selection::{Selection, SelectionOptions};
+pub use steps::{LearnedThreshold, learned_threshold};
 pub use stopping::{Figures, Rule, Stopping, StoppingTargets};
 
 /// One limit state: failure when `output` has reached `threshold` from below.

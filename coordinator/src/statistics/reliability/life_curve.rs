@@ -151,6 +151,24 @@ impl LifeCurve {
         LifeAtLevel { life: None, lower, upper: upper.map(|upper| self.next_point(upper)) }
     }
 
+    /// The curve with failure probabilities up to `possible` [1], a function of the time [cycles], within its intervals.
+    #[must_use]
+    pub fn with_possible(mut self, possible: impl Fn(f64) -> f64) -> Self {
+        for limit in [&mut self.lower, &mut self.unsafe_lower] {
+            limit.iter_mut().zip(&self.cycles).for_each(|(r, time)| *r = r.min(1.0 - possible(*time)));
+        }
+        self
+    }
+
+    /// Lower limit of R at a time [cycles] of the life [1].
+    pub fn lower_at(&self, time: f64) -> f64 {
+        let after = self.cycles.partition_point(|at| *at < time).min(self.cycles.len() - 1);
+        let before = after.saturating_sub(1);
+        let width = self.cycles[after] - self.cycles[before];
+        let along = if width > 0.0 { (time - self.cycles[before]) / width } else { 0.0 };
+        self.lower[before] + along * (self.lower[after] - self.lower[before])
+    }
+
     /// Time at which a curve of this object falls to a level; `None` if it does not.
     fn reached(&self, curve: &[f64], level: f64) -> Option<f64> {
         let at = curve.iter().position(|r| *r <= level)?;

@@ -54,7 +54,7 @@
 
 mod sobol;
 
-pub use sobol::{Sobol, sobol_indices};
+pub use sobol::{SAMPLES, Sobol, sobol_indices, surrogate_errors};
 
 use crate::statistics::design::Population;
 use common::random::standard_normal_pdf;

@@ -137,6 +137,24 @@ impl Kriging {
         Ok(model)
     }
 
+    /// The model with this correlation and trend of the results `kept` only, of all that it was conditioned on: points `(d, n)`
+    /// and values `(n, m)`.
+    ///
+    /// # Errors
+    /// Those of [`Kriging::condition`].
+    pub fn conditioned_on(
+        &self,
+        points: MatRef<'_, f64>,
+        values: MatRef<'_, f64>,
+        kept: &[usize],
+    ) -> Result<Self, SurrogateError> {
+        let points = Mat::from_fn(points.nrows(), kept.len(), |k, i| points[(k, kept[i])]);
+        let values = Mat::from_fn(kept.len(), values.ncols(), |i, o| values[(kept[i], o)]);
+        let weights = self.weights.as_ref().map(|all| kept.iter().map(|i| all[*i]).collect::<Vec<f64>>());
+        let (correlation, trend) = (&self.correlation, self.trend.trend);
+        Self::condition_noisy(points.as_ref(), values.as_ref(), correlation, trend, weights.as_deref())
+    }
+
     /// Replaces the outputs by other outputs with values `(n, m)` at the same points; the correlation and its
     /// factor stay.
     pub fn set_values(&mut self, values: MatRef<'_, f64>) {

@@ -165,6 +165,13 @@ fn assumptions(input: &ReportInput) -> Vec<String> {
          these, and are no prediction for other conditions."
             .to_owned(),
     );
+    if !input.summary.is_direct() {
+        text.push(
+            "A region of failures that no simulation came near is in no interval: surrogates state the errors of what they predict, \
+             and a region of which no result gives a sign is predicted to be safe."
+                .to_owned(),
+        );
+    }
     text
 }
 
