@@ -192,7 +192,11 @@ pub(super) fn assess(
 
     let governing = governing_checkpoint(&curves[curves.len() - 1]);
     let on_grid = nearest(&grid, governing);
-    let figures = figures_of_round(input, &curves, (&coupled, &closed), &errors, (governing, on_grid));
+    let has_steps = surrogates.iter().any(|surrogate| surrogate.threshold.plateaus.is_some());
+    let mut figures = figures_of_round(input, &curves, (&coupled, &closed), &errors, (governing, on_grid));
+    if has_steps {
+        figures.steps = noise_shift[curves.len() - 1][on_grid];
+    }
     let uncertain = open_points(&coupled, &closed).filter(|c| c.system < UNCERTAIN).count();
     let weights: Vec<f64> = pool.members().iter().filter_map(|j| dominance(&modes, *j, on_grid)).collect();
     let options = SelectionOptions {
@@ -326,6 +330,7 @@ fn figures_of_round(
         error: errors.largest(),
         governing_error: errors.by_curve[system][on_grid],
         governing_share: failed.min(1.0 - failed),
+        steps: 0.0,
     }
 }
 

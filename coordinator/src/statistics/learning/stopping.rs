@@ -7,7 +7,8 @@
 //!     that it is within 0.01 with probability 0.9), that of the system at the governing checkpoint also
 //!     below 2 % of the smaller of R and P_f, and no curve changed by more than 0.01 absolute or 5 %
 //!     relative. This rule ends studies of many variables, where a few of 100 000 points stay uncertain for
-//!     ever although their sum is known.
+//!     ever although their sum is known. Beside the steps of an output ([`super::learned_threshold`]), which the
+//!     intervals contain and no simulation removes, a quarter of their shift takes the place of these bounds.
 //!
 //! Guards: at least 30 results; the rule is met with a fit from several starts to at least nine tenths of the
 //! results; and it holds in every round until two rounds have passed and enough new results have been received:
@@ -23,6 +24,10 @@
 //! for kriging-based reliability analysis methods, Structural and Multidisciplinary Optimization 59. The
 //! guards and the numbers are this project's own, from the published problems of
 //! `coordinator/doc/reliability.md`.
+
+/// Surrogate error, and change of a curve between rounds, over the shift by steps, below which they add nothing to an interval that
+/// contains the steps [1].
+const BESIDE_STEPS: f64 = 0.25;
 
 /// Bounds of the stopping rules.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,6 +87,8 @@ pub struct Figures {
     pub governing_error: f64,
     /// The smaller of R and P_f of the system at the governing checkpoint [1].
     pub governing_share: f64,
+    /// Shift of the system's curve at the governing checkpoint by the steps of outputs, 0 without steps [1].
+    pub steps: f64,
 }
 
 /// Stopping rule of learning.
@@ -118,9 +125,11 @@ impl StoppingTargets {
         if figures.min_u >= self.min_u && relative < self.relative_change {
             return Some(Rule::Learning);
         }
-        let accurate = figures.error <= self.error
-            && figures.governing_error <= self.relative_error * figures.governing_share;
-        let settled = change <= self.change && relative <= self.relative_change_by_error;
+        // No further simulation removes the steps of an output from the interval.
+        let enough = BESIDE_STEPS * figures.steps;
+        let accurate = figures.error <= self.error.max(enough)
+            && figures.governing_error <= (self.relative_error * figures.governing_share).max(enough);
+        let settled = change <= enough || change <= self.change && relative <= self.relative_change_by_error;
         (accurate && settled).then_some(Rule::Error)
     }
 }
@@ -195,6 +204,7 @@ mod tests {
             error: 1e-5,
             governing_error: 1e-5,
             governing_share: 2e-3,
+            steps: 0.0,
         }
     }
 
@@ -209,6 +219,10 @@ mod tests {
         let uncertain = Figures { min_u: 1.0, ..figures() };
         assert_eq!(targets.met(&Figures { governing_error: 5e-5, ..uncertain }), None);
         assert_eq!(targets.met(&Figures { error: 7e-3, ..uncertain }), None);
+        // Beside the steps of an output, which the interval contains, a smaller error gains nothing.
+        let steps = Figures { error: 7e-3, governing_error: 7e-3, change: Some(7e-3), ..uncertain };
+        assert_eq!(targets.met(&Figures { steps: 0.02, ..steps }), None);
+        assert_eq!(targets.met(&Figures { steps: 0.03, ..steps }), Some(Rule::Error));
     }
 
     #[test]
