@@ -37,8 +37,8 @@ pub struct SurrogateRow {
     pub separate_would_gain: Option<bool>,
     /// Standard deviation of the noise over the stated errors [1]; absent without stated errors.
     pub share_of_stated_error: Option<f64>,
-    /// Number of different values of the response, if its limit lies between two of them that occur again and again; absent
-    /// otherwise, and in studies by earlier versions.
+    /// Number of different values of the response, if it reaches its limit with a jump of more than a tenth of their standard
+    /// deviation; absent otherwise, and in studies by earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub different_values: Option<usize>,
 }

@@ -6,7 +6,7 @@
 //!   P(failed at z) = s^2 / (f^2 + s^2),
 //!
 //! one at a failure, zero at a result, and one half where both are equally near. A candidate's score is multiplied by 1 - P, so that
-//! a region without results is not sampled again and again; where P is above 3/4 that is settled, and no sample is requested. The share of the population nearer to a failure than to any result is
+//! a region without results is not sampled again and again; where P is above 2/3 that is settled, and no sample is requested. The share of the population nearer to a failure than to any result is
 //! that which cannot be simulated; the intervals contain it, whatever the surrogates predict there. Where failures were simulated more often than elsewhere does not count: more of them divide the same region among
 //! themselves. (Indicator Kriging with the lengths of the response was tried and dropped: a response that is nearly linear has lengths far beyond the region, and its
 //! trend is the share of failures among the simulations, which learning changes.) With few simulations the estimate is rough.
@@ -27,9 +27,9 @@ use std::mem::discriminant;
 const FAILED_AFTER: usize = 10;
 /// Probability of failure above which a point counts as barred [1].
 const BARRED: f64 = 0.5;
-/// Probability of failure above which no simulation is requested [1]: the nearest failure is nearer by 1 / sqrt(3) than any
+/// Probability of failure above which no simulation is requested [1]: the nearest failure is nearer by 1 / sqrt(2) than any
 /// result.
-const SETTLED: f64 = 0.75;
+const SETTLED: f64 = 2.0 / 3.0;
 /// Number of points estimated together.
 const BLOCK: usize = 512;
 

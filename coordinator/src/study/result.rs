@@ -70,7 +70,7 @@ impl SurrogateReport {
             stated_noise: self.correlation.stated,
             kernel: self.correlation.kernel.name().to_owned(),
             trend: self.trend.name().to_owned(),
-            different_values: surrogate.threshold.plateaus,
+            different_values: surrogate.threshold.coarse,
             separate_would_gain: self.sharing.map(|sharing| sharing.separate_would_gain),
             share_of_stated_error: surrogate.share_of_stated,
             noise_share: Some(surrogate.noise_share),

@@ -192,7 +192,7 @@ pub(super) fn assess(
 
     let governing = governing_checkpoint(&curves[curves.len() - 1]);
     let on_grid = nearest(&grid, governing);
-    let has_steps = surrogates.iter().any(|surrogate| surrogate.threshold.plateaus.is_some());
+    let has_steps = surrogates.iter().any(|surrogate| surrogate.threshold.coarse.is_some());
     let mut figures = figures_of_round(input, &curves, (&coupled, &closed), &errors, (governing, on_grid));
     if has_steps {
         figures.steps = noise_shift[curves.len() - 1][on_grid];

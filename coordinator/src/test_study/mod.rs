@@ -251,6 +251,7 @@ pub fn study() -> TestStudy {
         evaluations: EvaluationCounts { total: 216, initial: 120, added: 96, failed: 1 },
         designs: Vec::new(),
         simulations_beyond_a_limit: Some(90),
+        untested: None,
         limit_states: scene.limit_states.iter().map(|state| state.name.clone()).collect(),
         first_failure: reliability.iter().map(|row| first_failure_row(row, &scene)).collect(),
         failures: Failures {

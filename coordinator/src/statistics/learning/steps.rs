@@ -24,6 +24,8 @@ const NEAREST: usize = 4;
 /// Remainder over the largest difference that counts as none [1], and smallest common step over it [1]: numbers without a
 /// common step pass both with a probability of about 1e-9.
 const REMAINDER: f64 = 1e-9;
+/// Jump at the limit over the standard deviation of the values from which on steps count as coarse [1].
+const COARSE: f64 = 0.1;
 /// Relative difference of values that count as equal [1].
 const EQUAL: f64 = 1e-12;
 /// See [`REMAINDER`].
@@ -36,8 +38,8 @@ pub struct LearnedThreshold {
     pub value: f64,
     /// The jump a - b; 0 without steps [unit of the output].
     pub jump: f64,
-    /// Number of different values of the response, if both neighbours of its threshold are plateaus.
-    pub plateaus: Option<usize>,
+    /// Number of different values of the response, if the jump is more than a tenth of their standard deviation.
+    pub coarse: Option<usize>,
 }
 
 /// The threshold of the surrogate of a response with this `threshold`, from its simulated histories `(n)(m,)`, which are
@@ -56,22 +58,27 @@ pub fn learned_threshold<H: Iterator<Item = f64>>(
         }
         equal
     });
-    let none = LearnedThreshold { value: threshold, jump: 0.0, plateaus: None };
+    let none = LearnedThreshold { value: threshold, jump: 0.0, coarse: None };
+    let least = COARSE * standard_deviation(&values);
     let above = values.partition_point(|(y, _)| *y < threshold);
-    let between = |b: f64, a: f64, plateaus| LearnedThreshold { value: 0.5 * (a + b), jump: a - b, plateaus };
+    let between = |b: f64, a: f64| LearnedThreshold {
+        value: 0.5 * (a + b),
+        jump: a - b,
+        coarse: (a - b > least).then_some(values.len()),
+    };
     let below = above.checked_sub(1).map(|place| values[place]);
     if let (Some((b, below)), Some((a, reached))) = (below, values.get(above))
         && below.min(*reached) >= PLATEAU
     {
-        return between(b, *a, Some(values.len()));
+        return between(b, *a);
     }
     if let Some((first, step)) = common_step(&values, above) {
         // Rounding of decimal fractions must not move a threshold on the grid to the next value.
         let steps = ((threshold - first) / step - 1e-6).ceil();
-        return between(first + (steps - 1.0) * step, first + steps * step, None);
+        return between(first + (steps - 1.0) * step, first + steps * step);
     }
     match (below, values.get(above)) {
-        (Some((b, _)), Some((a, 2..))) if *a == threshold => between(b, *a, None),
+        (Some((b, _)), Some((a, 2..))) if *a == threshold => between(b, *a),
         _ => none,
     }
 }
@@ -89,6 +96,14 @@ fn different_values<H: Iterator<Item = f64>>(histories: impl Iterator<Item = H>)
         }
     }
     values
+}
+
+/// Standard deviation of the values `(value, number)`, each as often as it occurs.
+fn standard_deviation(values: &[(f64, usize)]) -> f64 {
+    let count = values.iter().map(|(_, number)| number).sum::<usize>().max(1) as f64;
+    let mean = values.iter().map(|(y, number)| y * *number as f64).sum::<f64>() / count;
+    let squares = values.iter().map(|(y, number)| (y - mean).powi(2) * *number as f64).sum::<f64>();
+    (squares / count).sqrt()
 }
 
 /// One of the values `(value, number)` nearest to the threshold, which stands before place `above`, and the largest step of
@@ -142,12 +157,13 @@ mod tests {
         }
         // A flag has plateaus and keeps its middle; so do limits between the values of any output.
         let flag = learned(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0], 1.0);
-        assert_eq!((flag.value, flag.plateaus), (0.5, Some(2)));
+        assert_eq!((flag.value, flag.coarse), (0.5, Some(2)));
         assert_eq!(learned(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0], 0.5).value, 0.5);
         // Two decimals, few of which occur twice: half of 0.01, whatever the next smaller value is.
         let printed: Vec<f64> = continuous(60).iter().map(|y| (100.0 * y).round() / 100.0).collect();
         let found = learned(&printed, 1.3);
         assert!((found.value - 1.295).abs() < 1e-9 && (found.jump - 0.01).abs() < 1e-9, "{found:?}");
+        assert_eq!(found.coarse, None);
         // Three digits: the step is 1 above 100 and 0.1 below it.
         let three = |y: f64| {
             if 100.0 + y >= 100.0 { (100.0 + y).round() } else { (10.0 * (100.0 + y)).round() / 10.0 }
@@ -162,7 +178,7 @@ mod tests {
     fn outputs_without_steps_keep_their_threshold() {
         for n in [3, 12, 200] {
             let found = learned(&continuous(n), 0.7);
-            assert_eq!(found, LearnedThreshold { value: 0.7, jump: 0.0, plateaus: None });
+            assert_eq!(found, LearnedThreshold { value: 0.7, jump: 0.0, coarse: None });
         }
         // A single value on the limit is no step, and a constant output has none.
         let mut values = continuous(40);
