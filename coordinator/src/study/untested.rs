@@ -115,7 +115,7 @@ mod tests {
         // The second fails no more often than the system, and without a prediction nothing is tested.
         assert_eq!((found.possible(1, 2e-3), found.possible(0, 2e-3)), (Some(2e-3), None));
         let none = Untested::new(&modes, &observations, &inputs, &[0.0; 3], 12);
-        assert_eq!((none.possible(2, 0.0), none.curves), (none.bound(2), vec![true; 3]));
+        assert_eq!((none.possible(2, 0.0), &none.curves), (none.bound(2), &vec![true; 3]));
         assert_eq!(Untested::default().bound(0), None);
     }
 }
