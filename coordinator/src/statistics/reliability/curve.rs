@@ -9,7 +9,7 @@
 //! independent ones) and cov(P(E)) the coefficient of variation of P(E). The terms are taken as independent.
 //! p' is the posterior mean of a share under a uniform prior: no failure among N samples does not prove that
 //! there is none. Without any failure under a condition, at any checkpoint, the levels have not come to the
-//! limit; then P(E) is an upper bound of P_f, and is stated as the standard error.
+//! limit; then P(E) is an upper bound of P_f by the surrogates, and is stated as the standard error.
 //!
 //! # Source
 //! Standard error of a share: the binomial distribution; p': Laplace's rule of succession. Correlated samples

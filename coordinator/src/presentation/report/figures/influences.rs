@@ -107,7 +107,7 @@ pub fn variance_contributions(input: &ReportInput) -> Result<Vec<Figure>, PlotEr
         let output = words(&input.outputs[state.output].name);
         let caption = format!(
             "Sobol indices of the surrogate at {}: share of the variance of the {output} due to a variable alone \
-             (first order) and with its interactions (total). Thin lines: 1.96 standard errors. The {} largest of {}.",
+             (first order) and with its interactions (total). Thin lines: 1.96 standard errors by sampling and surrogate. The {} largest of {}.",
             number_of_cycles(cycles),
             rows.len().min(SHOWN),
             rows.len()
