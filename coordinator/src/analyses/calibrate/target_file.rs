@@ -152,6 +152,7 @@ impl TargetReader<'_> {
             _ => {
                 let what = "expected exactly one of changes (keys of the scene), mean_of and spread_of (names of variables)";
                 row.inconsistent("name", what);
+                row.finish();
                 return None;
             }
         };
