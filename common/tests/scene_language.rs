@@ -327,7 +327,8 @@ fn a_scene_says_how_accurately_it_is_to_be_simulated() {
 
 #[test]
 fn life_and_its_defaults() {
-    let expected = Life { period: 0.1, cycles: 2000, checkpoint_every: 1000, settle_cycles: 3, turn_of: None };
+    let expected =
+        Life { period: 0.1, cycles: 2000, checkpoint_every: 1000, settle_cycles: 3, turn_of: None };
     assert_eq!(scene().life, expected);
     let four_bar = SceneSource::builtin("four-bar").unwrap();
     assert_eq!(four_bar.nominal().life.settle_cycles, 1);
@@ -338,7 +339,8 @@ fn issue_an_undriven_machine_could_not_take_a_turn_of_a_body_as_its_cycle() {
     let pendulum = SceneSource::builtin("pendulum").unwrap().text().to_owned();
     let read = |period: &str, speed: &str| {
         let text = pendulum.replacen("period = \"10 s\"", &format!("period = \"{period}\""), 1);
-        let text = text.replacen("start_angle = \"-90 deg\"", &format!("start_angle = \"-90 deg\"{speed}"), 1);
+        let text =
+            text.replacen("start_angle = \"-90 deg\"", &format!("start_angle = \"-90 deg\"{speed}"), 1);
         SceneSource::parse(&text, "my.toml").map(|source| source.nominal().life)
     };
     let life = read("turn of pendulum", "\nstart_speed = \"-5 rad/s\"").unwrap();

@@ -78,8 +78,8 @@ fn issue_a_recorded_misfit_made_every_resume_fail() {
         let file = rusqlite::Connection::open(folder.path().join("campaign.db")).unwrap();
         let query =
             "SELECT count(*) FROM evaluation WHERE id < 0 AND failure LIKE '%misfitting/0 does not fit%'";
-        let aside: usize = file.query_row(query, [], |row| row.get(0)).unwrap();
-        assert_eq!(aside, usize::from(recorded), "{k}");
+        let aside: i64 = file.query_row(query, [], |row| row.get(0)).unwrap();
+        assert_eq!(aside, i64::from(recorded), "{k}");
     }
 }
 

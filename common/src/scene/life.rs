@@ -76,7 +76,8 @@ pub(super) fn life(
 fn turn(life: &Section, name: &str, bodies: &[BodyRow]) -> Option<(f64, Option<usize>)> {
     let body = life.reference("period", "body", name, bodies.iter().map(|body| body.name.as_str()))?;
     if let Some(driven) = bodies.iter().find(|body| body.word == Some(MotionWord::Driven)) {
-        let message = format!("is a turn of a body, but the drive of {} sets the cycle: write a time", driven.name);
+        let message =
+            format!("is a turn of a body, but the drive of {} sets the cycle: write a time", driven.name);
         life.inconsistent("period", message);
         return None;
     }
@@ -86,7 +87,10 @@ fn turn(life: &Section, name: &str, bodies: &[BodyRow]) -> Option<(f64, Option<u
         }
         Some(Motion::Free { .. }) => {
             let expected = "about the speed at which it turns once settled, since a turn of it is the cycle";
-            life.cx.fault(format!("bodies.{name}.start_speed"), FaultKind::Missing { expected: expected.into() });
+            life.cx.fault(
+                format!("bodies.{name}.start_speed"),
+                FaultKind::Missing { expected: expected.into() },
+            );
             None
         }
         Some(_) => {

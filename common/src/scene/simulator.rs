@@ -132,7 +132,13 @@ fn umbridge(section: &mut Section) -> Option<UmBridgeModel> {
 
 /// Reads `[life]` of a simulator: its checkpoints; a single one if there is no such table.
 pub(super) fn declared_life(file: &mut Section) -> Option<Life> {
-    let life = |cycles, checkpoint_every| Life { period: 0.0, cycles, checkpoint_every, settle_cycles: 0, turn_of: None };
+    let life = |cycles, checkpoint_every| Life {
+        period: 0.0,
+        cycles,
+        checkpoint_every,
+        settle_cycles: 0,
+        turn_of: None,
+    };
     if file.get("life").is_none() {
         return Some(life(1, 1));
     }

@@ -10,8 +10,7 @@ use super::simulated::Simulated;
 use clap::Args;
 use common::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, NarrowGroove,
-    UnsettledMotion,
-    WornLife,
+    UnsettledMotion, WornLife,
 };
 use common::scene::{Fault, FaultKind, Faults, OutputUnit, Scene, SceneSource};
 use coordinator::results::control_points::{ControlPointsRow, control_points_rows};

@@ -26,7 +26,8 @@ pub fn motion_cautions(diagnostics: &Diagnostics) -> Vec<Warning> {
     });
     let unsettled = diagnostics.unsettled.iter().map(|motion| ("life.settle_cycles", unsettled(motion)));
     let all = of_energy.chain(unsettled);
-    all.map(|(key, message)| Warning { key: key.to_owned(), message: message.replace('\u{a0}', " ") }).collect()
+    all.map(|(key, message)| Warning { key: key.to_owned(), message: message.replace('\u{a0}', " ") })
+        .collect()
 }
 
 /// The caution about work of the contact law.
@@ -139,10 +140,14 @@ mod tests {
     #[test]
     fn issue_a_motion_that_had_not_settled_entered_the_life_without_a_word() {
         let turning = Some(("crank".to_owned(), 329.5_f64.to_radians()));
-        let unsettled =
-            UnsettledMotion { output: "F".into(), change: 0.0321, further_cycles: 12, turning };
+        let unsettled = UnsettledMotion { output: "F".into(), change: 0.0321, further_cycles: 12, turning };
         let text = &messages(&Diagnostics { unsettled: Some(unsettled), ..Diagnostics::default() })[0];
-        for said in ["after 12 further cycles", "F still changes by 3.21 %", "crank turns 329.5 deg", "\"turn of crank\""] {
+        for said in [
+            "after 12 further cycles",
+            "F still changes by 3.21 %",
+            "crank turns 329.5 deg",
+            "\"turn of crank\"",
+        ] {
             assert!(text.contains(said), "{said}: {text}");
         }
     }

@@ -56,8 +56,7 @@ impl Peaks {
     /// Peaks of what is `requested` of an island.
     pub(crate) fn new(island: &Island, scene: &Scene, requested: &RecordingRequest) -> Self {
         let slot = |body: usize| island.bodies.iter().position(|&b| b == body);
-        let point =
-            |place: &Attachment| {
+        let point = |place: &Attachment| {
             let end = End { frame: slot(place.body)?, arm: scene.arm(place) };
             Some((*place, end, Largest::default()))
         };
@@ -149,14 +148,7 @@ impl Peaks {
 }
 
 impl ImpactRecording {
-    fn push(
-        &mut self,
-        island: &Island,
-        (t, later): (f64, bool),
-        q: &[f64],
-        v: &[f64],
-        at: &Linearised,
-    ) {
+    fn push(&mut self, island: &Island, (t, later): (f64, bool), q: &[f64], v: &[f64], at: &Linearised) {
         for (joint, force) in at.joints.iter().enumerate() {
             let touches = force.penetration > 0.0;
             let flight = self.flight[joint].take();

@@ -298,7 +298,11 @@ impl<'a> Run<'a> {
     }
 
     /// Integrates every island over a span of the cycle [s], recording it or not.
-    pub(super) async fn integrate(&mut self, time: Range<f64>, record: bool) -> Result<(), SimulationFailure> {
+    pub(super) async fn integrate(
+        &mut self,
+        time: Range<f64>,
+        record: bool,
+    ) -> Result<(), SimulationFailure> {
         let period = self.scene.life.period;
         let mut islands = std::mem::take(&mut self.islands);
         islands.iter_mut().for_each(|state| state.begin(time.start, period));

@@ -19,8 +19,9 @@ use common::outputs::UnsettledMotion;
 use std::f64::consts::{PI, TAU};
 
 macro_rules! dbg_line { ($($x:tt)*) => { if std::env::var("HWDEBUG").is_ok() { eprintln!($($x)*) } } }
-fn tunable(name: &str, default: f64) -> f64 { std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(default) }
-
+fn tunable(name: &str, default: f64) -> f64 {
+    std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(default)
+}
 
 /// Change of the state over a cycle, in the scales of the error control, up to which it counts as the same [1]. The scale is 1 % of the
 /// smallest clearance.
@@ -123,8 +124,7 @@ impl IslandState {
         self.q.iter_mut().zip(scale_q).zip(&step[..n]).for_each(|((q, scale), step)| *q += scale * step);
         self.v.iter_mut().zip(scale_v).zip(&step[n..]).for_each(|((v, scale), step)| *v += scale * step);
         self.stepper.control.after_jump();
-        !self.island.is_constrained()
-            || self.island.close(self.time, &mut self.q, &mut self.v).is_some()
+        !self.island.is_constrained() || self.island.close(self.time, &mut self.q, &mut self.v).is_some()
     }
 }
 
@@ -149,7 +149,10 @@ impl<'a> Run<'a> {
         self.measure().await?;
         let change = self.change_over_cycle();
         dbg_line!("first cycle: the state changes by {change}, {:?}", self.has_free_flight());
-        if std::env::var("NOSETTLE").is_ok() || self.scene.life.is_single_cycle() || change <= tunable("HWSAME", SAME) {
+        if std::env::var("NOSETTLE").is_ok()
+            || self.scene.life.is_single_cycle()
+            || change <= tunable("HWSAME", SAME)
+        {
             return Ok(());
         }
         if self.repetition.is_determined && self.has_free_flight() {
@@ -180,16 +183,18 @@ impl<'a> Run<'a> {
 
     /// True if a joint with clearance was in free flight in the cycle just measured.
     fn has_free_flight(&self) -> bool {
-        let mut islands = self.islands.iter().filter_map(|state| Some((state, state.recorder.full.as_ref()?)));
-        islands.any(|(state, full)| full.forces.iter().take(state.island.contacts().count()).any(|f| f.free > 0.0))
+        let mut islands =
+            self.islands.iter().filter_map(|state| Some((state, state.recorder.full.as_ref()?)));
+        islands.any(|(state, full)| {
+            full.forces.iter().take(state.island.contacts().count()).any(|f| f.free > 0.0)
+        })
     }
 
     /// Notes by how much two further cycles differ from the one just measured, and what that leaves to come.
     async fn state_what_is_to_come(&mut self, rest: &Rest) -> Result<(), SimulationFailure> {
         let mut copy = self.clone();
         copy.begin_count();
-        let cycles =
-            [copy.measured_values(0)?, copy.measure_next(0).await?, copy.measure_next(0).await?];
+        let cycles = [copy.measured_values(0)?, copy.measure_next(0).await?, copy.measure_next(0).await?];
         self.add_counts(&copy);
         let [measured, further @ ..] = &cycles;
         let mut changes = Probe::unchanged(0, measured);
@@ -198,7 +203,8 @@ impl<'a> Run<'a> {
         });
         let factor = if rest.slowness.is_finite() { rest.slowness } else { WANDERING };
         let scaled = |changes: &[f64]| changes.iter().map(|change| factor * change).collect();
-        self.repetition.to_come = Some(ToCome { motion: scaled(&changes.motion), wear: scaled(&changes.wear) });
+        self.repetition.to_come =
+            Some(ToCome { motion: scaled(&changes.motion), wear: scaled(&changes.wear) });
         let relative = self.scene.outputs.iter().enumerate().map(|(k, output)| {
             let change = match output.kind.wear() {
                 Some((_, joints)) => {
@@ -223,11 +229,17 @@ impl<'a> Run<'a> {
     fn turning_body(&self) -> Option<(String, f64)> {
         let bodies = self.islands.iter().flat_map(|state| {
             let (_, from, _) = state.cycle_start.state();
-            state.island.bodies.iter().enumerate().map(move |(slot, &body)| (body, state.q[3 * slot + 2] - from[3 * slot + 2]))
+            state
+                .island
+                .bodies
+                .iter()
+                .enumerate()
+                .map(move |(slot, &body)| (body, state.q[3 * slot + 2] - from[3 * slot + 2]))
         });
         let (body, angle) = bodies.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
         let part = angle / TAU - (angle / TAU).round();
-        (angle.abs() > TURNS && part.abs() > PART_OF_TURN).then(|| (self.scene.bodies[body].name.clone(), angle))
+        (angle.abs() > TURNS && part.abs() > PART_OF_TURN)
+            .then(|| (self.scene.bodies[body].name.clone(), angle))
     }
 
     /// Goes on with settling cycles until the motion repeats itself; how far it has come.

@@ -263,7 +263,10 @@ fn issue_peaks_were_those_of_the_fall_into_the_deepened_bore() {
             for (k, exact) in [weight, arm * weight].into_iter().enumerate() {
                 let (found, error) = (evaluation.histories[k][0], evaluation.errors[k][0]);
                 println!("{law}: {found} +- {error}, statics {exact}");
-                assert!((found - exact).abs() < 0.01 * exact + error, "{law}: {found} +- {error}, statics {exact}");
+                assert!(
+                    (found - exact).abs() < 0.01 * exact + error,
+                    "{law}: {found} +- {error}, statics {exact}"
+                );
                 assert!(error < 0.02 * exact, "{law}: {error}");
             }
         }
@@ -388,7 +391,8 @@ fn wear_rate(evaluation: &Evaluation, accuracy_period: f64) -> (f64, f64) {
 #[test]
 fn issue_an_undriven_machine_could_not_take_a_turn_of_a_body_as_its_period() {
     let turning = motor_driven("turn of crank");
-    let evaluation = simulate(&turning, &Accuracy::draft(), SimulateOptions::WITH_FIRST_CYCLE).expect("simulated");
+    let evaluation =
+        simulate(&turning, &Accuracy::draft(), SimulateOptions::WITH_FIRST_CYCLE).expect("simulated");
     let first = evaluation.first_cycle.as_ref().expect("asked for");
     let period = first.time[first.time.len() - 1];
     let crank = first.motion.iter().find(|motion| motion.body == "crank").expect("moves");
