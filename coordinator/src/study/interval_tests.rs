@@ -42,6 +42,16 @@ fn issue_half_a_plateau_at_the_limit_was_stated_as_safe() {
 }
 
 #[test]
+fn issue_a_flag_took_542_simulations() {
+    // 1 where a normal sum exceeds 2, P = Phi(-sqrt(2)): the interval is wide, and learning ends once its errors are small beside that.
+    let learned = learn(|x| f64::from(u8::from(x[0] + x[1] > 2.0)), 0.5, 1);
+    let ((least, most), truth) = (interval(&learned), standard_normal_cdf(-(2f64.sqrt())));
+    eprintln!("{} calls, {least} to {most}, truth {truth}, {:?}", learned.evaluations, learned.stop);
+    assert!(least <= truth && truth <= most, "{least} {truth} {most}");
+    assert!(learned.evaluations < 250, "{}", learned.evaluations);
+}
+
+#[test]
 fn issue_a_failing_half_space_ended_the_study() {
     // No result beyond two standard deviations on the side of the failures, or on the other one; failures at 2.6.
     for (side, seed) in [(1.0, 1), (1.0, 2), (-1.0, 1), (-1.0, 2)] {
