@@ -185,10 +185,7 @@ impl<R: Real> Hertz<R> {
                 rows[r][c] = columns[c][r];
             }
         }
-        let to_turn = match walls.journal {
-            None => None,
-            Some(_) => Some(columns[6]),
-        };
+        let to_turn = walls.journal.map(|_| columns[6]);
         let mut slopes = ForceSlopes { u, rows, to_turn };
         s.add_film_slopes(&mut slopes);
         (out, slopes)

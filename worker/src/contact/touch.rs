@@ -192,10 +192,7 @@ impl<R: Real> Touch<R> {
         let t = left(u);
         let less = step.like(1.0).minus_product(step * step, step.like(0.5));
         let u = [(u[0] * less).plus_product(t[0], step), (u[1] * less).plus_product(t[1], step)];
-        let journal = match walls.journal {
-            None => None,
-            Some(journal) => Some(journal.moved(step)),
-        };
+        let journal = walls.journal.map(|journal| journal.moved(step));
         Touch { u, walls: Walls { bore: walls.bore.moved(step), journal } }
     }
 

@@ -1,7 +1,7 @@
 //! Where the search for the contact of a worn journal with its bore begins: two surfaces that turn on each other have no table of starts.
 //!
 //! The gap closed, g of `touch.rs`, is evaluated at equal angles on both sides of the eccentricity, as far as it can be above zero: g <= |e| cos(phi)
-//! - G at the angle phi from the eccentricity. The search begins at the highest peak, by the parabola through three neighbours, and also at the second one
+//! minus G at the angle phi from the eccentricity. The search begins at the highest peak, by the parabola through three neighbours, and also at the second one
 //! if that is about as high.
 //!
 //! # Source
