@@ -272,7 +272,7 @@ impl ContactLaw {
     pub fn explanation(self) -> &'static str {
         match self {
             ContactLaw::Hertz => {
-                "F = K delta^1.5 along the normal where the journal touches; cheap, stays conservative as the bore wears"
+                "F = K delta^1.5 along the normal where the journal touches; stays conservative as the bore wears"
             }
             ContactLaw::LocalHertz => {
                 "F = K delta^1.5 along the eccentricity; cheap, but on a worn bore it feeds energy into vibration"

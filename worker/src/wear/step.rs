@@ -91,7 +91,8 @@ const SPENDABLE: f64 = 0.5;
 const PROBE: f64 = 1e-8;
 
 impl WearStep {
-    /// Most evaluations of the wear rate in one step: TODO.
+    /// Most evaluations of the wear rate in one step: some 6 are usual, 560 on average for a crank with three hundred times the modulus of steel
+    /// and bronze under `foundation`, the hardest case known to end.
     pub(crate) const MOST_EVALUATIONS: u64 = 2000;
 
     /// A wear step for `points` control points with the relative tolerance `tolerance` [1].

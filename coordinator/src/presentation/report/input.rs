@@ -345,7 +345,7 @@ fn notes(scene: &Scene) -> Vec<String> {
         return vec![
             "The contact law local-hertz measures penetration in one direction only. On a worn bore it does not \
              conserve energy and can excite a vibration that increases angular-velocity differences late in life; with \
-             the conservative laws hertz and foundation the flapping-wing drive shows no such growth. A failure by asymmetry found \
+             the conformal law foundation the flapping-wing drive shows no such growth. A failure by asymmetry found \
              with local-hertz is a property of that law."
                 .to_string(),
         ];
