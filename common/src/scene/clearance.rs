@@ -42,10 +42,7 @@ pub(super) fn clearance(row: &mut Section, materials: &[MaterialRow], wears: boo
     let bushing_material = material(row, "bushing_material", materials);
     let laws = ContactLaw::ALL.map(|law| (law.name(), law));
     let names = ContactLaw::ALL.map(ContactLaw::name).join(", ");
-    let contact_law = match row.get("contact_law") {
-        None => Some(ContactLaw::default()),
-        Some(_) => row.choice("contact_law", &format!("one of {names}"), &laws),
-    };
+    let contact_law = row.choice("contact_law", &format!("one of {names}"), &laws);
     let contact_damping = contact_damping(row);
     let film_damping = row.quantity_or("film_damping", DAMPING, Range::NonNegative, 0.0);
     let friction = row.quantity("friction", NUMBER, Range::Within(0.0, 2.0));

@@ -244,14 +244,13 @@ pub struct Material {
 }
 
 /// Law of the normal contact force.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ContactLaw {
     /// F = K_n delta^1.5 with the penetration measured in the direction of the eccentricity.
     LocalHertz,
     /// Linear elastic (Winkler) foundation along the bore.
     Foundation,
     /// F = K_n delta^1.5 with the penetration measured where the journal touches, along the normal there: the gradient of (2/5) K_n delta^2.5.
-    #[default]
     Hertz,
 }
 
