@@ -336,8 +336,8 @@ mod tests {
         assert_eq!(names, ["reliability-wear", "reliability-asymmetry", "reliability-total"]);
         let width = ("parameters.width".to_owned(), vec!["10 mm".to_owned(), "12 mm".to_owned()]);
         let html = html(&studies, &[width]).unwrap();
-        let body = &html[html.find("<body>").unwrap()..html.find("</html>").unwrap()];
-        roxmltree::Document::parse(body).unwrap();
+        roxmltree::Document::parse(&html[html.find("<body>").unwrap()..html.find("</html>").unwrap()])
+            .unwrap();
         assert!(!html.contains("http") && !html.contains("<script"));
         let life = life_and_limits(life_at(&studies[1].summary, "asymmetry", 0.5, Included::All)).0;
         for text in [
