@@ -367,7 +367,6 @@ mod tests {
         let differs = |key: &str| vec![(key.to_owned(), vec!["36".to_owned(), "72".to_owned()])];
         let statistical = width(&studies, &[]);
         assert_eq!(width(&studies, &differs("joints.crank.width")), statistical);
-        // Both intervals of the lives with the numerical errors, as independent ones.
         let life = studies[0]
             .summary
             .lives
