@@ -33,8 +33,8 @@ pub(super) fn spread_by<'p>(
     inputs: &InputModel,
     k: usize,
 ) -> Option<&'p DesignQuantity> {
-    let quantities = problem.quantities.iter().filter(|quantity| quantity.variables.contains(&k));
-    quantities.filter(|quantity| quantity.spreads(&inputs.variables()[k])).next()
+    let spreads = |q: &&DesignQuantity| q.variables.contains(&k) && q.spreads(&inputs.variables()[k]);
+    problem.quantities.iter().find(spreads)
 }
 
 /// The inputs of the study, with coordinates whose scale is at least that of the visits.

@@ -336,8 +336,8 @@ mod tests {
         assert_eq!(names, ["reliability-wear", "reliability-asymmetry", "reliability-total"]);
         let width = ("parameters.width".to_owned(), vec!["10 mm".to_owned(), "12 mm".to_owned()]);
         let html = html(&studies, &[width]).unwrap();
-        let body = &html[html.find("<body>").unwrap()..html.find("</html>").unwrap()];
-        roxmltree::Document::parse(body).unwrap();
+        roxmltree::Document::parse(&html[html.find("<body>").unwrap()..html.find("</html>").unwrap()])
+            .unwrap();
         assert!(!html.contains("http") && !html.contains("<script"));
         let life = life_and_limits(life_at(&studies[1].summary, "asymmetry", 0.5, Included::All)).0;
         for text in [
@@ -367,7 +367,6 @@ mod tests {
         let differs = |key: &str| vec![(key.to_owned(), vec!["36".to_owned(), "72".to_owned()])];
         let statistical = width(&studies, &[]);
         assert_eq!(width(&studies, &differs("joints.crank.width")), statistical);
-        // Both intervals of the lives with the numerical errors, as independent ones.
         let life = studies[0]
             .summary
             .lives
