@@ -156,7 +156,10 @@ fn check_lists_parameters_that_nothing_reads() {
     let file = file.to_str().unwrap();
     let found = text(&["check", file]);
     let line = scene.lines().position(|line| line == "[parameters]").unwrap() + 2;
-    assert!(found.contains(&format!("{file}:{line}:9: warning: parameters.spare: nothing reads it\n")), "{found}");
+    assert!(
+        found.contains(&format!("{file}:{line}:9: warning: parameters.spare: nothing reads it\n")),
+        "{found}"
+    );
     assert!(
         found.contains("nominal wear: 9.96 µm after 8 000 cycles, limit 8.00 µm, margin -25 %"),
         "{found}"

@@ -7,8 +7,8 @@ use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::{table, table_of_text};
 use crate::presentation::report::written::WrittenScene;
 use common::scene::{
-    Attachment, Clearance, ContactDamping, ControlPoints, Drive, Joint, JointKind, Motion,
-    RestitutionLaw, Scene, WearingSurfaces,
+    Attachment, Clearance, ContactDamping, ControlPoints, Drive, Joint, JointKind, Motion, RestitutionLaw,
+    Scene, WearingSurfaces,
 };
 use maud::{Markup, Render, html};
 
