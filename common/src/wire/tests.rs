@@ -3,7 +3,6 @@
 use super::codec::{HEADER, encoded_size};
 use super::*;
 use crate::accuracy::{Accuracy, Tier};
-use crate::build::Build;
 use crate::external::SimulatorId;
 use crate::failure::SimulationFailure;
 use crate::outputs::{BodyMotion, BodyTrace, CycleHistory, Diagnostics, Evaluation, JointSummary, WornLife};
@@ -107,7 +106,7 @@ fn claim() -> impl Strategy<Value = Claim> {
     (who, any::<(u64, u32, u32, bool)>(), vec(key(), 0..9), vec(outcome(), 0..4)).prop_map(
         |(worker, (sequence, slots, credits, leaving), holding, finished)| Claim {
             offers: if slots % 2 == 0 {
-                Offers::Scenes(Build(sequence))
+                Offers::Scenes(crate::build::Build(sequence))
             } else {
                 Offers::Simulators(vec![simulator(sequence)])
             },
@@ -195,7 +194,7 @@ fn empty_claim() -> Claim {
     Claim {
         worker: WorkerId { name: "w".into(), epoch: 1 },
         sequence: 1,
-        offers: Offers::Scenes(Build::default()),
+        offers: Offers::Scenes(Default::default()),
         slots: 2,
         credits: 2,
         holding: vec![],

@@ -1,7 +1,5 @@
-//! The result of a study, as written to `summary.json` and shown by the report.
-//!
-//! The field names are the keys of the file: they may be added to, but not changed. Keys of outputs are their name and
-//! unit, e.g. `max_wear_depth_m`.
+//! The result of a study, as written to `summary.json` and shown by the report. The field names are the keys of the file: they may
+//! be added to, but not changed. Keys of outputs are their name and unit, e.g. `max_wear_depth_m`.
 
 use super::control_points::ControlPointsRow;
 use super::life_summary::{LifeCurveRow, LifeRow, UnresolvedFall};
@@ -13,8 +11,7 @@ use crate::statistics::reliability::REACH;
 use common::accuracy::Accuracy;
 use common::scene::Scene;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 /// One value per limit state, by name; [`StudySummary::limit_states`] has their order.
 pub type PerLimitState = BTreeMap<String, f64>;

@@ -1,5 +1,4 @@
-//! Whole studies of a made-up two-mode life in 30 variables, through the scene, evaluator and journal
-//! interfaces.
+//! Whole studies of a made-up two-mode life in 30 variables, through the interfaces of scene, evaluator and journal.
 
 use super::{Method, Settings, StudyError, StudyResult, run};
 use crate::farm::evaluate::{Demand, EvaluateError, Evaluator, Finished, Request, RequestSource};

@@ -2,9 +2,9 @@
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
 use super::grooves::{self, GroovedJoint};
-use super::life::{no_simulated_failure, steps_and_noise};
 use super::mechanism::Mechanism;
 use super::stated_errors::{StatedAt, StatedErrorCollector};
+use super::untested::{no_simulated_failure, steps_and_noise};
 use super::written::WrittenScene;
 use crate::presentation::control_points::control_points_notes;
 use crate::presentation::motion_cautions::motion_cautions;

@@ -2,7 +2,7 @@
 
 use super::format::{self, count, fixed, rounded_cycles, share, three_digits, whole};
 use crate::results::life_summary::{CyclesRange, LifeRow};
-use crate::results::summary::{ReliabilityRange, ReliabilityRow, StudySummary, SurrogateRow, UntestedRow};
+use crate::results::summary::{ReliabilityRange, ReliabilityRow, StudySummary};
 pub use crate::study::LEVELS;
 
 /// The life at which a reliability falls to a level, with the limits of its 95 % interval [cycles].
@@ -170,66 +170,6 @@ pub fn reliability(row: &ReliabilityRow, name: &str) -> String {
         .map_or_else(|| fixed(r, 4), |range| format::reliability(r, range.lower, range.upper))
 }
 
-/// A caution where no simulation exceeded a limit, or none where the population is, with the bound on P_f that the initial design
-/// supports: of n independent samples without a failure, P_f < 1 - 0.05^(1/n) with a confidence of 95 %.
-///
-/// # Source
-/// Clopper, Pearson (1934), The use of confidence or fiducial limits illustrated in the case of the binomial, Biometrika 26(4).
-pub fn no_simulated_failure(summary: &StudySummary) -> Option<String> {
-    let counts = summary.evaluations;
-    let of_system = summary.untested.as_ref().filter(|untested| untested.curves.iter().any(|c| c == "total"));
-    let (samples, bound, predicted) = match of_system {
-        Some(UntestedRow { samples, bound, predicted, .. }) => {
-            let predicted =
-                format!("; the surrogates alone predict P_f < {predicted:.1e}").replace('-', "\u{2212}");
-            (*samples, *bound, predicted)
-        }
-        None => {
-            // A study by an earlier version. The first evaluation of its design is the nominal one, which is no sample.
-            let samples = counts.initial.saturating_sub(1 + counts.failed);
-            if summary.simulations_beyond_a_limit != Some(0) || samples == 0 {
-                return None;
-            }
-            (samples, 1.0 - 0.05f64.powf(1.0 / samples as f64), String::new())
-        }
-    };
-    let simulations = count((counts.total - counts.failed) as u64);
-    let exceeded = match summary.simulations_beyond_a_limit {
-        Some(0) | None => format!("none of the {simulations} simulations exceeded a limit"),
-        Some(beyond) => format!(
-            "{} of the {simulations} simulations exceeded a limit, but none where the failures of this probability lie",
-            count(beyond as u64)
-        ),
-    };
-    Some(format!(
-        "{exceeded}: R is what the surrogates predict beyond all simulated values. The {} samples of \
-         the initial design alone, counted as independent, support P_f < {} (95 %) over the whole life studied{predicted}",
-        count(samples as u64),
-        three_digits(bound)
-    ))
-}
-
-/// A line per limit state whose output has steps at its limit, or whose simulations are noisy, with what helps.
-pub fn steps_and_noise(summary: &StudySummary) -> Vec<String> {
-    let simulations = count((summary.evaluations.total - summary.evaluations.failed) as u64);
-    let line = |row: &SurrogateRow| match (row.different_values, row.much_noise()) {
-        (Some(values), _) => Some(format!(
-            "steps: the output of {} has {} different values in {simulations} simulations and jumps at the limit, which surrogates \
-             resolve with many simulations only; return the quantity behind it, before it is counted, rounded or compared",
-            row.limit_state,
-            count(values as u64)
-        )),
-        (None, Some(share)) => Some(format!(
-            "noise: {:.1} % of the variance of {} is numerical noise; {} may need fewer simulations",
-            100.0 * share,
-            row.limit_state,
-            if summary.of_mechanism() { "a finer --accuracy" } else { "finer tolerances in the simulator" }
-        )),
-        (None, None) => None,
-    };
-    summary.surrogates.iter().filter_map(line).collect()
-}
-
 /// The row where the system's reliability is nearest 1/2.
 pub fn governing(summary: &StudySummary) -> Option<&ReliabilityRow> {
     let distance = |row: &ReliabilityRow| (row.reliability.get("total").copied().unwrap_or(1.0) - 0.5).abs();
@@ -275,20 +215,6 @@ mod tests {
     use crate::results::life_summary::LifeCurveRow;
     use crate::test_study;
     use std::collections::BTreeMap;
-
-    #[test]
-    fn issue_a_study_without_a_simulated_failure_stated_a_tiny_bound_alone() {
-        let mut summary = crate::test_study::study().summary;
-        assert_eq!(no_simulated_failure(&summary), None);
-        summary.simulations_beyond_a_limit = Some(0);
-        let said = no_simulated_failure(&summary).unwrap();
-        // 3 / n for many samples.
-        assert!(said.starts_with("none of the 215 simulations exceeded a limit"), "{said}");
-        assert!(
-            said.contains("The 118 samples of the initial design") && said.contains("P_f < 0.0251 (95 %)"),
-            "{said}"
-        );
-    }
 
     fn summary(curves: &[(&str, &[f64])]) -> StudySummary {
         let mut summary = test_study::study().summary;

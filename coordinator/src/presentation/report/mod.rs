@@ -27,6 +27,7 @@ mod studied;
 mod tables;
 #[cfg(test)]
 mod tests;
+pub mod untested;
 mod words;
 mod written;
 

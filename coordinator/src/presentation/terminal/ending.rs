@@ -3,9 +3,10 @@
 use crate::presentation::control_points::control_points_notes;
 use crate::presentation::report::format::{count, duration, fixed};
 use crate::presentation::report::life::{
-    Included, LEVELS, LifeAt, life_and_limits, life_at, no_simulated_failure, rows_that_matter,
-    states_numerical_errors, steps_and_noise, unresolved_fall,
+    Included, LEVELS, LifeAt, life_and_limits, life_at, rows_that_matter, states_numerical_errors,
+    unresolved_fall,
 };
+use crate::presentation::report::untested::{no_simulated_failure, steps_and_noise};
 use crate::presentation::report::{failure_probability, reliability};
 use crate::presentation::text_table::in_columns;
 use crate::results::summary::{ReliabilityRange, StudySummary};
