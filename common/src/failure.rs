@@ -217,7 +217,7 @@ pub enum SimulationFailure {
         joint: String,
     },
     /// A start velocity that the scene gives and that drives, joints and the start velocities before it do not admit.
-    #[error("{key}: {}", unheld(*given, *needed, unit))]
+    #[error("{key}: {}", unheld(key, *given, *needed))]
     StartVelocity {
         /// Path of the key, `bodies.NAME.start_speed`, `bodies.NAME.start_velocity.x` or `.y`.
         key: String,
@@ -225,16 +225,12 @@ pub enum SimulationFailure {
         given: f64,
         /// The only value that they admit [m/s, rad/s].
         needed: f64,
-        /// Unit of both.
-        unit: String,
     },
     /// Ideal joints that become dependent where the drives hold the mechanism: its motion may go on in more than one way.
     #[error("{}", change_point(joint, body, *angle))]
     ChangePoint {
         /// Ideal joint that depends on the others there.
         joint: String,
-        /// Time within the cycle [s].
-        time: f64,
         /// Name of the driven body.
         body: String,
         /// Angle of that body [rad].
@@ -316,7 +312,8 @@ fn open_joint(joint: &str, gap: f64, angle: f64) -> String {
 }
 
 /// What is wrong with a start velocity, and which value is right.
-fn unheld(given: f64, needed: f64, unit: &str) -> String {
+fn unheld(key: &str, given: f64, needed: f64) -> String {
+    let unit = if key.ends_with("start_speed") { "rad/s" } else { "m/s" };
     format!(
         "{} {unit} cannot hold at the start: drives, joints and the start velocities given before it need {} {unit}; give that value, or leave the key out",
         with_digits(given, 9),

@@ -92,9 +92,8 @@ pub fn failure_is_finite(failure: &SimulationFailure) -> bool {
     match failure {
         F::CannotAssemble { gap, angle, .. } => gap.is_finite() && angle.is_finite(),
         F::StartVelocity { given, needed, .. } => given.is_finite() && needed.is_finite(),
-        F::DeadPoint { time, angle, .. } | F::ChangePoint { time, angle, .. } => {
-            time.is_finite() && angle.is_finite()
-        }
+        F::DeadPoint { time, angle, .. } => time.is_finite() && angle.is_finite(),
+        F::ChangePoint { angle, .. } => angle.is_finite(),
         F::WornThrough { depth, wall, .. } => depth.is_finite() && wall.is_finite(),
         F::StepTooSmall { time, step, error, .. } => {
             time.is_finite() && step.is_finite() && error.is_finite()

@@ -178,12 +178,7 @@ fn dead_point(scene: &Scene, stop: &Stop) -> SimulationFailure {
 /// The failure, with the first driven body and its angle.
 fn change_point(scene: &Scene, stop: &Stop) -> SimulationFailure {
     let (body, angle) = drive(scene, stop.time);
-    SimulationFailure::ChangePoint {
-        joint: scene.joints[stop.joint].name.clone(),
-        time: stop.time,
-        body,
-        angle,
-    }
+    SimulationFailure::ChangePoint { joint: scene.joints[stop.joint].name.clone(), body, angle }
 }
 
 /// Name of the first driven body, and its angle at time `t` [s] [rad].

@@ -124,13 +124,11 @@ impl Closure<'_> {
         for (start, k, value) in of_bodies.filter_map(|(s, k)| Some((s, k, given[s.first + k]?))) {
             let (before, _) = self.nearest(gaps, starts, &held);
             held[start.first + k] = Some(value);
-            let (key, unit) =
-                [("start_velocity.x", "m/s"), ("start_velocity.y", "m/s"), ("start_speed", "rad/s")][k];
+            let key = ["start_velocity.x", "start_velocity.y", "start_speed"][k];
             failure = Some(SimulationFailure::StartVelocity {
                 key: format!("bodies.{}.{key}", self.scene.bodies[start.body].name),
                 given: value,
                 needed: before[start.first + k],
-                unit: unit.to_owned(),
             });
             let (found, open) = self.nearest(gaps, starts, &held);
             if !self.holds(gaps, starts, &found, open) {

@@ -109,8 +109,8 @@ fn issue_a_given_speed_that_cannot_hold_was_changed_silently() {
     ];
     for refused in refused {
         match refused {
-            Err(SimulationFailure::StartVelocity { key, given, needed, unit }) => {
-                assert_eq!((&*key, given, &*unit), ("bodies.rod.start_speed", 0.0, "rad/s"));
+            Err(SimulationFailure::StartVelocity { key, given, needed }) => {
+                assert_eq!((&*key, given), ("bodies.rod.start_speed", 0.0));
                 assert!((needed + 41.7335).abs() < 1e-3, "{needed}");
                 give(&mut scene, needed);
             }
@@ -158,10 +158,9 @@ fn issue_a_change_point_was_valid_in_one_command_and_a_step_too_small_in_another
     ];
     for verdict in verdicts {
         match verdict {
-            Err(SimulationFailure::ChangePoint { body, angle, time, .. }) => {
+            Err(SimulationFailure::ChangePoint { body, angle, .. }) => {
                 assert_eq!(body, "crank");
                 assert!((angle.to_degrees() - 180.0).abs() < 1e-3, "{} deg", angle.to_degrees());
-                assert!((time - scene.life.period / 3.0).abs() < 1e-5, "{time} s");
             }
             other => panic!("{other:?}"),
         }
