@@ -73,8 +73,7 @@ impl Recorder {
             moments: touched.map(|k| (k, MomentTrack::default())).collect(),
             peaks: Peaks::new(island, scene, requested),
             peak_forces: requested.peak_forces.then(|| vec![Largest::default(); joints]),
-            start_end: std::env::var("HWSTART").ok().and_then(|x| x.parse().ok()).unwrap_or(START)
-                * scene.life.period,
+            start_end: START * scene.life.period,
             last: None,
         }
     }

@@ -18,11 +18,6 @@ use common::failure::SimulationFailure;
 use common::outputs::UnsettledMotion;
 use std::f64::consts::{PI, TAU};
 
-macro_rules! dbg_line { ($($x:tt)*) => { if std::env::var("HWDEBUG").is_ok() { eprintln!($($x)*) } } }
-fn tunable(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(default)
-}
-
 /// Change of the state over a cycle, in the scales of the error control, up to which it counts as the same [1]. The scale is 1 % of the
 /// smallest clearance.
 const SAME: f64 = 0.1;
@@ -148,11 +143,11 @@ impl<'a> Run<'a> {
     pub(crate) async fn measure_first(&mut self) -> Result<(), SimulationFailure> {
         self.measure().await?;
         let change = self.change_over_cycle();
-        dbg_line!("first cycle: the state changes by {change}, {:?}", self.has_free_flight());
-        if std::env::var("NOSETTLE").is_ok()
-            || self.scene.life.is_single_cycle()
-            || change <= tunable("HWSAME", SAME)
-        {
+        tracing::debug!(
+            "over the first cycle the state changes by {change}; free flight: {}",
+            self.has_free_flight()
+        );
+        if self.scene.life.is_single_cycle() || change <= SAME {
             return Ok(());
         }
         if self.repetition.is_determined && self.has_free_flight() {
@@ -163,7 +158,7 @@ impl<'a> Run<'a> {
         let rest = match self.settle_further().await {
             Ok(rest) => rest,
             Err(failure) => {
-                dbg_line!("settling further failed: {failure}");
+                tracing::debug!("settling further failed: {failure}");
                 self.return_to(before.clone());
                 Rest { cycles: 0, is_settled: false, slowness: f64::INFINITY }
             }
@@ -262,8 +257,8 @@ impl<'a> Run<'a> {
             let to_come: Vec<Vec<f64>> = sequences.iter().map(StateSequence::to_come).collect();
             let largest = to_come.iter().map(|x| size(x)).fold(0.0, f64::max);
             let states = sequences[0].states.len();
-            dbg_line!("settling {}: {largest} still to come ({states} states)", rest.cycles);
-            rest.is_settled = largest <= tunable("HWTOL", tolerance) && states > 2;
+            tracing::debug!("settling {}: {largest} still to come ({states} states)", rest.cycles);
+            rest.is_settled = largest <= tolerance && states > 2;
             if states >= WINDOW && !rest.slowness.is_finite() {
                 rest.slowness = sequences.iter().map(StateSequence::slowness).fold(0.0, f64::max);
             }
@@ -317,9 +312,11 @@ impl<'a> Run<'a> {
         }
         for _ in 0..MOST_AGAIN {
             let change = self.change_over_cycle();
-            let early = self.starts_with_extreme();
-            dbg_line!("a worn cycle changes by {change}; early {early:?}");
-            if std::env::var("NOSETTLE").is_ok() || change <= tunable("HWSAME", SAME) || early.is_none() {
+            let early = if change > SAME { self.starts_with_extreme() } else { None };
+            tracing::debug!(
+                "over a worn cycle the state changes by {change}; output with an extreme in its start: {early:?}"
+            );
+            if early.is_none() {
                 break;
             }
             self.measure().await?;
