@@ -84,6 +84,8 @@ impl Study {
             id: 23,
             scene: source.text().to_owned(),
             accuracy: Accuracy::balanced(),
+            build: None,
+            shape: None,
             accuracy_name: "balanced".into(),
             simulator: Some(CampaignSimulator { id, timeout: 60.0, licences }),
             resumed: false,
