@@ -334,28 +334,6 @@ fn life_and_its_defaults() {
     assert_eq!(four_bar.nominal().life.settle_cycles, 1);
 }
 
-#[test]
-fn issue_an_undriven_machine_could_not_take_a_turn_of_a_body_as_its_cycle() {
-    let pendulum = SceneSource::builtin("pendulum").unwrap().text().to_owned();
-    let read = |period: &str, speed: &str| {
-        let text = pendulum.replacen("period = \"10 s\"", &format!("period = \"{period}\""), 1);
-        let text =
-            text.replacen("start_angle = \"-90 deg\"", &format!("start_angle = \"-90 deg\"{speed}"), 1);
-        SceneSource::parse(&text, "my.toml").map(|source| source.nominal().life)
-    };
-    let life = read("turn of pendulum", "\nstart_speed = \"-5 rad/s\"").unwrap();
-    assert_eq!(life.turn_of, Some(1));
-    same(&[life.period], &[std::f64::consts::TAU / 5.0]);
-    for (period, said) in [
-        ("turn of pendulum", "bodies.pendulum.start_speed"),
-        ("turn of pendlum", "did you mean"),
-        ("turn of frame", "is fixed"),
-    ] {
-        let faults = read(period, "").unwrap_err().to_string();
-        assert!(faults.contains(said), "{period}: {faults}");
-    }
-}
-
 /// With one driven body the cycle is its turn or its table.
 #[test]
 fn the_period_is_that_of_the_only_drive() {

@@ -105,3 +105,25 @@ fn the_slider_crank_has_the_numbers_of_its_source() {
     assert_eq!((pin.contact_damping, pin.film_damping), (damping, 0.0));
     assert_eq!((scene.outputs.len(), scene.limit_states.len(), scene.variables.len()), (4, 1, 5));
 }
+
+#[test]
+fn issue_an_undriven_machine_could_not_take_a_turn_of_a_body_as_its_cycle() {
+    let pendulum = SceneSource::builtin("pendulum").unwrap().text().to_owned();
+    let read = |period: &str, speed: &str| {
+        let text = pendulum.replacen("period = \"10 s\"", &format!("period = \"{period}\""), 1);
+        let text =
+            text.replacen("start_angle = \"-90 deg\"", &format!("start_angle = \"-90 deg\"{speed}"), 1);
+        SceneSource::parse(&text, "my.toml").map(|source| source.nominal().life)
+    };
+    let life = read("turn of pendulum", "\nstart_speed = \"-5 rad/s\"").unwrap();
+    assert_eq!(life.turn_of, Some(1));
+    assert!((life.period - std::f64::consts::TAU / 5.0).abs() < 1e-15);
+    for (period, said) in [
+        ("turn of pendulum", "bodies.pendulum.start_speed"),
+        ("turn of pendlum", "did you mean"),
+        ("turn of frame", "is fixed"),
+    ] {
+        let faults = read(period, "").unwrap_err().to_string();
+        assert!(faults.contains(said), "{period}: {faults}");
+    }
+}

@@ -127,21 +127,6 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Simulates the scene's settling cycles from the state of the ideal mechanism, in which the journals come into contact with
-    /// their bores.
-    ///
-    /// # Errors
-    /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn settle(&mut self) -> Result<(), SimulationFailure> {
-        let period = self.scene.life.period;
-        for cycle in (1..=self.scene.life.settle_cycles).rev() {
-            let start = -f64::from(cycle) * period;
-            self.integrate(start..start + period, false).await?;
-            self.simulated += 1;
-        }
-        Ok(())
-    }
-
     /// Simulates a cycle from the present state without recording it; the time steps start small.
     ///
     /// # Errors

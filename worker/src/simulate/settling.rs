@@ -136,6 +136,21 @@ impl<'a> Run<'a> {
         self.islands.iter().map(|state| size(&state.change_over_cycle(period))).fold(0.0, f64::max)
     }
 
+    /// Simulates the scene's settling cycles from the state of the ideal mechanism, in which the journals come into contact with
+    /// their bores.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if the integration stops.
+    pub(crate) async fn settle(&mut self) -> Result<(), SimulationFailure> {
+        let period = self.scene.life.period;
+        for cycle in (1..=self.scene.life.settle_cycles).rev() {
+            let start = -f64::from(cycle) * period;
+            self.integrate(start..start + period, false).await?;
+            self.simulated += 1;
+        }
+        Ok(())
+    }
+
     /// Measures the first cycle, of a motion that has settled if it settles.
     ///
     /// # Errors

@@ -33,5 +33,6 @@ mod side_by_side;
 mod single_cycle;
 mod start_motion;
 mod transformed;
+mod turn_of_body;
 mod within_blocks;
 mod worn_guides;
