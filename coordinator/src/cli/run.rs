@@ -23,6 +23,7 @@ use coordinator::analyses::scene_settings::scene_with;
 use coordinator::presentation::motion_cautions::motion_cautions;
 use coordinator::presentation::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
 use coordinator::presentation::terminal::{Terminal, final_text, print_message};
+use coordinator::results::control_points::control_points_rows;
 use coordinator::results::store::{CampaignFile, CampaignMeta};
 use coordinator::results::summary::StudySummary;
 use coordinator::study::{Method, Settings};

@@ -198,6 +198,7 @@ impl Run<'_> {
                 state.stepper.control.after_jump();
             }
             finer.measure().await?;
+            finer.measure_after_transient().await?;
         }
         self.add_counts(&finer);
         Ok(finer.measured)

@@ -322,6 +322,14 @@ impl<'a> Run<'a> {
     /// [`SimulationFailure`] if the integration stops.
     pub(crate) async fn next_settled_cycle(&mut self) -> Result<(), SimulationFailure> {
         self.next_cycle().await?;
+        self.measure_after_transient().await
+    }
+
+    /// Measures the cycle after the one just measured, as long as that begins with a transient which sets an output.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if the integration stops.
+    pub(crate) async fn measure_after_transient(&mut self) -> Result<(), SimulationFailure> {
         if self.repetition.is_irregular {
             return Ok(());
         }
