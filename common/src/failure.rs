@@ -302,7 +302,7 @@ fn softer(joint: &Option<String>) -> &'static str {
 /// How far the start positions leave a joint open.
 fn open_joint(joint: &str, gap: f64, angle: f64) -> String {
     let turned = match rounded(angle.to_degrees()).as_str() {
-        "0" => String::new(),
+        "0" | "-0" => String::new(),
         degrees => format!(" and turned by {degrees} deg"),
     };
     format!(

@@ -88,6 +88,12 @@ impl<'a> Context<'a> {
         Ok(self.problem.inputs(&self.reference, values)?)
     }
 
+    /// The design found, with its reliabilities by the surrogates of a campaign there.
+    fn assessed(&self, solved: &Solved, learned: &CampaignResult) -> Solved {
+        let values = self.reliability(learned, &solved.y).targets(&solved.y).unwrap_or_default();
+        Solved { values, ..solved.clone() }
+    }
+
     /// True if two designs are next to each other.
     fn are_near(&self, a: &InputModel, b: &InputModel) -> bool {
         a.variables().iter().zip(b.variables()).enumerate().all(|(k, (a_law, b_law))| {
@@ -166,9 +172,7 @@ pub fn optimise(
         if near && ended {
             // The surrogates of the last campaign, assessed at the optimum itself.
             learned = campaign.learn(&inputs, 0, pf, simulate)?;
-            let reliability = context.reliability(&learned, &solved.y);
-            let values = reliability.targets(&solved.y).unwrap_or_default();
-            let solved = Solved { values, ..solved.clone() };
+            let solved = context.assessed(&solved, &learned);
             // A design on the edge of the region is no optimum.
             if trust::held(&region, &solved.y).is_empty() && context.is_accurate(&solved, &learned) {
                 break (solved, region, None);
@@ -182,7 +186,7 @@ pub fn optimise(
             } else {
                 format!("{MOST_ROUNDS} rounds have passed")
             };
-            break (solved, region, Some(reason));
+            break (context.assessed(&solved, &learned), region, Some(reason));
         }
         learned = if near {
             campaign.learn(&inputs, left, pf, simulate)?

@@ -152,6 +152,7 @@ impl ProblemReader<'_> {
             // A unit of the simulator, which is only displayed.
             Err(_) => (NUMBER, 1.0),
         };
+        let symbol = if symbol == "1" { String::new() } else { symbol };
         VariableUnit { kind, printed: PrintedUnit { symbol, si } }
     }
 

@@ -248,6 +248,11 @@ fn issue_the_edge_of_the_trust_region_is_neither_an_optimum_nor_the_end_of_the_b
     for budget in [0, 5] {
         let found = run(&far, &problem, budget, &youn_choi);
         assert!(!found.feasible && !found.confirmed && !found.supports_all(), "{budget} {found:?}");
+        // Both estimates of a reliability are those of the surrogates at the design found.
+        for target in &found.targets {
+            let error = target.standard_error.hypot(target.counted_standard_error);
+            assert!((target.reliability - target.counted).abs() < 4.0 * error + 1e-4, "{budget} {target:?}");
+        }
         let text = markdown(&found);
         assert!(text.contains("Within what the simulations support, no design meets every target"), "{text}");
         assert!(text.contains("trust region of x") && !text.contains("within the bounds**"), "{text}");

@@ -149,6 +149,12 @@ fn every_fault_of_a_file_is_named_with_line_and_column() {
     }
     let both = faults("A,400,depth,1,1\n# a comment\n\nB,x,wear,1,1");
     assert!(both.contains("line 1") && both.contains("line 4"), "{both}");
+    // A comma within a number shifts what follows, which is not judged.
+    let shifted = faults("A,400,wear,9,000,1");
+    assert!(
+        shifted.starts_with("line 1, column error: 6 cells") && shifted.lines().count() == 1,
+        "{shifted}"
+    );
     // All faults of a row, and of what was meant.
     let row = faults(",4000,waer,1 N,0");
     for column in ["unit", "cycles", "quantity", "value", "error"] {

@@ -97,9 +97,13 @@ impl<'a> RowReader<'a> {
     /// Unit and observation of the row; `None` with a fault.
     fn read(&mut self, line: u64) -> Option<(String, Observation)> {
         if self.cells.len() > COLUMNS.len() {
-            let what =
-                format!("{} cells, expected {}: {}", self.cells.len(), COLUMNS.len(), COLUMNS.join(", "));
+            let (found, expected, names) = (self.cells.len(), COLUMNS.len(), COLUMNS.join(", "));
+            let what = format!(
+                "{found} cells, expected {expected}: {names}; a comma within a number separates cells, too"
+            );
             self.fault(COLUMNS.len() - 1, what);
+            // Which cells are meant for which column is not known.
+            return None;
         }
         if self.cell(0).is_empty() {
             self.fault(0, "is empty: expected the name of the unit".to_owned());

@@ -17,6 +17,7 @@ pub fn no_simulated_failure(summary: &StudySummary) -> Option<String> {
                 format!("; the surrogates alone predict P_f < {predicted:.1e}").replace('-', "\u{2212}");
             (*samples, *bound, predicted)
         }
+        None if summary.untested.is_some() => return summary.untested.as_ref().map(of_limit_states),
         None => {
             // A study by an earlier version. The first evaluation of its design is the nominal one, which is no sample.
             let samples = counts.initial.saturating_sub(1 + counts.failed);
@@ -40,6 +41,17 @@ pub fn no_simulated_failure(summary: &StudySummary) -> Option<String> {
         count(samples as u64),
         three_digits(bound)
     ))
+}
+
+/// The caution where no simulation has tested single limit states, but some the system.
+fn of_limit_states(untested: &UntestedRow) -> String {
+    format!(
+        "no simulation exceeded the limit of {} where its failures would lie: its P_f is bounded by that of the whole system and by \
+         the {} samples of the initial design alone, counted as independent, P_f < {} (95 %) over the whole life studied",
+        untested.curves.join(", "),
+        count(untested.samples as u64),
+        three_digits(untested.bound)
+    )
 }
 
 /// A line per limit state whose output has steps at its limit, or whose simulations are noisy, with what helps.
@@ -79,5 +91,9 @@ mod tests {
             said.contains("The 118 samples of the initial design") && said.contains("P_f < 0.0251 (95 %)"),
             "{said}"
         );
+        let curves = vec!["play".to_owned()];
+        summary.untested = Some(UntestedRow { curves, samples: 11, bound: 0.2384, predicted: 0.5 });
+        let said = no_simulated_failure(&summary).unwrap();
+        assert!(said.contains("the limit of play") && said.contains("P_f < 0.238 (95 %)"), "{said}");
     }
 }
