@@ -299,16 +299,15 @@ fn softer(joint: &Option<String>) -> &'static str {
     }
 }
 
+/// Gap [m] and angle [rad] that are rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// How far the start positions leave a joint open.
 fn open_joint(joint: &str, gap: f64, angle: f64) -> String {
-    let turned = match rounded(angle.to_degrees()).as_str() {
-        "0" | "-0" => String::new(),
-        degrees => format!(" and turned by {degrees} deg"),
-    };
-    format!(
-        "the start positions contradict joint {joint} most, where it is open by {} mm{turned}",
-        rounded(1e3 * gap)
-    )
+    let open = (gap > ROUNDING).then(|| format!("open by {} mm", rounded(1e3 * gap)));
+    let turned = (angle.abs() > ROUNDING).then(|| format!("turned by {} deg", rounded(angle.to_degrees())));
+    let apart: Vec<String> = open.into_iter().chain(turned).collect();
+    format!("the start positions contradict joint {joint} most, where it is {}", apart.join(" and "))
 }
 
 /// What is wrong with a start velocity, and which value is right.
@@ -384,5 +383,11 @@ mod tests {
         assert!(out(9, 8000.0).starts_with("at cycle 9, t = 2.222 h"));
         let numbers = [0.0, 1.0, 2.5e-13, -1234567.8, 8.0e9].map(rounded);
         assert_eq!(numbers, ["0", "1", "2.5e-13", "-1235000", "8e9"]);
+    }
+
+    #[test]
+    fn issue_an_open_joint_was_said_to_be_turned_by_minus_zero() {
+        assert!(open_joint("pin", 0.1, -0.0).ends_with("where it is open by 100 mm"));
+        assert!(open_joint("weld", 3.469e-18, 0.5).ends_with("where it is turned by 28.65 deg"));
     }
 }

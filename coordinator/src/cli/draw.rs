@@ -97,7 +97,7 @@ fn write_picture(file: &Path, figure: &Figure) -> Result<(), CommandError> {
 /// As those of [`draw`].
 pub fn write_drawing(source: &SceneSource, file: &Path) -> Result<(), CommandError> {
     let scene = source.nominal();
-    check_linkage(source.origin(), &source, scene)?;
+    check_linkage(source.origin(), source, scene)?;
     let mechanism = Mechanism::new(scene);
     let drawn = drawn(source.origin(), scene, &mechanism, SHARE_OF_CYCLE)?;
     write_picture(file, &drawing::figure(&drawn, &mechanism))
