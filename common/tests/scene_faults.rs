@@ -29,7 +29,7 @@ fn units_and_expressions() {
     one_fault(
         "[scene]",
         "[scene]\ncontrol_points_of_model = 36",
-        "scene.control_points_of_model: 36 is a whole number, expected true or false",
+        "scene.control_points_of_model: 36 is a number, expected true or false",
     );
     one_fault(
         "width = \"width\"",

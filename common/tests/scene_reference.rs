@@ -108,7 +108,7 @@ fn language(table: &Table, path: &str, found: &mut BTreeSet<String>) {
 }
 
 fn known() -> BTreeSet<String> {
-    let mut known = BTreeSet::from(["extends", "without", "above"].map(str::to_owned));
+    let mut known = BTreeSet::from(["extends", "without", "above", "source"].map(str::to_owned));
     for text in SIMULATORS.into_iter().chain([EVERYTHING]) {
         SceneSource::parse(text, "scene").unwrap();
         language(&text.parse().unwrap(), "", &mut known);

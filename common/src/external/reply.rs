@@ -297,9 +297,15 @@ mod tests {
                 Some(json!({ "g": [0, -1] })),
                 "the error of output \"g\" is below 0",
             ),
-            (json!({ "g": [1, 2], "h": 1 }), Some(json!({ "h": "NaN" })), "the error of output \"h\" is NaN"),
         ] {
             assert_eq!(evaluation(outputs, errors), Err(said.to_owned()));
+        }
+        // Of one sample only, as a value that is no number.
+        for error in ["NaN", "1e200"] {
+            let errors = parse(&format!("{{\"h\": {error}}}")).unwrap();
+            let found = evaluation(json!({ "g": [1, 2], "h": 1 }), Some(errors)).unwrap();
+            let said = found.unwrap_err().to_string();
+            assert_eq!(said, format!("the simulator returned {error} for output h (its error) at cycle 100"));
         }
     }
 

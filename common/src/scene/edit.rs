@@ -30,7 +30,18 @@ pub(super) fn rewritten(texts: &[&str], document: &Table) -> String {
         text.to_string()
     });
     let is_right = |text: &String| text.parse::<Table>().is_ok_and(|found| found == *document);
-    edited.filter(is_right).unwrap_or_else(|| toml::to_string(document).expect("a scene is a table of TOML"))
+    let kept = edited.filter(is_right);
+    let text =
+        kept.unwrap_or_else(|| toml::to_string(document).expect("a scene is a table of TOML"));
+    // Each text may begin with what it is about.
+    let others = &texts[..texts.len().saturating_sub(1)];
+    let heads = others.iter().map(|text| head(text)).filter(|head| !head.is_empty());
+    heads.map(|head| head + "\n").chain([text]).collect()
+}
+
+/// The comment at the head of a text.
+fn head(text: &str) -> String {
+    text.lines().take_while(|line| line.starts_with('#')).map(|line| format!("{line}\n")).collect()
 }
 
 /// Gives a table these contents; `others` are the same table in other texts.
@@ -306,7 +317,7 @@ rows = [
         document["bodies"].as_array_mut().unwrap().push(row.into());
         let text = rewritten(&[own, TEXT], &document);
         assert_eq!(text.parse::<Table>().unwrap(), document);
-        for line in TEXT.replace("'crank'", "\"mine\"").replace("2_000 g", "3 kg").lines() {
+        for line in TEXT.replace("'crank'", "'mine'").replace("2_000 g", "3 kg").lines() {
             assert!(text.contains(line), "{line}\n{text}");
         }
         assert!(text.contains("# A rod.\n[[bodies]]\nname = \"rod\" # new\n"), "{text}");
