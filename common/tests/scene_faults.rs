@@ -195,8 +195,8 @@ fn references_and_names() {
     );
     one_fault(
         "contact_law = \"local-hertz\"",
-        "contact_law = \"herz\"",
-        "\"herz\" is unknown; allowed: local-hertz, hertz, foundation",
+        "contact_law = \"hertz\"",
+        "\"hertz\" is unknown; allowed: local-hertz, foundation",
     );
     one_fault("motion = \"fixed\"", "motion = \"free-flying\"", "\"free-flying\" is unknown");
     one_fault(

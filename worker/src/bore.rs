@@ -188,14 +188,6 @@ impl Profile {
 /// the second, and so on `(lanes, points, 4)`.
 #[inline(always)]
 fn look_up<R: Real>(psi: R, points: usize, per_radian: f64, cubics: &[[f64; 4]]) -> Radius<R> {
-    let (interval, fraction) = locate(psi, points, per_radian);
-    cubic_at(interval.columns(cubics, points), fraction, per_radian)
-}
-
-/// Number of the interval among `points` equal ones of a turn that contains the angle `psi` in (-2 pi, 2 pi), in the last bits of a number, and the fraction of that
-/// interval; `per_radian` is the number of intervals per radian.
-#[inline(always)]
-pub(crate) fn locate<R: Real>(psi: R, points: usize, per_radian: f64) -> (R, R) {
     /// Added to a number in [0, 2^32), leaves the nearest whole number in the last bits.
     const SHIFT: f64 = 4503599627370496.0;
     let (zero, n) = (psi.zero(), psi.like(points as f64));
@@ -204,7 +196,7 @@ pub(crate) fn locate<R: Real>(psi: R, points: usize, per_radian: f64) -> (R, R) 
     // Whole numbers belong to either neighbour: n to the last interval. NaN takes the first one, and stays NaN.
     let whole = (x - 0.5).larger(zero).smaller(n - 1.0) + SHIFT;
     let floor = whole - SHIFT;
-    (whole, x - floor)
+    cubic_at(whole.columns(cubics, points), x - floor, per_radian)
 }
 
 /// Radius and derivatives of a cubic at the fraction `s` of its interval, `k` intervals per radian.

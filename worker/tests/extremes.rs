@@ -1,4 +1,4 @@
-//! The flapping-wing drive at the edges of its model, all contact laws: every case agrees with half the step within its
+//! The flapping-wing drive at the edges of its model, both contact laws: every case agrees with half the step within its
 //! stated error, or says why it has no result.
 //!
 //! Refused, within a bound of 100 000 steps a cycle that keeps this test short, and why:

@@ -250,18 +250,15 @@ pub enum ContactLaw {
     LocalHertz,
     /// Linear elastic (Winkler) foundation along the bore.
     Foundation,
-    /// F = K_n delta^1.5 with the penetration measured where the journal touches, along the normal there: the gradient of (2/5) K_n delta^2.5.
-    Hertz,
 }
 
 impl ContactLaw {
     /// Every contact law.
-    pub const ALL: [ContactLaw; 3] = [ContactLaw::LocalHertz, ContactLaw::Hertz, ContactLaw::Foundation];
+    pub const ALL: [ContactLaw; 2] = [ContactLaw::LocalHertz, ContactLaw::Foundation];
 
     /// Name of the law in a scene file.
     pub fn name(self) -> &'static str {
         match self {
-            ContactLaw::Hertz => "hertz",
             ContactLaw::LocalHertz => "local-hertz",
             ContactLaw::Foundation => "foundation",
         }
@@ -270,9 +267,6 @@ impl ContactLaw {
     /// Model and properties of the law, in one line.
     pub fn explanation(self) -> &'static str {
         match self {
-            ContactLaw::Hertz => {
-                "F = K delta^1.5 along the normal where the journal touches; stays conservative as the bore wears"
-            }
             ContactLaw::LocalHertz => {
                 "F = K delta^1.5 along the eccentricity; cheap, but on a worn bore it feeds energy into vibration"
             }

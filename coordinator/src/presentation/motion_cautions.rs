@@ -38,7 +38,7 @@ fn unphysical_work(energy: &EnergyBalance, cycle: &str) -> Option<String> {
         format!(
             "in the {cycle} cycle of the nominal mechanism the contact law local-hertz does {work} J of work that no real contact does, {:.0} % of the \
              {through} J that go through it: this law is not conservative on a worn bore, and the vibration that it maintains changes forces, wear \
-             and lives, whatever the accuracy; compare with contact_law = \"hertz\"",
+             and lives, whatever the accuracy; compare with contact_law = \"foundation\"",
             100.0 * share
         )
     })

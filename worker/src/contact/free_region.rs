@@ -29,7 +29,7 @@ use std::f64::consts::TAU;
 /// Fewest angles at which the bore is tabulated: half a degree apart, so that the edges of a groove are found within that.
 const ANGLES: usize = 720;
 /// Smallest gap that counts, as a share of the journal's radius [1]: a bore whose worn surface crosses the journal leaves a play of nothing.
-pub(super) const LEAST_GAP: f64 = 1e-12;
+const LEAST_GAP: f64 = 1e-12;
 
 /// Eccentricities at which the surfaces of a joint do not touch.
 #[derive(Debug, Clone)]
@@ -139,7 +139,7 @@ impl<'a> FreeRegion<'a> {
 }
 
 /// Indices of the points u / G `(n,)` on their convex hull, ascending.
-pub(super) fn hull(gap: &[f64], unit: &[[f64; 2]]) -> Vec<usize> {
+fn hull(gap: &[f64], unit: &[[f64; 2]]) -> Vec<usize> {
     let n = gap.len();
     let point = |k: usize| unit[k].map(|x| x / gap[k]);
     // The farthest point is on the hull.

@@ -39,10 +39,8 @@ pub(super) trait Law {
 /// Distribution of the contact pressure along the bore, for wear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pressure {
-    /// Uniform along the contact arc AB between journal circle and bore, about the direction of the eccentricity.
-    UniformAboutEccentricity,
-    /// Uniform along that arc, about the place where the journal touches.
-    UniformAboutNormal,
+    /// Uniform along the contact arc AB between journal circle and bore.
+    UniformOverArc,
     /// That of an elastic foundation.
     Foundation,
 }

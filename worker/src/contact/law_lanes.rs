@@ -1,18 +1,16 @@
 //! One contact law, with the constants and the bore of another joint in each lane.
 //!
 //! # Source
-//! The laws: see [`LocalHertz`], [`Hertz`] and [`Foundation`].
+//! The laws: see [`LocalHertz`] and [`Foundation`].
 
 use super::arc::{Arc, Arcs};
 use super::arc_cells::ArcCells;
 use super::foundation::Foundation;
-use super::hertz::Hertz;
 use super::integrals::Integrals;
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::journal::{Surfaces, within_a_turn, worn_radius};
 use super::journal_lanes::JournalLanes;
 use super::local_hertz::{LocalHertz, PolarEccentricity, Walls};
-use super::touch::Touch;
 use super::{Contact, Surface};
 use crate::bore::{Bore, Bores, Radius};
 use crate::lanes::{Lanewise, Real};
@@ -23,8 +21,6 @@ use std::cell::RefCell;
 pub enum LawLanes<R> {
     /// Hertz's force along the eccentricity, with one bore per lane, and the depths of one journal if that wears.
     LocalHertz(LocalHertz<R>, Bores, Option<Bores>),
-    /// Hertz's force where the journal touches, with the same.
-    Hertz(Hertz<R>, Bores, Option<Bores>),
     /// Elastic foundation along the bore, with one bore per lane.
     Foundation(Foundation<R, ArcLanes<R>>),
     /// Elastic foundation along the bore, with one bore and one worn journal per lane.
@@ -63,19 +59,10 @@ impl<R: Real> LawLanes<R> {
     pub(crate) fn new(contact: &Contact, surfaces: Surfaces, like: R) -> Self {
         let surface = contact.surface().in_lanes(like);
         let Surfaces { bore, journal } = surfaces;
-        let profiles = || {
-            let journals = journal.map(|journal| Bores::new(journal.worn(), R::LANES));
-            (Bores::new(bore, R::LANES), journals)
-        };
         match contact {
             Contact::LocalHertz(_) => {
-                let (bores, journals) = profiles();
-                LawLanes::LocalHertz(LocalHertz { surface }, bores, journals)
-            }
-            Contact::Hertz(law) => {
-                let (bores, journals) = profiles();
-                let starts = law.starts.repeated(R::LANES);
-                LawLanes::Hertz(Hertz { surface, starts, sweep: law.sweep }, bores, journals)
+                let journals = journal.map(|journal| Bores::new(journal.worn(), R::LANES));
+                LawLanes::LocalHertz(LocalHertz { surface }, Bores::new(bore, R::LANES), journals)
             }
             Contact::Foundation(law) => {
                 let modulus = law.modulus.in_lanes(like);
@@ -98,7 +85,6 @@ impl<R: Real> LawLanes<R> {
     fn surface_mut(&mut self) -> &mut Surface<R> {
         match self {
             LawLanes::LocalHertz(law, ..) => &mut law.surface,
-            LawLanes::Hertz(law, ..) => &mut law.surface,
             LawLanes::Foundation(law) => &mut law.surface,
             LawLanes::FoundationWithJournal(law) => &mut law.surface,
         }
@@ -109,7 +95,6 @@ impl<R: Real> LawLanes<R> {
     pub(crate) fn surface(&self) -> &Surface<R> {
         match self {
             LawLanes::LocalHertz(law, ..) => &law.surface,
-            LawLanes::Hertz(law, ..) => &law.surface,
             LawLanes::Foundation(law) => &law.surface,
             LawLanes::FoundationWithJournal(law) => &law.surface,
         }
@@ -120,7 +105,7 @@ impl<R: Real> LawLanes<R> {
     #[inline(always)]
     pub(crate) fn follow_approach(
         &mut self,
-        (place, touch): (&PolarEccentricity<R>, &Touch<R>),
+        (place, walls): (&PolarEccentricity<R>, &Walls<R>),
         motion: &JointMotion<R>,
         penetration: R,
     ) {
@@ -128,8 +113,7 @@ impl<R: Real> LawLanes<R> {
             return;
         }
         let approach = match self {
-            LawLanes::LocalHertz(law, ..) => law.approach(place, &touch.walls, motion),
-            LawLanes::Hertz(law, ..) => law.approach(place, touch, motion),
+            LawLanes::LocalHertz(law, ..) => law.approach(place, walls, motion),
             LawLanes::Foundation(law) => law.approach(motion, penetration),
             LawLanes::FoundationWithJournal(law) => law.approach_with_journal(motion, penetration),
         };
@@ -139,14 +123,13 @@ impl<R: Real> LawLanes<R> {
     /// Replaces a lane by a joint with the same law and its surfaces, of which the same wear.
     pub(crate) fn set(&mut self, lane: usize, contact: &Contact, surfaces: Surfaces) {
         contact.surface().write_lane::<R>(lane, self.surface_mut());
-        if let LawLanes::LocalHertz(_, bores, journals) | LawLanes::Hertz(_, bores, journals) = self {
-            bores.set(lane, surfaces.bore);
-            if let Some((journals, journal)) = journals.as_mut().zip(surfaces.journal) {
-                journals.set(lane, journal.worn());
-            }
-        }
         match (self, contact) {
-            (LawLanes::Hertz(to, ..), Contact::Hertz(from)) => to.starts.set(lane, &from.starts),
+            (LawLanes::LocalHertz(_, bores, journals), _) => {
+                bores.set(lane, surfaces.bore);
+                if let Some((journals, journal)) = journals.as_mut().zip(surfaces.journal) {
+                    journals.set(lane, journal.worn());
+                }
+            }
             (LawLanes::Foundation(to), Contact::Foundation(from)) => {
                 from.modulus.write_lane::<R>(lane, &mut to.modulus);
                 to.arc.set(lane, from.arc.clone());
@@ -157,52 +140,43 @@ impl<R: Real> LawLanes<R> {
                     to.arc.set(lane, &from.arc, journal, from.surface.journal_radius);
                 }
             }
-            _ => {}
+            (LawLanes::Foundation(_) | LawLanes::FoundationWithJournal(_), Contact::LocalHertz(_)) => {}
         }
     }
 
     /// Leaves a lane idle: its bore takes no time until [`Self::set`] replaces it.
     pub(crate) fn leave_idle(&mut self, lane: usize) {
         match self {
-            LawLanes::LocalHertz(..) | LawLanes::Hertz(..) => {}
+            LawLanes::LocalHertz(..) => {}
             LawLanes::Foundation(law) => law.arc.set(lane, Arc::out_of_reach()),
             LawLanes::FoundationWithJournal(law) => law.arc.leave_idle(lane),
         }
     }
 
-    /// Where the journal touches at this eccentricity and the surfaces there, with the journal turned by `turn` [rad]; zeros under
-    /// [`Foundation`], whose arcs look them up themselves.
+    /// Surfaces at the place of a contact, with the journal turned by `turn` [rad]; zeros under [`Foundation`], whose arcs look them up
+    /// themselves.
     #[inline(always)]
-    pub(crate) fn touch(&self, place: &PolarEccentricity<R>, turn: R) -> Touch<R> {
-        let (law, bores, journals) = match self {
-            LawLanes::LocalHertz(law, bores, journals) => (law, bores, journals),
-            LawLanes::Hertz(law, bores, journals) => {
-                return law.touch((bores, journals.as_ref()), place, turn);
-            }
-            LawLanes::Foundation(_) | LawLanes::FoundationWithJournal(_) => {
-                let nothing = place.psi.zero();
-                let bore = Radius { r: nothing, d1: nothing, d2: nothing };
-                return Touch { u: [nothing; 2], walls: Walls { bore, journal: None } };
-            }
+    pub(crate) fn walls(&self, place: &PolarEccentricity<R>, turn: R) -> Walls<R> {
+        let LawLanes::LocalHertz(law, bores, journals) = self else {
+            let nothing = place.psi.zero();
+            return Walls { bore: Radius { r: nothing, d1: nothing, d2: nothing }, journal: None };
         };
-        let (u, bore) = (place.u, bores.radius_at(place.psi));
-        let Some(journals) = journals else { return Touch { u, walls: Walls { bore, journal: None } } };
+        let bore = bores.radius_at(place.psi);
+        let Some(journals) = journals else { return Walls { bore, journal: None } };
         let depth = journals.radius_at(within_a_turn(place.psi - turn));
-        let journal = Some(worn_radius(law.surface.journal_radius, depth));
-        Touch { u, walls: Walls { bore, journal } }
+        Walls { bore, journal: Some(worn_radius(law.surface.journal_radius, depth)) }
     }
 
-    /// Force on the journal at this eccentricity and contact; with `JACOBIAN` its exact derivative, else no slopes.
+    /// Force on the journal at this place of the contact and these surfaces; with `JACOBIAN` its exact derivative, else no slopes.
     #[inline(always)]
     pub(crate) fn force<const JACOBIAN: bool>(
         &self,
-        (place, touch): (&PolarEccentricity<R>, &Touch<R>),
+        (place, walls): (&PolarEccentricity<R>, &Walls<R>),
         motion: &JointMotion<R>,
     ) -> (JointForce<R>, ForceSlopes<R>) {
         match self {
-            LawLanes::LocalHertz(law, _, None) => law.force::<JACOBIAN, false>(place, &touch.walls, motion),
-            LawLanes::LocalHertz(law, ..) => law.force::<JACOBIAN, true>(place, &touch.walls, motion),
-            LawLanes::Hertz(law, ..) => law.force::<JACOBIAN>(place, touch, motion),
+            LawLanes::LocalHertz(law, _, None) => law.force::<JACOBIAN, false>(place, walls, motion),
+            LawLanes::LocalHertz(law, ..) => law.force::<JACOBIAN, true>(place, walls, motion),
             LawLanes::Foundation(law) => law.force::<JACOBIAN>(motion),
             LawLanes::FoundationWithJournal(law) => law.force_with_journal::<JACOBIAN>(motion),
         }

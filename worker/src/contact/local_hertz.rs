@@ -36,10 +36,10 @@ pub struct LocalHertz<R = f64> {
 #[derive(Debug, Clone, Copy)]
 pub struct PolarEccentricity<R> {
     /// Size |e| of the eccentricity [m], and its inverse [1/m].
-    pub(super) size: R,
+    size: R,
     inverse: R,
     /// Unit vector u of the eccentricity `(2,)` [1].
-    pub(super) u: [R; 2],
+    u: [R; 2],
     /// Angle of u [rad].
     pub psi: R,
 }
@@ -282,7 +282,7 @@ impl Law for LocalHertz {
     }
 
     fn pressure(&self) -> Pressure {
-        Pressure::UniformAboutEccentricity
+        Pressure::UniformOverArc
     }
 
     #[inline(always)]

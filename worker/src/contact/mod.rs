@@ -33,9 +33,6 @@ mod foundation;
 mod foundation_journal;
 mod free_region;
 mod guide_reaction;
-mod hertz;
-#[cfg(test)]
-mod hertz_tests;
 mod integrals;
 mod joint_force;
 mod journal;
@@ -53,9 +50,6 @@ mod stretch;
 mod surface;
 #[cfg(test)]
 mod tests;
-mod touch;
-mod touch_starts;
-mod touch_sweep;
 mod turned_arc;
 mod turned_cells;
 #[cfg(test)]
@@ -73,7 +67,6 @@ pub(crate) use foundation::FoundationLoad;
 pub(crate) use foundation_journal::FoundationWithJournal;
 pub(crate) use free_region::FreeRegion;
 pub use guide_reaction::{GuideReaction, PADS};
-pub use hertz::Hertz;
 pub use joint_force::{ForceSlopes, JointForce, JointMotion};
 pub use journal::{Journal, Surfaces};
 pub(crate) use law::Pressure;
@@ -83,7 +76,6 @@ pub(crate) use pad::{PadForce, pad_force};
 pub(crate) use stiffness::equivalent_penetration;
 pub use stiffness::hertz_stiffness;
 pub use surface::Surface;
-pub use touch::Touch;
 pub(crate) use turned_arc::StretchParts;
 
 use crate::bore::Profile;
@@ -126,7 +118,7 @@ macro_rules! contact_laws {
     };
 }
 
-contact_laws!(LocalHertz, Hertz, Foundation);
+contact_laws!(LocalHertz, Foundation);
 
 impl Contact {
     /// The contact law of a checked joint, on an unworn bore.
@@ -147,19 +139,14 @@ impl Contact {
     /// An unworn journal with `points` control points in a joint with this law.
     pub fn new_journal(&self, points: usize) -> Journal {
         match self {
+            Contact::LocalHertz(law) => Journal::new(law.surface.journal_radius, points, None),
             Contact::Foundation(law) => law.new_journal(points),
-            _ => Journal::new(self.surface().journal_radius, points, None),
         }
     }
 
     /// True if both have the same law.
     pub(crate) fn has_same_law(&self, other: &Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(other)
-    }
-
-    /// True if the elastic force has a potential, whatever the bore.
-    pub(crate) fn is_conservative(&self) -> bool {
-        !matches!(self, Contact::LocalHertz(_))
     }
 
     /// Distribution of the contact pressure, which decides where the bore wears.

@@ -15,7 +15,7 @@ use super::placed::Placed;
 use super::prescribed::Prescribed;
 use super::wearing_joint::WearingJoint;
 use crate::contact::{
-    ForceSlopes, GuideReaction, JointForce, JointMotion, LawLanes, PolarEccentricity, Touch,
+    ForceSlopes, GuideReaction, JointForce, JointMotion, LawLanes, PolarEccentricity, Walls,
 };
 use crate::integrate::{Band, Closed, Dynamics, Linearised, SteppedLanes};
 use crate::lanes::{Lanewise, Real};
@@ -255,7 +255,7 @@ fn even_rotation<R: Real>(motions: &[Prescribed], like: R) -> Option<[R; 2]> {
 
 impl<R: Real> Touching<R> for JointLanes<R> {
     type Place = PolarEccentricity<R>;
-    type Wall = Touch<R>;
+    type Wall = Walls<R>;
 
     #[inline(always)]
     fn ends(&self) -> [End<R>; 2] {
@@ -268,14 +268,14 @@ impl<R: Real> Touching<R> for JointLanes<R> {
     }
 
     #[inline(always)]
-    fn wall(&self, place: &PolarEccentricity<R>, turn: R) -> Touch<R> {
-        self.law.touch(place, turn)
+    fn wall(&self, place: &PolarEccentricity<R>, turn: R) -> Walls<R> {
+        self.law.walls(place, turn)
     }
 
     #[inline(always)]
     fn force<const JACOBIAN: bool>(
         &self,
-        at: (&PolarEccentricity<R>, &Touch<R>),
+        at: (&PolarEccentricity<R>, &Walls<R>),
         motion: &JointMotion<R>,
     ) -> (JointForce<R>, ForceSlopes<R>) {
         self.law.force::<JACOBIAN>(at, motion)

@@ -1,4 +1,4 @@
-//! Ends of a contact arc under `local-hertz` and `hertz`, on a bore tabulated at equal angles.
+//! Ends of a contact arc under `local-hertz`, on a bore tabulated at equal angles.
 //!
 //! The journal's circle, seen from the bushing's centre at angle phi from the eccentricity's direction u,
 //! lies at e cos(phi) + sqrt(R1^2 - e^2 sin^2(phi)) (law of cosines). Its distance beyond the bore is
@@ -8,9 +8,6 @@
 //! with the journal radius R1, the worn bore R and the penetration delta [m]; the root is expanded to second
 //! order: the next term is (e/R1)^4 / 8, below 1e-11 m here. The arc ends at the first table angle where p is
 //! no longer positive, on the chord from the table angle before.
-//!
-//! Under `hertz` the contact is where the journal touches: there e is (delta + R - R1) u + R' t, with the slope R' and the tangent t; phi
-//! counts from that place, and e sin(phi) is taken less its value R' there, so that p is largest at the contact.
 //!
 //! On a bore with roughness, or two worn surfaces, p may be positive again behind an end: the contact has further patches, found
 //! in the same way. Their lengths, and with them the wear rate, are continuous functions of the profile: a patch
@@ -74,10 +71,10 @@ pub struct ArcEnds {
     depth: [Vec<f64>; 2],
 }
 
-/// Direction of a contact: that of the eccentricity, or of the normal.
+/// Direction of a contact.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Spot {
-    /// Unit vector `(2,)` [1].
+    /// Unit vector of the eccentricity `(2,)` [1].
     pub u: [f64; 2],
     /// Its angle in table intervals, in [0, n).
     pub place: f64,
@@ -115,15 +112,13 @@ impl Spot {
 /// A journal pressed into a bore.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Pressed {
-    /// Direction of the contact.
+    /// Direction of the eccentricity.
     pub spot: Spot,
     /// Penetration delta there [m].
     pub penetration: f64,
     /// Radius of the bore there [m], and its slope [m/rad]; of a worn journal those of the gap of both surfaces.
     pub radius: f64,
     pub slope: f64,
-    /// True if the spot is where the journal touches, false if it is the direction of the eccentricity.
-    pub touches: bool,
     /// Place of the contact on a worn journal, in table intervals.
     pub on_journal: Option<f64>,
 }
@@ -138,8 +133,6 @@ struct Side<'a> {
     sin: &'a [f64],
     /// Eccentricity `(2,)` [m].
     e: [f64; 2],
-    /// Component of the eccentricity across the direction of the contact [m].
-    tilt: f64,
     /// 1 / (2 R1) [1/m].
     curvature: f64,
     /// Where these angles are on the journal, if that wears.
@@ -162,7 +155,7 @@ impl Side<'_> {
             None => gap,
             Some(journal) => gap - journal.depth(m, like),
         };
-        let across = like.like(-self.tilt).plus_product(x, sin).minus_product(y, cos);
+        let across = (x * sin).minus_product(y, cos);
         gap.plus_product(x, cos)
             .plus_product(y, sin)
             .minus_product(across * across, like.like(self.curvature))
@@ -272,7 +265,8 @@ impl ArcEnds {
 
     /// Tabulates a changed profile.
     pub(crate) fn profile_changed(&mut self, profile: &Profile) {
-        let (n, gap, mirrored) = (self.intervals(), &mut self.gap, &mut self.mirrored_gap);
+        let n = self.intervals();
+        let (gap, mirrored) = (&mut self.gap, &mut self.mirrored_gap);
         profile.tabulate(&mut gap[..n]);
         gap[..n].iter_mut().for_each(|gap| *gap = self.journal_radius - *gap);
         gap.copy_within(..n, n);
@@ -347,10 +341,10 @@ impl ArcEnds {
         (before, after)
     }
 
-    /// Slope of -p where the `contact` is [m per interval]; where the journal touches there is none.
+    /// Slope of the gap where the `contact` is [m per interval].
     #[inline(always)]
     fn slope(&self, contact: &Pressed) -> f64 {
-        if contact.touches { 0.0 } else { contact.slope * TAU / self.intervals() as f64 }
+        contact.slope * TAU / self.intervals() as f64
     }
 
     /// Both sides of a `contact`, and the number of table angles to be searched on each.
@@ -359,27 +353,20 @@ impl ArcEnds {
         let Pressed { spot, penetration, radius, on_journal, .. } = *contact;
         let n = self.intervals();
         let size = penetration + radius - self.journal_radius;
-        let mut e = [size * spot.u[0], size * spot.u[1]];
-        let (mut tilt, mut reach) = (0.0, self.reach(size));
-        if contact.touches {
-            tilt = contact.slope;
-            e = [e[0] - tilt * spot.u[1], e[1] + tilt * spot.u[0]];
-            let turned = libm::atan2(tilt, size).abs() * (n as f64 / TAU);
-            reach = self.reach(libm::hypot(size, tilt)) + turned as usize + 1;
-        }
+        let e = [size * spot.u[0], size * spot.u[1]];
         let (below, lead, slope) = (spot.below as usize, spot.lead(), self.slope(contact));
         // In the mirrored bore the first table angle is that of `below`, and slopes change sign.
-        let mut down =
-            self.side(&self.mirrored_gap, n - below, [e[0], -e[1]], [lead, penetration, slope, tilt]);
-        let mut up = self.side(&self.gap, below + 1, e, [1.0 - lead, penetration, -slope, -tilt]);
+        let mut down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]], [lead, penetration, slope]);
+        let mut up = self.side(&self.gap, below + 1, e, [1.0 - lead, penetration, -slope]);
         if let Some(place) = on_journal {
             down.journal = Some(OnJournal::new(&self.depth[1], lead - place, n));
             up.journal = Some(OnJournal::new(&self.depth[0], place + 1.0 - lead, n));
         }
-        ([down, up], reach)
+        ([down, up], self.reach(size))
     }
 
-    /// Table angles on one side beyond which p is negative for an eccentricity of `size` [m]: p <= g + e cos(phi) with the largest gap g.
+    /// Number of table angles on one side beyond which p is negative for an eccentricity of `size` [m]: with the largest gap g, p <= g + e
+    /// cos(phi), so beyond the angle whose cosine is -g / e.
     #[inline(always)]
     fn reach(&self, size: f64) -> usize {
         let share = -self.largest_gap / size;
@@ -389,12 +376,12 @@ impl ArcEnds {
     }
 
     /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m]; `near` are the distance to
-    /// that angle, the penetration and the slope of p where the contact is, and the tilt.
+    /// that angle, the penetration and the slope of p where the contact is.
     #[inline(always)]
-    fn side<'a>(&'a self, gap: &'a [f64], first: usize, e: [f64; 2], near: [f64; 4]) -> Side<'a> {
+    fn side<'a>(&'a self, gap: &'a [f64], first: usize, e: [f64; 2], near: [f64; 3]) -> Side<'a> {
         let curvature = 0.5 / self.journal_radius;
         let (gap, cos, sin) = (&gap[first..], &self.cos[first..], &self.sin[first..]);
-        let [lead, penetration, slope, tilt] = near;
-        Side { gap, cos, sin, e, tilt, curvature, journal: None, lead, penetration, slope }
+        let [lead, penetration, slope] = near;
+        Side { gap, cos, sin, e, curvature, journal: None, lead, penetration, slope }
     }
 }

@@ -6,7 +6,7 @@
 //! the cycle with normal force F [N], sliding distance S = integral of |v_t| dt [m] and work F S [N m]; L is
 //! the width of the bore [m]. Per cycle N, the depth h_i [m] of control point i grows by
 //!
-//! - `local-hertz` and `hertz`: dh_i/dN = K_H sum F S w_i / (L R spacing), where w_i [1] is the mean of the hat function
+//! - `local-hertz`: dh_i/dN = K_H sum F S w_i / (L R spacing), where w_i [1] is the mean of the hat function
 //!   of point i over the contact arc of the sample on the present profile, and R [m] the mean radius there;
 //! - `foundation`: dh = K_H p |v_t| dt, that is dh_i/dN = K_H sum p_i S, where p_i [Pa] is the pressure that
 //!   carries F on the present profile, averaged with the hat function of point i.
@@ -83,7 +83,7 @@ impl BoreWearRate {
             sizes: BoreSizes { points, radii: [profile.initial_radius(), surface.journal_radius], width },
             profile: profile.clone(),
             contacts: match contact.pressure() {
-                Pressure::UniformAboutEccentricity | Pressure::UniformAboutNormal => {
+                Pressure::UniformOverArc => {
                     FrozenContacts::UniformOverArc(LocalArcs::new(contact, points, wears))
                 }
                 Pressure::Foundation => {

@@ -1,4 +1,4 @@
-//! Wear under `local-hertz` and `hertz`: each contact sample wears its contact arc evenly on the present bore, shared out
+//! Wear under `local-hertz`: each contact sample wears its contact arc evenly on the present bore, shared out
 //! over the control points so that the worn volume is Archard's.
 //!
 //! Share of control point i: q_i = sum F S w_i / R [N], with the work F S [N m] of a sample and the mean
@@ -20,13 +20,13 @@
 use super::arc_ends::{ArcEnds, Pressed, Spot, WORD};
 use super::interval::ContactSample;
 use crate::bore::{Profile, Radius};
-use crate::contact::{Contact, Journal, Pressure};
+use crate::contact::{Contact, Journal};
 use crate::lanes::{InLanes, Real, in_widest_lanes};
 use std::f64::consts::TAU;
 
 /// Contacts of a frozen history on a bore.
 ///
-/// The direction of the contact, that of the eccentricity under `local-hertz` and that of the force under `hertz`, and the penetration stay as they were, so that a sample's angle is found
+/// The direction of the eccentricity and the penetration stay as they were, so that a sample's angle is found
 /// once for all stages of a wear step.
 #[derive(Debug, Clone)]
 pub struct LocalArcs {
@@ -39,8 +39,6 @@ pub struct LocalArcs {
     further: Vec<[f64; 2]>,
     /// The journal, if it wears.
     journal: Option<Journal>,
-    /// True if a contact is where the journal touches, false if in the direction of the eccentricity.
-    touches: bool,
 }
 
 /// The parts of a contact sample that the wear law uses.
@@ -67,7 +65,6 @@ impl LocalArcs {
             unrolled: vec![0.0; if wears { 6 * points } else { 3 * points }],
             further: Vec::new(),
             journal: wears.then(|| contact.new_journal(points)),
-            touches: contact.pressure() == Pressure::UniformAboutNormal,
         }
     }
 
@@ -75,9 +72,9 @@ impl LocalArcs {
     pub(crate) fn freeze(&mut self, samples: &[ContactSample]) {
         let n = self.ends.intervals();
         let points = self.unrolled.len() / if self.journal.is_some() { 6 } else { 3 };
-        let (per_point, touches) = (points as f64 / n as f64, self.touches);
+        let per_point = points as f64 / n as f64;
         let sample = |s: &ContactSample| {
-            let spot = Spot::new(if touches { s.force } else { s.e }, n);
+            let spot = Spot::new(s.e, n);
             let interval = spot.interval(points, per_point);
             let on_journal = (spot.place - s.turn * (n as f64 / TAU)).rem_euclid(n as f64);
             // A place just below zero is rounded to a whole turn.
@@ -129,8 +126,7 @@ impl Sharing<'_> {
     /// `WORN` if the journal wears: compiled for each, since the cases within the loop take a third of the time.
     #[inline(always)]
     fn share<R: Real, const WORN: bool>(self, like: R) {
-        let LocalArcs { ends, samples, unrolled, further, journal, touches } = self.arcs;
-        let touches = *touches;
+        let LocalArcs { ends, samples, unrolled, further, journal } = self.arcs;
         let journal = if WORN { journal.as_ref() } else { None };
         let (unrolled, of_journal) = unrolled.split_at_mut(3 * self.profile.points());
         let turn = self.profile.points() as f64;
@@ -155,7 +151,7 @@ impl Sharing<'_> {
                 let (radius, slope) = depth.map_or((r, d1), |depth| (r + depth.r, d1 + depth.d1));
                 let on_journal = journal.map(|_| on_journal);
                 *bore = r;
-                *contact = Pressed { spot, penetration, radius, slope, touches, on_journal };
+                *contact = Pressed { spot, penetration, radius, slope, on_journal };
             }
             let mut only_ends = [[None; 2]; AT_ONCE];
             for (only, contact) in only_ends.iter_mut().zip(&contacts[..samples.len()]) {

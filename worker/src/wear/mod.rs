@@ -2,7 +2,7 @@
 //! over a block of cycles.
 //!
 //! Order of use: `interval` and `history` record contact samples; `archard` turns them into a wear rate on the present
-//! profile, for `local-hertz` and `hertz` by `local_arcs` and `arc_ends`, for `foundation` by `condense`, `conformal`,
+//! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `condense`, `conformal`,
 //! `equilibrium`, `hat_sums` and `fine_shares`, for guides by `rail_history`, `rail_rate` and `rail_equilibrium`. `wear_law` is what these rates have in common, `wear_rate` any
 //! of them; `step` integrates that rate over a block; `finer_bore`
 //! shows what the spacing of the control points costs, `contact_arc` what it has to resolve, `amounts` what the depths come to.

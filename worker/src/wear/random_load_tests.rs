@@ -6,7 +6,6 @@ use super::{BoreWearRate, ContactHistory, ContactInstant, FinerBore, WearStep, W
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
 use crate::extremum::largest;
-use common::scene::ContactLaw;
 use std::f64::consts::TAU;
 
 /// A load that swings about a direction, and the blocks over which it wears a bore.
@@ -79,7 +78,6 @@ fn history(case: &Case, life: f64) -> ContactHistory {
 fn contact(law: &str, points: usize) -> Contact {
     match law {
         "local-hertz" => Contact::LocalHertz(LocalHertz { surface: SURFACE }),
-        "hertz" => Contact::with_surface(ContactLaw::Hertz, SURFACE, points),
         _ => Contact::Foundation(Foundation::new(SURFACE, points)),
     }
 }
@@ -146,7 +144,7 @@ fn stated_wear_errors_of_random_loads() {
     // With the factor of the stated error, and with 3/4 and half of it.
     let (mut values, mut outside, mut outside_at_the_end) = (0, [0; 3], 0);
     for (number, case) in cases(seed, CASES).iter().enumerate() {
-        for law in ["local-hertz", "hertz", "foundation"] {
+        for law in ["local-hertz", "foundation"] {
             let (depth, stated) = worn(law, case, POINTS);
             let fine = converged(law, case, 4 * POINTS);
             // What the converged bores leave.

@@ -4,7 +4,6 @@ use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH, foundation};
 use super::{BoreWearRate, ContactHistory, ContactInstant, FinerBore, WearStep, WearStepStats, WornAmounts};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
-use common::scene::ContactLaw;
 use std::f64::consts::TAU;
 
 /// Normal force [N] and sliding distance per cycle [m], those of the flapping-wing's joints.
@@ -17,10 +16,6 @@ fn round() -> Profile {
 
 fn local(_points: usize) -> Contact {
     Contact::LocalHertz(LocalHertz { surface: SURFACE })
-}
-
-fn hertz(points: usize) -> Contact {
-    Contact::with_surface(ContactLaw::Hertz, SURFACE, points)
 }
 
 fn foundation_of(points: usize) -> Contact {
@@ -213,9 +208,7 @@ fn scar(contact: &Contact, history: &ContactHistory, points: usize) -> (f64, f64
 fn scar_is_converged_within_the_stated_error() {
     // A load that swings through 2, 11 and 92 deg about a control point and about places
     // between: against eight times as many control points.
-    let laws =
-        [("local-hertz", local as fn(usize) -> Contact), ("hertz", hertz), ("foundation", foundation_of)];
-    for (name, contact) in laws {
+    for (name, contact) in [("local-hertz", local as fn(usize) -> Contact), ("foundation", foundation_of)] {
         for swing in [0.02, 0.1, 0.8] {
             for direction in [0.0, 3.0, 5.0_f64] {
                 let swinging: Vec<f64> = (0..400)

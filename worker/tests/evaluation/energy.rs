@@ -14,12 +14,9 @@ fn diagnostics(scene: &str, law: ContactLaw, accuracy: &Accuracy, cycles: u32) -
 
 /// Input work, kinetic, elastic, dissipated: to 1e-4 of the work put in, on the round and on the worn bores.
 #[test]
-fn conservative_laws_balance_their_energy() {
-    let laws = [ContactLaw::Hertz, ContactLaw::Foundation];
-    for (scene, law) in
-        ["four-bar", "flapping-wing"].into_iter().flat_map(|scene| laws.map(|law| (scene, law)))
-    {
-        let found = diagnostics(scene, law, &Accuracy::reference(), 1000);
+fn foundation_balances_its_energy() {
+    for scene in ["four-bar", "flapping-wing"] {
+        let found = diagnostics(scene, ContactLaw::Foundation, &Accuracy::reference(), 1000);
         for energy in [found.energy.expect("asked for"), found.worn_energy.expect("asked for")] {
             println!("{scene}: {energy:?}, residual {:e}", energy.residual() / energy.input);
             assert!(energy.input > 0.0 && energy.dissipated > 0.0);

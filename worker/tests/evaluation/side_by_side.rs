@@ -42,10 +42,6 @@ fn mixed() -> Vec<SimulationInput> {
         every_joint(&mut scene, |joint| joint.contact_law = ContactLaw::Foundation);
         scene
     };
-    let along_normals = |mut scene: Scene| {
-        every_joint(&mut scene, |joint| joint.contact_law = ContactLaw::Hertz);
-        scene
-    };
     let both = |mut scene: Scene| {
         every_joint(&mut scene, |joint| joint.wears = WearingSurfaces::Both);
         scene
@@ -90,10 +86,6 @@ fn mixed() -> Vec<SimulationInput> {
         input(founded(("bushing_radius_2", 1.5237e-3)), Accuracy::balanced(), SHOWN),
         input(both(wing(("friction", 0.03))), Accuracy::draft(), PLAIN),
         input(both(founded(("friction", 0.03))), Accuracy::draft(), SHOWN),
-        input(along_normals(wing(("friction", 0.03))), Accuracy::draft(), PLAIN),
-        input(along_normals(wing(("bushing_radius_2", 1.5237e-3))), Accuracy::balanced(), SHOWN),
-        input(both(along_normals(wing(("friction", 0.03)))), Accuracy::draft(), PLAIN),
-        input(both(along_normals(rattling.clone())), Accuracy::draft(), SHOWN),
         input(both(rattling.clone()), Accuracy::draft(), PLAIN),
         input(both(rattling_founded.clone()), Accuracy::draft(), PLAIN),
         input(rattling, Accuracy::draft(), SHOWN),
@@ -116,7 +108,7 @@ fn an_evaluation_does_not_depend_on_those_next_to_it() {
     let inputs = mixed();
     let alone: Vec<Outcome> = inputs.iter().map(|o| simulate(&o.scene, &o.accuracy, o.options)).collect();
     assert!(matches!(alone[4], Err(SimulationFailure::TooManySteps { .. })), "{:?}", alone[4]);
-    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 26);
+    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 22);
     let mut inputs: Vec<_> = inputs.into_iter().map(Ok).collect();
     assert_eq!(together(LaneWidth::Widest, 8, &inputs), alone);
     // In another order and next to other evaluations.

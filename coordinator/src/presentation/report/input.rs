@@ -389,7 +389,7 @@ mod tests {
         assert_eq!(notes(&scene).len(), 1);
         for joint in &mut scene.joints {
             if let JointKind::Clearance(clearance) = &mut joint.kind {
-                clearance.contact_law = ContactLaw::Hertz;
+                clearance.contact_law = ContactLaw::Foundation;
             }
         }
         assert!(notes(&scene).is_empty());
