@@ -31,8 +31,7 @@ pub(super) fn rewritten(texts: &[&str], document: &Table) -> String {
     });
     let is_right = |text: &String| text.parse::<Table>().is_ok_and(|found| found == *document);
     let kept = edited.filter(is_right);
-    let text =
-        kept.unwrap_or_else(|| toml::to_string(document).expect("a scene is a table of TOML"));
+    let text = kept.unwrap_or_else(|| toml::to_string(document).expect("a scene is a table of TOML"));
     // Each text may begin with what it is about.
     let others = &texts[..texts.len().saturating_sub(1)];
     let heads = others.iter().map(|text| head(text)).filter(|head| !head.is_empty());
