@@ -32,35 +32,6 @@ pub enum CommandError {
     /// The scene or a setting is faulty.
     #[error(transparent)]
     Scene(#[from] Faults),
-    /// The ideal linkage cannot be assembled at the start of the cycle, or reaches a change point.
-    #[error("{origin}: {failure}")]
-    Linkage {
-        /// File or name of the scene.
-        origin: String,
-        /// The failure with the name of the joint.
-        failure: SimulationFailure,
-    },
-    /// The ideal linkage cannot turn through its cycle.
-    #[error(
-        "{origin}: the linkage locks: joint {joint} can follow no further than to {angle}; check lengths and start \
-         positions"
-    )]
-    LockedLinkage {
-        /// File or name of the scene.
-        origin: String,
-        /// Joint that opens first beyond it.
-        joint: String,
-        /// Position of the drive, in words.
-        angle: String,
-    },
-    /// Redundant ideal constraints.
-    #[error("{origin}: {failure}; give one of the joints a clearance or remove it")]
-    OverConstrained {
-        /// File or name of the scene.
-        origin: String,
-        /// The failure with the name of the joint.
-        failure: SimulationFailure,
-    },
     /// A command on mechanisms, and a scene without one.
     #[error("{origin}: the scene names its own simulator; this command is for mechanisms")]
     NoMechanism {
@@ -288,9 +259,6 @@ impl CommandError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Scene(_)
-            | Self::Linkage { .. }
-            | Self::LockedLinkage { .. }
-            | Self::OverConstrained { .. }
             | Self::NoMechanism { .. }
             | Self::NotForSimulators { .. }
             | Self::NoLicences
@@ -355,21 +323,27 @@ impl CommandError {
         }
     }
 
-    /// The failure of a simulation; a linkage that cannot work is bad input.
+    /// The failure of a simulation; a linkage that cannot work is a fault of its joint.
     pub fn of_simulation(origin: &str, scene: &Scene, failure: SimulationFailure) -> Self {
+        let fault =
+            |key: &str, message| Self::Scene(Faults::one(origin, key, FaultKind::Inconsistent { message }));
+        let at = |joint: &str, message| fault(&format!("joints.{joint}"), message);
+        let message = failure.to_string();
         let origin = origin.to_owned();
         match failure {
-            failure @ (SimulationFailure::CannotAssemble { .. } | SimulationFailure::ChangePoint { .. }) => {
-                Self::Linkage { origin, failure }
-            }
-            SimulationFailure::StartVelocity { ref key, .. } => {
-                let message = failure.to_string().split_off(key.len() + 2);
-                Self::Scene(Faults::one(&origin, key, FaultKind::Inconsistent { message }))
-            }
+            SimulationFailure::CannotAssemble { joint, .. }
+            | SimulationFailure::ChangePoint { joint, .. } => at(&joint, message),
+            SimulationFailure::StartVelocity { key, .. } => fault(&key, message[key.len() + 2..].to_owned()),
             SimulationFailure::DeadPoint { joint, time, .. } => {
-                Self::LockedLinkage { origin, joint, angle: drive_at(scene, time) }
+                let angle = drive_at(scene, time);
+                let locks = format!(
+                    "the linkage locks: joint {joint} can follow no further than to {angle}; check lengths and start positions"
+                );
+                at(&joint, locks)
             }
-            failure @ SimulationFailure::OverConstrained { .. } => Self::OverConstrained { origin, failure },
+            SimulationFailure::OverConstrained { joint } => {
+                at(&joint, format!("{message}; give one of the joints a clearance or remove it"))
+            }
             SimulationFailure::NotModelled { what } => Self::NotModelled { origin, what },
             failure => Self::Simulation { origin, failure },
         }

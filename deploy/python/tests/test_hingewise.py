@@ -201,7 +201,7 @@ class ElsewhereTest(unittest.TestCase):
         Path("sub/four.toml").write_text('[scene]\nname = "four"\nextends = "four-bar"\n')
 
     def simulated(self, file):
-        return hingewise.call("simulate", "--scene", file, "--accuracy", "draft")["histories"]
+        return hingewise.call("simulate", "--scene", file, "--accuracy", "draft")["max_wear_depth_m"]
 
     def test_issue_a_scene_of_another_folder_took_files_of_this_one(self):
         for name in ("base", "own"):

@@ -67,7 +67,8 @@ pub fn signed_with_width(value: f64, width: f64) -> String {
 pub fn reliability(r: f64, lower: f64, upper: f64) -> String {
     // Two digits of the distance from 1, rounded away from it.
     let limit = |distance: f64| {
-        let decimals = (1.0 - distance.max(1e-15).log10().floor()) as i32;
+        let distance = distance.max(1e-15);
+        let decimals = (1.0 - distance.log10().floor()) as i32;
         let step = 10f64.powi(-decimals);
         ((distance / step - 1e-9).ceil() * step, decimals as usize)
     };
@@ -80,6 +81,9 @@ pub fn reliability(r: f64, lower: f64, upper: f64) -> String {
         format!("> {}", fixed(1.0 - distance, decimals))
     } else if r <= 0.0 && upper > 0.0 {
         let (distance, decimals) = limit(upper);
+        if distance < 1e-6 {
+            return format!("< {distance:.1e}").replace("e-", "e\u{2212}");
+        }
         format!("< {}", fixed(distance, decimals))
     } else {
         share(r, lower, upper)
@@ -224,6 +228,7 @@ mod tests {
         assert_eq!(reliability(1.0, 0.99997, 1.0), "> 0.999970");
         assert_eq!(reliability(1.0, 1.0 - 1.95e-12, 1.0), "> 1 \u{2212} 2.0e\u{2212}12");
         assert_eq!(reliability(0.0, 0.0, 0.0015), "< 0.0015");
+        assert_eq!(reliability(0.0, 0.0, 1e-30), "< 1.0e\u{2212}15");
         assert_eq!(reliability(0.4, 0.39, 0.41), "0.400 ± 0.010");
         // No range of a probability reaches beyond 0 or 1.
         assert_eq!(reliability(0.9995, 0.9983, 0.9999), "0.9995 (0.9983 to 0.9999)");

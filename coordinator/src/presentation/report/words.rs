@@ -20,7 +20,7 @@ pub fn life(summary: &StudySummary, level: f64) -> (String, String) {
             format!("95 % interval {limits}, widened by the stated numerical error")
         }
         LifeAt::Cycles { .. } => format!("95 % interval {limits}"),
-        LifeAt::Unworn { .. } if limits.is_empty() => "more exceed a limit unworn".into(),
+        LifeAt::Unworn { .. } if limits.is_empty() => "too many exceed a limit unworn".into(),
         LifeAt::Unworn { .. } => format!("95 % interval {limits}"),
         LifeAt::Between { .. } => "95 % bound; not resolved by the checkpoints".into(),
         LifeAt::Beyond { lower, end } if lower < end => "95 % bound".into(),
@@ -91,7 +91,7 @@ fn cycles(life_at_level: LifeAt) -> String {
             format!("more than the {} cycles studied", whole(end))
         }
         LifeAt::Beyond { lower, .. } => format!("more than {} cycles", whole(lower.floor())),
-        LifeAt::Unworn { .. } => "no cycle: more than the others exceed a limit unworn".to_owned(),
+        LifeAt::Unworn { .. } => "no age: too many exceed a limit unworn".to_owned(),
         LifeAt::Between { lower, upper: Some(upper) } if lower <= 0.0 => {
             format!("an age that is not resolved, before {} cycles", whole(upper.ceil()))
         }
