@@ -9,7 +9,7 @@
 //! # Source
 //! Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems.
 
-use super::change_point::ChangePoints;
+use super::change_point::{ChangePoints, Stop};
 use super::closure::Closure;
 use super::extent::moved_to_origin;
 use common::failure::SimulationFailure;
@@ -104,12 +104,6 @@ pub fn ideal_cycle(
 /// Pose at time `t` [s] and coordinates `q`.
 fn pose(closure: &Closure, t: f64, q: &DVector<f64>) -> Pose {
     Pose { time: t, q: closure.split(q), v: closure.split(&closure.velocity(t, q)) }
-}
-
-/// Time at which the motion ends, and index of the joint that could not be closed, or that depends on others.
-pub(super) struct Stop {
-    pub(super) time: f64,
-    pub(super) joint: usize,
 }
 
 /// Follows the motion from one time to another by continuation with adaptive steps.

@@ -8,7 +8,6 @@
 //! Change points of four-bar linkages: Norton (2020), Design of Machinery, section 2.12. Golden sections: Kiefer (1953), Proc. Amer. Math.
 //! Soc. 4, 502-506.
 
-use super::assembly::Stop;
 use super::closure::Closure;
 use nalgebra::DVector;
 
@@ -22,6 +21,12 @@ const SECTIONS: usize = 60;
 const BEYOND: f64 = 1e-4;
 /// Largest motion over that time, over the size of the mechanism [1].
 const NEARBY: f64 = 0.05;
+
+/// Time at which the motion ends, and index of the joint that could not be closed, or that depends on others.
+pub(super) struct Stop {
+    pub(super) time: f64,
+    pub(super) joint: usize,
+}
 
 /// A position of the continuation with its smallest share.
 struct Position {

@@ -25,7 +25,7 @@ use nalgebra::DVector;
 const HELD: f64 = 1e-6;
 
 /// A free body at the start.
-struct Start {
+struct StartBody {
     /// Index into the scene's bodies.
     body: usize,
     /// Its first coordinate.
@@ -59,19 +59,24 @@ impl Closure<'_> {
         Ok(v - self.to_coordinates(least_norm(&gaps.jacobian, &open)))
     }
 
-    fn starts(&self, q: &DVector<f64>) -> Vec<Start> {
+    fn starts(&self, q: &DVector<f64>) -> Vec<StartBody> {
         let bodies = self.scene.bodies.iter().zip(&self.first).enumerate();
         let start = |(body, (of_scene, first)): (usize, (&common::scene::Body, &Option<usize>))| {
             let first = (*first)?;
             let Motion::Free { mass, inertia, centre_of_mass, .. } = of_scene.motion else { return None };
             let frame = Frame::free(&[q[first], q[first + 1], q[first + 2]], &[0.0; 3]);
-            Some(Start { body, first, turned: left(frame.turn(centre_of_mass)), inertia: [mass, inertia] })
+            Some(StartBody {
+                body,
+                first,
+                turned: left(frame.turn(centre_of_mass)),
+                inertia: [mass, inertia],
+            })
         };
         bodies.filter_map(start).collect()
     }
 
     /// (u_x, u_y, w) of every free body as far as the scene gives them `(n,)`.
-    fn given(&self, starts: &[Start]) -> Vec<Option<f64>> {
+    fn given(&self, starts: &[StartBody]) -> Vec<Option<f64>> {
         let mut given = vec![None; self.n];
         for start in starts {
             if let Motion::Free { start_velocity, start_speed, .. } = self.scene.bodies[start.body].motion {
@@ -83,12 +88,12 @@ impl Closure<'_> {
     }
 
     /// (u, w) of all free bodies `(n,)` nearest to zero for those `given`, and the largest velocity of a gap that they leave [m/s].
-    fn nearest(&self, gaps: &Gaps, starts: &[Start], given: &[Option<f64>]) -> (DVector<f64>, f64) {
+    fn nearest(&self, gaps: &Gaps, starts: &[StartBody], given: &[Option<f64>]) -> (DVector<f64>, f64) {
         // Derivatives to (u, w), those to coordinates as lengths before: v = u + w turned.
         let mut to_motion = gaps.jacobian.clone();
         let heaviest = largest(starts.iter().map(|start| start.inertia[0]));
         let mut weight = vec![1.0; self.n];
-        for Start { first, turned, inertia: [mass, inertia], .. } in starts {
+        for StartBody { first, turned, inertia: [mass, inertia], .. } in starts {
             let unit = self.unit(first + 2);
             let [x, y, angle] = [0, 1, 2].map(|k| to_motion.column(first + k).clone_owned());
             to_motion.set_column(first + 2, &(angle * unit + x * turned[0] + y * turned[1]));
@@ -111,13 +116,13 @@ impl Closure<'_> {
     }
 
     /// Whether the velocity of a gap `open` [m/s] that the velocities (u, w) `found` `(n,)` leave is rounding, or digits not given.
-    fn holds(&self, gaps: &Gaps, starts: &[Start], found: &DVector<f64>, open: f64) -> bool {
+    fn holds(&self, gaps: &Gaps, starts: &[StartBody], found: &DVector<f64>, open: f64) -> bool {
         let fastest = self.largest(&of_centres(starts, found.clone()));
         open <= HELD * fastest.max(gaps.rate.amax())
     }
 
     /// The failure for the first value `given` that drives, joints and those before it do not admit.
-    fn unheld(&self, gaps: &Gaps, starts: &[Start], given: &[Option<f64>]) -> SimulationFailure {
+    fn unheld(&self, gaps: &Gaps, starts: &[StartBody], given: &[Option<f64>]) -> SimulationFailure {
         let mut held = vec![None; self.n];
         let of_bodies = starts.iter().flat_map(|start| (0..3).map(move |k| (start, k)));
         let mut failure = None;
@@ -140,8 +145,8 @@ impl Closure<'_> {
 }
 
 /// Velocities of the centres of mass and angular velocities `(n,)` from (u, w) `(n,)`.
-fn of_centres(starts: &[Start], mut motion: DVector<f64>) -> DVector<f64> {
-    for Start { first, turned, .. } in starts {
+fn of_centres(starts: &[StartBody], mut motion: DVector<f64>) -> DVector<f64> {
+    for StartBody { first, turned, .. } in starts {
         let speed = motion[first + 2];
         (0..2).for_each(|k| motion[first + k] += speed * turned[k]);
     }

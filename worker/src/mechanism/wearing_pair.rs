@@ -22,7 +22,7 @@ pub(crate) trait WearingPair {
     /// Replaces the wear depths by `depth` `(depths,)` [m].
     fn set_depth(&mut self, depth: &[f64]);
 
-    /// Halves the distance between control points this many `times`, if its forces can be computed on so many; the surfaces are unworn
+    /// Halves the distance between control points this many `times`, if its forces can be computed on that number; the surfaces are unworn
     /// then. True if they can.
     fn refine(&mut self, times: u32) -> bool;
 

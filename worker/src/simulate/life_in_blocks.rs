@@ -2,7 +2,7 @@
 
 use super::blocks::{at_checkpoints, block_ends};
 use super::conditions::mix_contacts;
-use super::finer_surfaces::points_errors;
+use super::finer_cycles::points_errors;
 use super::life_history::LifeHistory;
 use super::longer_steps::LongerSteps;
 use super::partial_life::{CycleModel, PartialLife};

@@ -20,8 +20,8 @@
 //! | `conditions.rs` | several operating conditions on the same bores |
 //! | `longer_steps.rs`, `compared_islands.rs` | longer time steps while they make no difference, and which islands make one |
 //! | `probe.rs`, `motion_estimate.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
-//! | `finer_surfaces.rs` | the motion on surfaces with more control points |
-//! | `settling.rs`, `state_sequence.rs` | whether the motion repeats itself, and further cycles until it does |
+//! | `finer_surfaces.rs`, `finer_cycles.rs` | the motion on surfaces with more control points; the error that follows from it |
+//! | `settling.rs`, `state_sequence.rs`, `repetition.rs` | further cycles until the motion repeats itself; how it does |
 //! | `turn_period.rs` | the period of a cycle that is one turn of a free body |
 //! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
 //! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
@@ -39,6 +39,7 @@ mod contact_arcs;
 mod control_points;
 mod cycle_history;
 mod error_estimate;
+mod finer_cycles;
 mod finer_surfaces;
 mod finish;
 mod first_look;
@@ -55,6 +56,7 @@ mod partial_life;
 mod probe;
 mod quasi_static;
 mod quasi_static_island;
+mod repetition;
 mod run;
 mod settling;
 mod several_cycles;

@@ -1,10 +1,10 @@
 //! What the cycles simulated under one operating condition show of the error of an evaluation (`error_estimate.rs`): probes, the spread
 //! of several motions, and what the quasi-static model was off by.
 
-use super::finer_surfaces::FinerCycles;
+use super::finer_cycles::FinerCycles;
 use super::probe::Probe;
+use super::repetition::Repetition;
 use super::run::Run;
-use super::settling::Repetition;
 use super::several_cycles::{CycleSpread, MOTIONS, mean_and_variance};
 
 /// Error of the motion outputs over their change in a probe [1]: both cycles start from a state computed with the coarser

@@ -4,6 +4,7 @@ use super::island_state::{CycleSpan, IslandState};
 use crate::mechanism::Island;
 use crate::outputs::{Recorder, RecordingRequest};
 use crate::quasi_static::{IdealMotion, QuasiStaticCounts, QuasiStaticStepper, StepBounds, Unsuitable};
+use crate::wear::WearHistory;
 use common::accuracy::Accuracy;
 use common::scene::Scene;
 
@@ -66,5 +67,19 @@ impl QuasiStaticIsland {
         stepper.run(&mut state.island, cycle.period, recorder, counts)?;
         recorder.finish();
         Ok(())
+    }
+}
+
+/// The contact histories that wear the joints of island number `index`: those `mixed` of several conditions, or those of the last cycle,
+/// quasi-static or in the `recorder`.
+pub(super) fn wear_histories<'h>(
+    mixed: &'h [Vec<WearHistory>],
+    quasi_static: &'h [QuasiStaticIsland],
+    recorder: &'h Recorder,
+    index: usize,
+) -> &'h [WearHistory] {
+    match mixed.get(index) {
+        Some(histories) => histories,
+        None => &quasi_static.get(index).map_or(recorder, |island| &island.recorder).histories,
     }
 }

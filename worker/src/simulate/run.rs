@@ -2,12 +2,11 @@
 
 use super::ideal_tracks::{ideal_tracks, left_open};
 use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
-use super::quasi_static_island::QuasiStaticIsland;
-use super::settling::Repetition;
+use super::quasi_static_island::{QuasiStaticIsland, wear_histories};
+use super::repetition::Repetition;
 use super::side_by_side::{Integrated, LaneQueue, Span};
 use super::unbounded_forces::refuse_unbounded_forces;
 use super::wall::{wear_failure, worn_through};
-use super::worn_joints::wear_histories;
 use crate::integrate::StepCounts;
 use crate::mechanism::{WearingPair, ideal_cycle, islands, turns_per_cycle};
 use crate::outputs::{FullRecording, IdealTracks, recording_request, sample_times};

@@ -10,6 +10,7 @@
 
 use super::island_state::IslandState;
 use super::probe::{Probe, SURFACES};
+use super::repetition::ToCome;
 use super::run::Run;
 use super::state_sequence::{NOT_DECAYING, StateSequence, size};
 use crate::integrate::Stepped;
@@ -36,37 +37,12 @@ const WANDERING: f64 = 5.0;
 const TURNS: f64 = 0.5 * PI;
 const PART_OF_TURN: f64 = 1e-3;
 
-/// How a motion repeats itself.
-#[derive(Debug, Clone, Default)]
-pub struct Repetition {
-    /// True if drives and ideal joints leave no freedom, so that the bodies move beside their ideal motion by the clearances alone.
-    pub is_determined: bool,
-    /// True if no cycle repeats the one before, so that none is measured again.
-    pub is_irregular: bool,
-    /// Sum of all changes still to come over that of the next cycle, for a motion that came to repeat itself only in further settling cycles;
-    /// else zero [1].
-    pub slowness: f64,
-    /// What is still to come of a motion that has not settled.
-    pub to_come: Option<ToCome>,
-    /// The same in words.
-    pub unsettled: Option<UnsettledMotion>,
-}
-
-/// What is still to come of a motion that has not settled.
-#[derive(Debug, Clone)]
-pub struct ToCome {
-    /// For every output of the motion `(outputs,)` [SI].
-    pub motion: Vec<f64>,
-    /// Relative to the wear rate of every surface of every joint of the scene `(SURFACES joints,)` [1].
-    pub wear: Vec<f64>,
-}
-
 /// How far further settling cycles have come.
 struct Rest {
-    /// Their number.
+    /// Number of further settling cycles simulated.
     cycles: u32,
     is_settled: bool,
-    /// As in [`Repetition`]; infinite for a motion whose changes do not decay [1].
+    /// As in [`super::repetition::Repetition`]; infinite for a motion whose changes do not decay [1].
     slowness: f64,
 }
 

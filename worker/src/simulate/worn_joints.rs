@@ -1,10 +1,9 @@
-//! The wear of the joints of an evaluation so far, and the contacts that cause it.
+//! The wear of the joints of an evaluation so far.
 
 use super::island_state::IslandState;
-use super::quasi_static_island::QuasiStaticIsland;
+use super::quasi_static_island::wear_histories;
 use super::run::Run;
-use crate::outputs::Recorder;
-use crate::wear::{WearHistory, WearLaw, WornAmounts};
+use crate::wear::{WearLaw, WornAmounts};
 
 impl Run<'_> {
     /// Depth at every control point of the bore and of the journal of every joint of the scene, or of the guide and of the slider, empty where
@@ -40,19 +39,5 @@ impl Run<'_> {
                 finer[k].advance(&histories[k], 0.0, rates[k].sizes().amounts(&depth[k]));
             }
         }
-    }
-}
-
-/// The contact histories that wear the joints of island number `index`: those `mixed` of several conditions, or those of the last cycle,
-/// quasi-static or in the `recorder`.
-pub(super) fn wear_histories<'h>(
-    mixed: &'h [Vec<WearHistory>],
-    quasi_static: &'h [QuasiStaticIsland],
-    recorder: &'h Recorder,
-    index: usize,
-) -> &'h [WearHistory] {
-    match mixed.get(index) {
-        Some(histories) => histories,
-        None => &quasi_static.get(index).map_or(recorder, |island| &island.recorder).histories,
     }
 }

@@ -8,7 +8,6 @@
 //! # Source
 //! Derived here.
 
-use super::step::MarkedDepths;
 use crate::extremum::largest;
 use crate::rail::RailLayout;
 use common::scene::WearQuantity;
@@ -21,6 +20,15 @@ pub enum SurfaceSizes {
     Bore(BoreSizes),
     /// Guide and slider.
     Rail(RailLayout),
+}
+
+/// Depths at a mark within a block `(points,)` [m].
+#[derive(Debug, Clone, Copy)]
+pub struct MarkedDepths<'d> {
+    /// The depths, none of them outside those at the ends of its sub-step.
+    pub depth: &'d [f64],
+    /// The depths as interpolated, which may lie outside those ends: their sum is that of the rates, as the worn volume has to be.
+    pub free: &'d [f64],
 }
 
 impl SurfaceSizes {

@@ -23,9 +23,9 @@
 //! Comparison with a finer grid, without the extrapolation of Richardson (1911), Phil. Trans. R. Soc. A 210,
 //! 307-357; `stated_wear_errors_of_random_loads` compares with a converged bore.
 
-use super::amounts::WornAmounts;
+use super::amounts::{MarkedDepths, WornAmounts};
 use super::archard::{BoreWearRate, WearCoefficients};
-use super::step::{MarkedDepths, WearStep, WearStepStats};
+use super::step::{WearStep, WearStepStats};
 use super::wear_law::WearLaw;
 use crate::bore::Profile;
 use crate::contact::Contact;

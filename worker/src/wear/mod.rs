@@ -43,7 +43,7 @@ mod volume_tests;
 mod wear_law;
 mod wear_rate;
 
-pub(crate) use amounts::{WornAmounts, wear_output};
+pub(crate) use amounts::{MarkedDepths, WornAmounts, wear_output};
 pub(crate) use archard::BoreWearRate;
 pub(crate) use contact_arc::mean_contact_arc;
 pub(crate) use finer_bore::FinerBore;
@@ -51,6 +51,6 @@ pub(crate) use history::ContactHistory;
 pub(crate) use interval::{ContactInstant, ContactSample, Interval};
 pub(crate) use rail_history::{RailHistory, RailInstant};
 pub(crate) use rail_rate::RailWearRate;
-pub(crate) use step::{MarkedDepths, WearStep, WearStepFailed, WearStepStats};
+pub(crate) use step::{WearStep, WearStepFailed, WearStepStats};
 pub(crate) use wear_law::WearLaw;
 pub(crate) use wear_rate::{WearHistory, WearRate};

@@ -14,6 +14,7 @@
 //! 315-326; van der Houwen, Sommeijer (1980), ZAMM 60, 479-485. Blocks of cycles under a frozen history: Cui
 //! et al. as cited in `archard.rs`.
 
+use super::amounts::MarkedDepths;
 use super::equilibrium::NoEquilibrium;
 use super::wear_law::WearLaw;
 use crate::extremum::largest;
@@ -52,15 +53,6 @@ impl From<NoEquilibrium> for WearStepFailed {
 struct Refused {
     smaller: f64,
     error: f64,
-}
-
-/// Depths at a mark within a block `(points,)` [m].
-#[derive(Debug, Clone, Copy)]
-pub struct MarkedDepths<'d> {
-    /// The depths, none of them outside those at the ends of its sub-step.
-    pub depth: &'d [f64],
-    /// The same before they were kept within: their sum is that of the rates, as the worn volume has to be.
-    pub free: &'d [f64],
 }
 
 /// Scratch and state of the wear step of one joint; all vectors `(points,)`.
