@@ -46,7 +46,7 @@ pub struct CsvRow<'t> {
 /// The text of a cell without quotes and spaces around it, and its bytes in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell<'t> {
-    /// The text.
+    /// What it says, without quotes and spaces around it.
     pub text: &'t str,
     /// Its bytes in the text of the file.
     pub span: Range<usize>,

@@ -2,23 +2,8 @@
 //!
 //! The wanted contents are compared with those of the text, table by table and row by row; only what differs is written.
 
-use super::faults::Faults;
-use super::source::SceneSource;
 use toml::{Table, Value};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, TableLike};
-
-impl SceneSource {
-    /// The scene with changes in its tables; `origin` names it in faults. Its text keeps the comments, order and notation of
-    /// everything else, and is the same if nothing changes.
-    ///
-    /// # Errors
-    /// The faults of the changed scene, without places: no person wrote its text.
-    pub fn edited(&self, origin: &str, edit: impl FnOnce(&mut Table)) -> Result<Self, Faults> {
-        let mut document = self.document().clone();
-        edit(&mut document);
-        Self::parse(&rewritten(&[self.text()], &document), origin).map_err(Faults::without_places)
-    }
-}
 
 /// A text with the contents of `document`, in the form of the last of `texts`; what that does not have has the form of the first of the
 /// others that has it.

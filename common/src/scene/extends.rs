@@ -30,7 +30,7 @@ pub(super) fn read(path: &Path) -> Result<String, Faults> {
     read_as(path, "the TOML file of a scene")
 }
 
-/// Text of a file that somebody has written.
+/// Text of an input file.
 ///
 /// # Errors
 /// [`FaultKind::Unreadable`].

@@ -118,6 +118,17 @@ impl SceneSource {
         Ok(source)
     }
 
+    /// The scene with changes in its tables; `origin` names it in faults. Its text keeps the comments, order and notation of
+    /// everything else, and is the same if nothing changes.
+    ///
+    /// # Errors
+    /// The faults of the changed scene, without places: no person wrote its text.
+    pub fn edited(&self, origin: &str, edit: impl FnOnce(&mut Table)) -> Result<Self, Faults> {
+        let mut document = self.document.clone();
+        edit(&mut document);
+        Self::parse(&rewritten(&[&self.text], &document), origin).map_err(Faults::without_places)
+    }
+
     /// The file, or the name of a built-in scene.
     pub fn origin(&self) -> &str {
         &self.origin

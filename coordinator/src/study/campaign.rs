@@ -10,9 +10,8 @@
 //! Carlo simulation, Structural Safety 33(2).
 
 use super::campaign_data::CampaignData;
-use super::campaign_result::CampaignResult;
 use super::classified_population::ClassifiedPopulation;
-use super::failures::{Failed, check_failures, check_nominal, check_results};
+use super::failures::{check_failures, check_nominal, check_results};
 use super::observations::ObservedOutcome;
 use super::plan::{Plan, Problem};
 use super::prediction_check::{judge, largest_prediction_error};
@@ -38,7 +37,8 @@ pub(super) struct LearningProgress {
     pub rounds: Vec<Round>,
     /// Assessment of all outcomes received; absent until the newest have been assessed.
     pub assessment: Option<Assessment>,
-    stop: Option<StopReason>,
+    /// Why learning has ended; absent until it has.
+    pub stop: Option<StopReason>,
 }
 
 /// A campaign of active learning.
@@ -357,28 +357,5 @@ impl Campaign {
     /// Number of evaluations whose outcome has been recorded, failed ones included.
     pub fn evaluations(&self) -> usize {
         self.requests.received
-    }
-
-    /// The result, once [`Step::Done`] has been returned.
-    pub fn finish(mut self) -> Option<CampaignResult> {
-        let stop = self.progress.stop?;
-        // Failures that the budget left no repetition for.
-        let retries = self.requests.retries.drain(..).map(|(pending, cause)| Failed {
-            z: pending.z,
-            cause,
-            expected: false,
-        });
-        self.data.failed.extend(retries);
-        let assessment = self.progress.assessment.take()?;
-        Some(CampaignResult {
-            untested: self.untested(&assessment),
-            classified: self.classified,
-            observations: self.data.observations,
-            assessment,
-            rounds: self.progress.rounds,
-            evaluations: self.requests.received,
-            failed: self.data.failed,
-            stop,
-        })
     }
 }

@@ -1,5 +1,6 @@
 //! The result of an active-learning campaign.
 
+use super::campaign::Campaign;
 use super::classified_population::ClassifiedPopulation;
 use super::failures::Failed;
 use super::interim::InterimResult;
@@ -52,5 +53,30 @@ impl CampaignResult {
             condition: self.classified.condition,
             untested: self.untested.clone(),
         }
+    }
+}
+
+impl Campaign {
+    /// The result, once [`Step::Done`](super::step::Step::Done) has been returned.
+    pub fn finish(mut self) -> Option<CampaignResult> {
+        let stop = self.progress.stop?;
+        // Failures that the budget left no repetition for.
+        let retries = self.requests.retries.drain(..).map(|(pending, cause)| Failed {
+            z: pending.z,
+            cause,
+            expected: false,
+        });
+        self.data.failed.extend(retries);
+        let assessment = self.progress.assessment.take()?;
+        Some(CampaignResult {
+            untested: self.untested(&assessment),
+            classified: self.classified,
+            observations: self.data.observations,
+            assessment,
+            rounds: self.progress.rounds,
+            evaluations: self.requests.received,
+            failed: self.data.failed,
+            stop,
+        })
     }
 }

@@ -1,7 +1,7 @@
 //! The result of an optimisation, from the design at which its loop ended.
 
 use super::campaign::TargetCampaign;
-use super::optimum::{Context, values_of};
+use super::context::{Context, values_of};
 use super::reliability::value;
 use super::result::{
     Advice, Bound, FrontPoint, Grades, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations,

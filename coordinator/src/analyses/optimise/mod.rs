@@ -13,6 +13,7 @@
 //! study.
 
 mod campaign;
+mod context;
 mod design_variables;
 mod finding;
 mod front_figure;

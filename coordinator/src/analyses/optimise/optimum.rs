@@ -5,26 +5,21 @@
 //! reliability by line sampling agrees with the one counted over the population.
 
 use super::campaign::{StudyBasis, TargetCampaign};
+use super::context::{Context, values_of};
 use super::finding::Finding;
 use super::problem::DesignProblem;
-use super::reliability::{Constraint, DesignReliability, ModeSurrogate, TargetValue, place};
+use super::reliability::{TargetValue, place};
 use super::result::{OptimisationResult, Simulations};
 use super::solve::{Solved, solve};
 use super::{OptimiseError, Simulate, trust};
 use crate::statistics::design::InputModel;
-use crate::study::{CampaignResult, StopReason};
-use common::random::standard_normal_quantile;
+use crate::study::StopReason;
 
 /// Most rounds of the loop.
 const MOST_ROUNDS: usize = 25;
 /// Simulations of a first visit to a design, besides one per variable, and at most.
 const VISIT: (usize, usize) = (4, 16);
-/// Designs are next to each other if no mean differs by more than this [standard deviations] ...
-const NEAR_MEAN: f64 = 0.3;
-/// ... and no logarithm of a standard deviation by more than this [1].
-const NEAR_SPREAD: f64 = 0.15;
-/// Difference of two reliabilities in their standard errors up to which they agree [1].
-const AGREE: f64 = 3.0;
+
 /// Progress of an optimisation: an optimum on the surrogates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OptimisationProgress {
@@ -36,95 +31,6 @@ pub struct OptimisationProgress {
     pub feasible: bool,
     /// Simulations added so far.
     pub added: usize,
-}
-
-/// Indices of a target's curve and column, and its name as a constraint.
-pub(super) struct Context<'a> {
-    pub problem: &'a DesignProblem,
-    /// Inputs of the study, in the coordinates of all campaigns.
-    pub reference: InputModel,
-    seed: u64,
-    /// Curve and column of every target in the campaigns.
-    pub places: Vec<(usize, usize)>,
-    pub constraints: Vec<Constraint>,
-}
-
-impl<'a> Context<'a> {
-    fn new(study: &'a StudyBasis, problem: &'a DesignProblem, campaign: &TargetCampaign<'_>) -> Self {
-        let places: Vec<(usize, usize)> = problem
-            .targets
-            .iter()
-            .map(|target| campaign.place(target.limit_state, target.checkpoint))
-            .collect();
-        let modes = campaign.modes.len();
-        let constraint =
-            |(target, (curve, column)): (&super::ReliabilityTarget, &(usize, usize))| Constraint {
-                modes: if *curve == modes { (0..modes).collect() } else { vec![*curve] },
-                column: *column,
-                beta: -standard_normal_quantile(1.0 - target.reliability),
-            };
-        let constraints = problem.targets.iter().zip(&places).map(constraint).collect();
-        let reference = trust::with_scales(problem, &study.problem.inputs);
-        Self { problem, reference, seed: study.settings.seed, places, constraints }
-    }
-
-    /// Reliability over designs with the surrogates of a campaign at the design y, its lines placed for it.
-    pub fn reliability<'r>(&'r self, learned: &'r CampaignResult, y: &[f64]) -> DesignReliability<'r> {
-        let surrogate = |(mode, surrogate): (
-            &crate::statistics::learning::Classification,
-            &'r crate::study::Surrogate,
-        )| ModeSurrogate {
-            dual: surrogate.model.dual(),
-            threshold: mode.threshold,
-            model: &surrogate.model,
-        };
-        let surrogates = learned.assessment.modes.iter().zip(&learned.assessment.surrogates).map(surrogate);
-        let constraints = self.constraints.clone();
-        let surrogates = surrogates.collect();
-        DesignReliability::new(self.problem, &self.reference, surrogates, constraints, self.seed, y)
-    }
-
-    fn inputs(&self, values: &[f64]) -> Result<InputModel, OptimiseError> {
-        Ok(self.problem.inputs(&self.reference, values)?)
-    }
-
-    /// The design found, with its reliabilities by the surrogates of a campaign there.
-    fn assessed(&self, solved: &Solved, learned: &CampaignResult) -> Solved {
-        let values = self.reliability(learned, &solved.y).targets(&solved.y).unwrap_or_default();
-        Solved { values, ..solved.clone() }
-    }
-
-    /// True if two designs are next to each other.
-    fn are_near(&self, a: &InputModel, b: &InputModel) -> bool {
-        a.variables().iter().zip(b.variables()).enumerate().all(|(k, (a_law, b_law))| {
-            if a_law.is_constant() || trust::spread_by(self.problem, b, k).is_some() {
-                // A design variable, in standard deviations of its range; or a mean, in the scale of visits.
-                let shift = a.standardised_value(k, a_law.parent_mean())
-                    - b.standardised_value(k, b_law.parent_mean());
-                return shift.abs() <= NEAR_MEAN;
-            }
-            let (a, b) = (a_law, b_law);
-            let shift = (a.parent_mean() - b.parent_mean()).abs() / b.parent_std();
-            let spread = (a.parent_std() / b.parent_std()).ln().abs();
-            shift <= NEAR_MEAN && spread <= NEAR_SPREAD
-        })
-    }
-
-    /// True if at a campaign's design every surrogate error is small and line sampling agrees with counting.
-    fn is_accurate(&self, solved: &Solved, learned: &CampaignResult) -> bool {
-        let counted = learned.reliability();
-        solved.values.iter().zip(&self.places).zip(&self.problem.targets).all(
-            |((value, (curve, column)), target)| {
-                let error = TargetCampaign::surrogate_error(learned, *curve, *column);
-                let p = value.estimate.probability;
-                let point = counted[*curve][*column];
-                let both = point.standard_error.hypot(value.estimate.standard_error);
-                let allowed = p.max(1.0 - target.reliability);
-                TargetCampaign::is_accurate(error, allowed)
-                    && (1.0 - point.reliability - p).abs() <= AGREE * both
-            },
-        )
-    }
 }
 
 /// Finds the cheapest design that meets the targets, with at most `budget` simulations besides those of the study.
@@ -205,10 +111,6 @@ pub fn optimise(
     let evaluations = Simulations { study: before, added };
     let finding = Finding { solved, region, confirmed, stopped_because, evaluations, present };
     Ok(finding.result(&context, &learned, &at_present))
-}
-
-pub(super) fn values_of(problem: &DesignProblem, y: &[f64]) -> Vec<f64> {
-    problem.quantities.iter().zip(y).map(|(q, y)| super::reliability::value(q, *y)).collect()
 }
 
 impl Solved {

@@ -1,16 +1,21 @@
 //! Costs and grades of the file of an optimisation problem.
 
-use super::problem::Grade;
-use super::problem_file::VariableUnit;
+use super::problem::{Grade, PrintedUnit};
 use crate::statistics::optimisation::{CostModel, CostTable};
 use common::random::ToleranceClass;
 use common::scene::expression::read_unit;
-use common::scene::quantity::{LENGTH, NUMBER};
+use common::scene::quantity::{Kind, LENGTH, NUMBER};
 use common::scene::{Range, Section};
 use toml::Value;
 
 /// Grades of the table: IT5 to IT11 are read, IT12 is ten times IT7.
 const GRADES: std::ops::RangeInclusive<u8> = 5..=12;
+
+/// The kind of quantity that a variable is, and the unit in which it is printed.
+pub(super) struct VariableUnit {
+    pub kind: Kind,
+    pub printed: PrintedUnit,
+}
 
 /// The words of `model`.
 #[derive(Clone, Copy)]

@@ -1,6 +1,7 @@
 //! Reader of the file of an optimisation problem, TOML; every fault is reported at once.
 
 use super::problem::{DesignProblem, DesignQuantity, Grade, PrintedUnit, QuantityKind, ReliabilityTarget};
+use super::problem_costs::VariableUnit;
 use crate::analyses::quantity::checkpoint;
 use crate::statistics::design::InputModel;
 use common::random::Distribution;
@@ -67,12 +68,6 @@ fn fixed_bounds(source: &SceneSource) -> Vec<[bool; 2]> {
         ["lower", "upper"].map(|key| row.is_some_and(|row| row.get(key).is_some()))
     };
     source.variables().iter().map(|variable| given(&variable.name)).collect()
-}
-
-/// The kind of quantity that a variable is, and the unit in which it is printed.
-pub(super) struct VariableUnit {
-    pub kind: Kind,
-    pub printed: PrintedUnit,
 }
 
 /// The rows of a file for a scene. After a fault they are read on with values that have no meaning.

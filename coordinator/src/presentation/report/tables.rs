@@ -12,6 +12,11 @@ use maud::{Markup, Render, html};
 /// Cells of one row.
 type Row = Vec<Markup>;
 
+/// Cells of a row with these texts.
+pub fn cells<const N: usize>(texts: [String; N]) -> Row {
+    texts.map(|text| text.render()).to_vec()
+}
+
 /// A table whose last column holds text that may break into lines.
 pub fn table_of_text(head: &[&str], rows: impl Iterator<Item = Row>) -> Markup {
     scrolling_table(Some("text"), head, rows)

@@ -21,14 +21,14 @@
 const PLATEAU: usize = 3;
 /// Values nearest to the threshold that tell a common step.
 const NEAREST: usize = 4;
-/// Remainder over the largest difference that counts as none [1], and smallest common step over it [1]: numbers without a
-/// common step pass both with a probability of about 1e-9.
+/// Remainder over the largest difference that counts as none [1]. Numbers without a common step pass this and [`LEAST_STEP`] with a
+/// probability of about 1e-9.
 const REMAINDER: f64 = 1e-9;
 /// Jump at the limit over the standard deviation of the values from which on steps count as coarse [1].
 const COARSE: f64 = 0.1;
 /// Relative difference of values that count as equal [1].
 const EQUAL: f64 = 1e-12;
-/// See [`REMAINDER`].
+/// Smallest common step over the largest difference [1].
 const LEAST_STEP: f64 = 1e-3;
 
 /// The threshold that a surrogate of a response uses, and the jump of the response there.

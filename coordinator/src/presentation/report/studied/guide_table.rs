@@ -3,7 +3,7 @@
 use super::exact::ExactTexts;
 use super::mechanism_tables::damping;
 use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::table_of_text;
+use crate::presentation::report::tables::{cells, table_of_text};
 use crate::presentation::report::written::WrittenScene;
 use common::scene::{GuideClearance, JointKind, Scene, WearingSurfaces};
 use maud::{Markup, html};
@@ -46,7 +46,7 @@ pub(super) fn guides(scene: &Scene, written: &WrittenScene) -> Markup {
         "friction speed",
         "damping of the contact",
     ];
-    let rows = rows.into_iter().map(super::mechanism_tables::cells);
+    let rows = rows.into_iter().map(cells);
     captioned(
         "guides",
         "Guides with clearance: length and height of the slider, width of the contact, clearance on each side; ends of the guide from its \
@@ -79,6 +79,6 @@ pub(super) fn guide_wear(scene: &Scene, written: &WrittenScene) -> Markup {
     captioned(
         "guide-wear",
         "Wear of these guides and of their sliders by Archard's law, with the control points of each face",
-        table_of_text(&head, rows.into_iter().map(super::mechanism_tables::cells)),
+        table_of_text(&head, rows.into_iter().map(cells)),
     )
 }

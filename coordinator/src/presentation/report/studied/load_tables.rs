@@ -1,9 +1,9 @@
 //! Tables of loads, gravity, and the curves by which loads and drives vary and that outputs should follow.
 
 use super::exact::{ExactTexts, exact, exact_number};
-use super::mechanism_tables::{cells, place};
+use super::mechanism_tables::place;
 use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::table_of_text;
+use crate::presentation::report::tables::{cells, table_of_text};
 use crate::presentation::report::written::WrittenScene;
 use common::scene::{Curve, Drive, Load, Motion, OutputUnit, Over, Scene, Table};
 use maud::{Markup, html};

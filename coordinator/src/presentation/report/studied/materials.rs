@@ -1,10 +1,9 @@
 //! Table of the materials of a mechanism, with the parts of joints that are made of them.
 
 use super::exact::ExactTexts;
-use super::mechanism_tables::cells;
 use crate::presentation::report::format::UNKNOWN;
 use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::table;
+use crate::presentation::report::tables::{cells, table};
 use crate::presentation::report::written::WrittenScene;
 use common::scene::{Joint, JointKind, Material, Scene};
 use maud::{Markup, html};

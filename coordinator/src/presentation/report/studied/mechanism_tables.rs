@@ -4,18 +4,13 @@
 use super::exact::ExactTexts;
 use crate::presentation::report::format::UNKNOWN;
 use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::{table, table_of_text};
+use crate::presentation::report::tables::{cells, table, table_of_text};
 use crate::presentation::report::written::WrittenScene;
 use common::scene::{
     Attachment, Clearance, ContactDamping, ControlPoints, Drive, Joint, JointKind, Motion, RestitutionLaw,
     Scene, WearingSurfaces,
 };
-use maud::{Markup, Render, html};
-
-/// Cells of a row.
-pub(super) fn cells<const N: usize>(texts: [String; N]) -> Vec<Markup> {
-    texts.map(|text| text.render()).to_vec()
-}
+use maud::{Markup, html};
 
 /// All tables of bodies, joints and materials.
 pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {

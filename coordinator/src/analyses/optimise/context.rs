@@ -1,0 +1,117 @@
+//! What an optimisation knows of its problem in every round: the places of its targets in the campaigns, and when designs are near
+//! each other and accurate.
+
+use super::campaign::{StudyBasis, TargetCampaign};
+use super::problem::DesignProblem;
+use super::reliability::{Constraint, DesignReliability, ModeSurrogate, value};
+use super::solve::Solved;
+use super::{OptimiseError, trust};
+use crate::statistics::design::InputModel;
+use crate::study::CampaignResult;
+use common::random::standard_normal_quantile;
+
+/// Designs are next to each other if no mean differs by more than this [standard deviations] ...
+const NEAR_MEAN: f64 = 0.3;
+/// ... and no logarithm of a standard deviation by more than this [1].
+const NEAR_SPREAD: f64 = 0.15;
+/// Difference of two reliabilities in their standard errors up to which they agree [1].
+const AGREE: f64 = 3.0;
+
+/// A problem with the inputs of its study, and its targets as curves and columns of the campaigns and as constraints.
+pub(super) struct Context<'a> {
+    pub problem: &'a DesignProblem,
+    /// Inputs of the study, in the coordinates of all campaigns.
+    pub reference: InputModel,
+    seed: u64,
+    /// Curve and column of every target in the campaigns.
+    pub places: Vec<(usize, usize)>,
+    pub constraints: Vec<Constraint>,
+}
+
+impl<'a> Context<'a> {
+    /// The context of a problem in the campaigns of a study.
+    pub fn new(study: &'a StudyBasis, problem: &'a DesignProblem, campaign: &TargetCampaign<'_>) -> Self {
+        let places: Vec<(usize, usize)> = problem
+            .targets
+            .iter()
+            .map(|target| campaign.place(target.limit_state, target.checkpoint))
+            .collect();
+        let modes = campaign.modes.len();
+        let constraint =
+            |(target, (curve, column)): (&super::ReliabilityTarget, &(usize, usize))| Constraint {
+                modes: if *curve == modes { (0..modes).collect() } else { vec![*curve] },
+                column: *column,
+                beta: -standard_normal_quantile(1.0 - target.reliability),
+            };
+        let constraints = problem.targets.iter().zip(&places).map(constraint).collect();
+        let reference = trust::with_scales(problem, &study.problem.inputs);
+        Self { problem, reference, seed: study.settings.seed, places, constraints }
+    }
+
+    /// Reliability over designs with the surrogates of a campaign at the design y, its lines placed for it.
+    pub fn reliability<'r>(&'r self, learned: &'r CampaignResult, y: &[f64]) -> DesignReliability<'r> {
+        let surrogate = |(mode, surrogate): (
+            &crate::statistics::learning::Classification,
+            &'r crate::study::Surrogate,
+        )| ModeSurrogate {
+            dual: surrogate.model.dual(),
+            threshold: mode.threshold,
+            model: &surrogate.model,
+        };
+        let surrogates = learned.assessment.modes.iter().zip(&learned.assessment.surrogates).map(surrogate);
+        let constraints = self.constraints.clone();
+        let surrogates = surrogates.collect();
+        DesignReliability::new(self.problem, &self.reference, surrogates, constraints, self.seed, y)
+    }
+
+    /// Inputs of the design with these values of the quantities [SI].
+    ///
+    /// # Errors
+    /// The design has a distribution that does not exist.
+    pub fn inputs(&self, values: &[f64]) -> Result<InputModel, OptimiseError> {
+        Ok(self.problem.inputs(&self.reference, values)?)
+    }
+
+    /// The design found, with its reliabilities by the surrogates of a campaign there.
+    pub fn assessed(&self, solved: &Solved, learned: &CampaignResult) -> Solved {
+        let values = self.reliability(learned, &solved.y).targets(&solved.y).unwrap_or_default();
+        Solved { values, ..solved.clone() }
+    }
+
+    /// True if two designs are next to each other.
+    pub fn are_near(&self, a: &InputModel, b: &InputModel) -> bool {
+        a.variables().iter().zip(b.variables()).enumerate().all(|(k, (a_law, b_law))| {
+            if a_law.is_constant() || trust::spread_by(self.problem, b, k).is_some() {
+                // A design variable, in standard deviations of its range; or a mean, in the scale of visits.
+                let shift = a.standardised_value(k, a_law.parent_mean())
+                    - b.standardised_value(k, b_law.parent_mean());
+                return shift.abs() <= NEAR_MEAN;
+            }
+            let (a, b) = (a_law, b_law);
+            let shift = (a.parent_mean() - b.parent_mean()).abs() / b.parent_std();
+            let spread = (a.parent_std() / b.parent_std()).ln().abs();
+            shift <= NEAR_MEAN && spread <= NEAR_SPREAD
+        })
+    }
+
+    /// True if at a campaign's design every surrogate error is small and line sampling agrees with counting.
+    pub fn is_accurate(&self, solved: &Solved, learned: &CampaignResult) -> bool {
+        let counted = learned.reliability();
+        solved.values.iter().zip(&self.places).zip(&self.problem.targets).all(
+            |((value, (curve, column)), target)| {
+                let error = TargetCampaign::surrogate_error(learned, *curve, *column);
+                let p = value.estimate.probability;
+                let point = counted[*curve][*column];
+                let both = point.standard_error.hypot(value.estimate.standard_error);
+                let allowed = p.max(1.0 - target.reliability);
+                TargetCampaign::is_accurate(error, allowed)
+                    && (1.0 - point.reliability - p).abs() <= AGREE * both
+            },
+        )
+    }
+}
+
+/// Values of the quantities of a problem at y `(q,)` [SI].
+pub(super) fn values_of(problem: &DesignProblem, y: &[f64]) -> Vec<f64> {
+    problem.quantities.iter().zip(y).map(|(q, y)| value(q, *y)).collect()
+}
