@@ -195,7 +195,8 @@ fn refused_keys(validator: &Validator, scene: &Value, path: &str) -> BTreeSet<St
 }
 
 /// Keys that decide which other keys a table has, and those that only some of these allow.
-const DECIDING: [&str; 13] = [
+const DECIDING: [&str; 14] = [
+    "control_points_of_model",
     "extends",
     "without",
     "simulator",

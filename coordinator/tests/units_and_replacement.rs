@@ -33,7 +33,7 @@ fn a_study_answers_for_units_and_replacement() {
     assert!(coordinator(&run.split(' ').chain([study.as_str()]).collect::<Vec<_>>()).status.success());
 
     let missing = refused(&["update", &study, "--measured", &at("no.csv")]);
-    assert!(missing.contains("no.csv cannot be read: there is no such file"), "{missing}");
+    assert!(missing.contains("no.csv: cannot be read: there is no such file"), "{missing}");
 
     // Of two units the one that has worn more has the shorter remaining life.
     let observed = "unit,cycles,quantity,value,error\nA,3000,max_wear_depth,4.4 um,0.1 um\n\

@@ -39,10 +39,8 @@
 //! | [`simulator`] | the simulator that the worker offers |
 //! | [`umbridge`] | a scene as a model for UM-Bridge clients |
 
-/// The build of the simulation in this program.
-pub const BUILD: common::build::Build = common::build::Build::from_digits(env!("HINGEWISE_BUILD"));
-
 pub mod bore;
+pub mod build;
 pub mod contact;
 pub mod extremes;
 mod extremum;
@@ -61,3 +59,5 @@ pub mod simulate;
 pub mod simulator;
 pub mod umbridge;
 mod wear;
+
+pub use build::BUILD;

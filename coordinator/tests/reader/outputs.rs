@@ -87,6 +87,8 @@ pub fn outputs_and_study(page: &str, text: &mut String) {
         match reach {
             Some(reach) => writeln!(text, "truncation = {reach}").unwrap(),
             None if row["lower bound"].starts_with('–') || row["lower bound"] == "—" => {}
+            // The bounds of a truncated normal are keys, those of a lognormal its nature.
+            None if row["distribution"] == "lognormal" => {}
             None => {
                 let (lower, upper) = (value(&row["lower bound"]), value(&row["upper bound"]));
                 writeln!(text, "lower = {lower}\nupper = {upper}").unwrap();

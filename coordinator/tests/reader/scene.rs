@@ -34,6 +34,10 @@ pub fn rebuilt(page: &str) -> toml::Table {
     let name = fact("scene").split(',').next().unwrap().to_owned();
     let title = plain(between(page, "<h1>", "</h1>"));
     writeln!(text, "[scene]\nname = \"{name}\"\ntitle = \"{title}\"").unwrap();
+    // Stated by a note with the size of what it leaves out.
+    if page.contains("declares a part of its model") {
+        text.push_str("control_points_of_model = true\n");
+    }
     for row in table(page, "parameters") {
         let value = &row["value"];
         let value = if value.parse::<f64>().is_ok() { value.clone() } else { quoted(value) };

@@ -116,7 +116,7 @@ impl Job {
 pub trait Simulator: Send + Sync {
     /// What the worker announces to coordinators: it gets no tasks of anything else.
     fn offers(&self) -> Offers {
-        Offers::Scenes(crate::BUILD)
+        Offers::Scenes(crate::build::BUILD)
     }
 
     /// Evaluates the sample of one job.

@@ -22,6 +22,8 @@ use std::f64::consts::{PI, TAU};
 /// Change of the state over a cycle, in the scales of the error control, up to which it counts as the same [1]. The scale is 1 % of the
 /// smallest clearance.
 const SAME: f64 = 0.1;
+/// The same for a cycle on a bore that has just been worn: a penetration is stiff, and a hundredth of the scale carries a load [1].
+const FALL: f64 = 0.01;
 /// Most further settling cycles.
 const MOST_FURTHER: u32 = 60;
 /// States from which the periodic motion is extrapolated.
@@ -134,15 +136,12 @@ impl<'a> Run<'a> {
     pub(crate) async fn measure_first(&mut self) -> Result<(), SimulationFailure> {
         self.measure().await?;
         let change = self.change_over_cycle();
-        tracing::debug!(
-            "over the first cycle the state changes by {change}; free flight: {}",
-            self.has_free_flight()
-        );
+        tracing::debug!("over the first cycle the state changes by {change}");
         if self.scene.life.is_single_cycle() || change <= SAME {
             return Ok(());
         }
-        if self.repetition.is_determined && self.has_free_flight() {
-            // Impacts may keep the motion from ever repeating itself, which the probes show (`probe.rs`).
+        if self.repetition.is_determined {
+            // Beside its ideal motion by the clearances alone: what the probes find is all that there is (`probe.rs`).
             return Ok(());
         }
         let before = self.clone();
@@ -150,7 +149,7 @@ impl<'a> Run<'a> {
             Ok(rest) => rest,
             Err(failure) => {
                 tracing::debug!("settling further failed: {failure}");
-                self.return_to(before.clone());
+                self.return_to(before);
                 Rest { cycles: 0, is_settled: false, slowness: f64::INFINITY }
             }
         };
@@ -158,22 +157,8 @@ impl<'a> Run<'a> {
             self.repetition.slowness = rest.slowness.min(1.0 / (1.0 - NOT_DECAYING));
             return self.measure().await;
         }
-        if self.repetition.is_determined {
-            // Beside its ideal motion by the clearances alone: what the probes find is all that there is.
-            self.return_to(before);
-            return Ok(());
-        }
         self.measure().await?;
         self.state_what_is_to_come(&rest).await
-    }
-
-    /// True if a joint with clearance was in free flight in the cycle just measured.
-    fn has_free_flight(&self) -> bool {
-        let mut islands =
-            self.islands.iter().filter_map(|state| Some((state, state.recorder.full.as_ref()?)));
-        islands.any(|(state, full)| {
-            full.forces.iter().take(state.island.contacts().count()).any(|f| f.free > 0.0)
-        })
     }
 
     /// Notes by how much two further cycles differ from the one just measured, and what that leaves to come.
@@ -195,7 +180,7 @@ impl<'a> Run<'a> {
             let change = match output.kind.wear() {
                 Some((_, joints)) => {
                     let surfaces = joints.iter().flat_map(|&joint| SURFACES * joint..SURFACES * (joint + 1));
-                    surfaces.map(|surface| changes.wear[surface]).fold(0.0, f64::max)
+                    surfaces.filter_map(|surface| changes.wear.get(surface)).fold(0.0, |a: f64, b| a.max(*b))
                 }
                 None => over(changes.motion[k], measured.motion[k].abs()),
             };
@@ -298,20 +283,21 @@ impl<'a> Run<'a> {
     /// [`SimulationFailure`] if the integration stops.
     pub(crate) async fn next_settled_cycle(&mut self) -> Result<(), SimulationFailure> {
         self.next_cycle().await?;
-        self.measure_after_transient().await
+        self.measure_after_transient(FALL).await
     }
 
-    /// Measures the cycle after the one just measured, as long as that begins with a transient which sets an output.
+    /// Measures the cycle after the one just measured, as long as that changes the state by more than `least` [1] and begins with a
+    /// transient which sets an output.
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn measure_after_transient(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn measure_after_transient(&mut self, least: f64) -> Result<(), SimulationFailure> {
         if self.repetition.is_irregular {
             return Ok(());
         }
         for _ in 0..MOST_AGAIN {
             let change = self.change_over_cycle();
-            let early = if change > SAME { self.starts_with_extreme() } else { None };
+            let early = if change > least { self.starts_with_extreme() } else { None };
             tracing::debug!(
                 "over a worn cycle the state changes by {change}; output with an extreme in its start: {early:?}"
             );

@@ -135,7 +135,7 @@ fn wear_does_not_depend_on_where_the_contact_lies_between_control_points() {
 
 #[test]
 fn issue_a_bore_of_ten_millimetres_was_worn_to_any_depth() {
-    for law in ["local-hertz", "foundation"] {
+    for law in ["foundation"] {
         let mut scene = hung(94.0, law, 36);
         every_joint(&mut scene, |joint| joint.wear_coefficient = 1e-8);
         let failed = simulate(&scene, &scene.accuracy.accuracy, SimulateOptions::default());

@@ -20,7 +20,7 @@ const SHARED: [&str; 7] = [
 ];
 
 /// Built-in scenes whose motion does not repeat itself: rounding grows until it changes every digit.
-const IRREGULAR: [&str; 2] = ["slider-crank", "guided-slider-crank"];
+const IRREGULAR: [&str; 3] = ["slider-crank", "guided-slider-crank", "flapping-wing-experiment"];
 
 struct Case {
     name: String,

@@ -89,7 +89,7 @@ fn speeds_that_are_not_given_are_smallest_in_the_metric_of_the_masses() {
         let found = speed(&moved, &pose, "rod");
         assert!((found / right - 1.0).abs() < 1e-9, "{by:?}: {found} rad/s, right {right}");
         let v = pose.v[index(&moved, "piston")].expect("free");
-        assert!((v[0] - given).abs() < 1e-9 && speed(&moved, &pose, "crank") == 0.0, "{by:?}: {v:?}");
+        assert!((v[0] - given).abs() < 1e-9 && speed(&moved, &pose, "crank").abs() < 1e-9, "{by:?}: {v:?}");
     }
 }
 
