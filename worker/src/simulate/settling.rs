@@ -22,7 +22,7 @@ use std::f64::consts::{PI, TAU};
 /// Change of the state over a cycle, in the scales of the error control, up to which it counts as the same [1]. The scale is 1 % of the
 /// smallest clearance.
 const SAME: f64 = 0.1;
-/// The same for a cycle on a bore that has just been worn: a penetration is stiff, and a hundredth of the scale carries a load [1].
+/// That change over a cycle on a bore that has just been worn: a penetration is stiff, and a hundredth of the scale carries a load [1].
 const FALL: f64 = 0.01;
 /// Most further settling cycles.
 const MOST_FURTHER: u32 = 60;
