@@ -268,7 +268,7 @@ fn pictures_and_files_that_are_no_scenes() {
     std::fs::write(path("campaign.db"), [0x53, 0xff, 0xfe, 0x00]).unwrap();
     let message = refused(&["check", &path("campaign.db")], 2);
     one_message(&message, &["campaign.db", "it is no text, expected the TOML file of a scene"]);
-    one_message(&refused(&["check", &path("")], 2), &["it is a folder, expected a file"]);
+    one_message(&refused(&["check", &path("")], 2), &["it is a folder, expected the TOML file of a scene"]);
     one_message(&refused(&["check", &path("missing.toml")], 2), &["missing.toml", "there is no such file"]);
 }
 
