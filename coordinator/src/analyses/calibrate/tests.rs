@@ -185,7 +185,7 @@ fn a_target_is_the_depth_at_one_angle() {
     assert_eq!((joint, target.name.as_str()), (2, "depth of bore rocker at -90 deg"));
     assert!((angle + 0.5 * std::f64::consts::PI).abs() < 1e-12 && (target.value - 5e-6).abs() < 1e-20);
     let error = row("").unwrap_err().to_string();
-    assert!(error.contains("targets[1].angle: is missing, expected the angle on the bore"), "{error}");
+    assert!(error.contains("targets[1].angle: is missing, expected an angle"), "{error}");
     let error = row("angle = \"1 mm\"").unwrap_err().to_string();
     assert!(error.contains("targets[1].angle: \"1 mm\" is a length, expected an angle"), "{error}");
 }
