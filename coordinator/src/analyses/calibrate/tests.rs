@@ -228,7 +228,7 @@ fn faults_of_the_file_are_named_with_their_key() {
         (
             "\"5 mm\"",
             "\"-5 mm\"",
-            "parameters.width: at -5 mm, a bound of this variable, the scene is invalid",
+            "parameters.width: at -0.005 m, a bound of this variable, the scene is invalid",
         ),
     ] {
         let text = format!("{PARAMETERS}{target}");

@@ -247,11 +247,16 @@ fn issue_the_edge_of_the_trust_region_is_neither_an_optimum_nor_the_end_of_the_b
     let far = study(&at([2.2, 1.8]), 3, 10, &youn_choi);
     for budget in [0, 5] {
         let found = run(&far, &problem, budget, &youn_choi);
-        assert!(!found.feasible && !found.confirmed && !found.supports_all(), "{budget} {found:?}");
+        assert!(!found.confirmed && !found.supports_all(), "{budget} {found:?}");
         // Both estimates of a reliability are those of the surrogates at the design found.
         for target in &found.targets {
             let error = target.standard_error.hypot(target.counted_standard_error);
             assert!((target.reliability - target.counted).abs() < 4.0 * error + 1e-4, "{budget} {target:?}");
+        }
+        // Five further simulations may be enough to find a design, not to confirm it.
+        assert!(!found.feasible || budget > 0, "{found:?}");
+        if found.feasible {
+            continue;
         }
         let text = markdown(&found);
         assert!(text.contains("Within what the simulations support, no design meets every target"), "{text}");

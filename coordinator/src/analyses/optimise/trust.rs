@@ -45,7 +45,7 @@ pub(super) fn with_scales(problem: &DesignProblem, inputs: &InputModel) -> Input
             .unwrap_or_else(|| law.clone())
     };
     let scales = inputs.variables().iter().enumerate().map(scaled).collect();
-    inputs.clone().standardised_as(&InputModel::new(scales, inputs.copula().clone()).standardised_as(inputs))
+    inputs.clone().standardised_as(&InputModel::new(scales, inputs.copula().clone()))
 }
 
 /// The inputs of a visit to the design `inputs`: its variables are spread over the region that it will support.
