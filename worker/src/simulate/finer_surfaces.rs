@@ -139,8 +139,8 @@ impl Run<'_> {
                 state.stepper.control.after_jump();
             }
             finer.measure().await?;
-            finer.measure_after_transient(0.0).await?;
         }
+        finer.measure_after_transient(0.0).await?;
         self.add_counts(&finer);
         Ok(finer.measured)
     }

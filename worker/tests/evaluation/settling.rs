@@ -267,8 +267,7 @@ fn issue_peaks_were_those_of_the_fall_into_the_deepened_bore() {
                     (found - exact).abs() < 0.01 * exact + error,
                     "{law}: {found} +- {error}, statics {exact}"
                 );
-                // Cycles on finer surfaces still begin with the fall, so that the stated error is of the size of the value.
-                assert!(error < 1.5 * exact, "{law}: {error}");
+                assert!(error < 0.02 * exact, "{law}: {error}");
             }
         }
     }
