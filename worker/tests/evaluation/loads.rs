@@ -37,6 +37,17 @@ fn run(scene: &Scene) -> Evaluation {
     simulate(scene, &Accuracy::reference(), SimulateOptions::WITH_FIRST_CYCLE).expect("simulated")
 }
 
+/// With time steps short enough for an energy balance within 1e-6.
+fn run_finely(scene: &Scene) -> Evaluation {
+    let reference = Accuracy::reference();
+    let accuracy = Accuracy {
+        step_tolerance: 1e-2 * reference.step_tolerance,
+        largest_step: 0.1 * reference.largest_step,
+        ..reference
+    };
+    simulate(scene, &accuracy, SimulateOptions::WITH_FIRST_CYCLE).expect("simulated")
+}
+
 /// Every (time, angle, x) of the body.
 fn history(evaluation: &Evaluation) -> Vec<(f64, f64, f64)> {
     let cycle = evaluation.first_cycle.as_ref().expect("asked for");
@@ -138,7 +149,7 @@ fn quadratic_drag_slows_a_slider_as_in_closed_form() {
     // m dv/dt = -c |v| v: v = v_0 / (1 + c |v_0| t / m), forward and backward.
     let c = 0.7;
     for start in [3.0, -3.0_f64] {
-        let evaluation = run(&dragged(start, [0.0, c], 0.0, None));
+        let evaluation = run_finely(&dragged(start, [0.0, c], 0.0, None));
         for (t, _, x) in history(&evaluation) {
             let exact = MASS / c * (c * start.abs() * t / MASS).ln_1p() * start.signum();
             assert!((x - exact).abs() < 1e-8, "{x} against {exact} at {t}");
@@ -149,28 +160,27 @@ fn quadratic_drag_slows_a_slider_as_in_closed_form() {
         let lost = 0.5 * MASS * (start * start - end * end);
         println!("lost {lost} J, dissipated {} J, put in {:e} J", energy.dissipated, energy.input);
         assert!(
-            (energy.dissipated / lost - 1.0).abs() < 1e-4 && energy.input.abs() < 1e-4 * lost,
+            (energy.dissipated / lost - 1.0).abs() < 1e-6 && energy.input.abs() < 1e-6 * lost,
             "{energy:?}"
         );
-        // Positions within 1e-8 m: the balance is as good as the tolerance of the steps.
-        assert!(energy.residual().abs() < 1e-4 * lost, "{energy:?}");
+        assert!(energy.residual().abs() < 1e-6 * lost, "{energy:?}");
     }
     // With a linear part: dv/dt = -(b + c v) v / m has v = b / ((b / v_0 + c) exp(b t / m) - c), half of it by the factor.
     let (b, start) = (0.4, 3.0);
     let table = Table { at: vec![0.0, 1.0], value: vec![0.5, 0.5], repeat: true };
     let factor = Some(Curve { over: Over::Time, table });
-    let evaluation = run(&dragged(start, [2.0 * b, 2.0 * c], 0.0, factor));
+    let evaluation = run_finely(&dragged(start, [2.0 * b, 2.0 * c], 0.0, factor));
     let speed_at_end = (b / start + c) * (b * 2.0 / MASS).exp() - c;
     let energy = evaluation.diagnostics.energy.expect("asked for");
     let lost = 0.5 * MASS * (start * start - (b / speed_at_end).powi(2));
-    assert!((energy.dissipated / lost - 1.0).abs() < 1e-4, "{} against {lost} J", energy.dissipated);
+    assert!((energy.dissipated / lost - 1.0).abs() < 1e-6, "{} against {lost} J", energy.dissipated);
 }
 
 #[test]
 fn a_flow_takes_a_slider_along() {
     // From rest, u = v - w obeys m du/dt = -c |u| u: v = w (1 - 1 / (1 + c w t / m)).
     let (c, w) = (0.7, 4.0);
-    let evaluation = run(&dragged(0.0, [0.0, c], w, None));
+    let evaluation = run_finely(&dragged(0.0, [0.0, c], w, None));
     for (t, _, x) in history(&evaluation) {
         let exact = w * t - MASS / c * (c * w * t / MASS).ln_1p();
         assert!((x - exact).abs() < 1e-8, "{x} against {exact} at {t}");
@@ -178,9 +188,9 @@ fn a_flow_takes_a_slider_along() {
     // The medium puts in F w, which is w times the momentum gained.
     let energy = evaluation.diagnostics.energy.expect("asked for");
     let end = w * (1.0 - 1.0 / (1.0 + c * w * 2.0 / MASS));
-    assert!((energy.input / (MASS * end * w) - 1.0).abs() < 1e-4, "{energy:?}");
-    assert!((energy.stored / (0.5 * MASS * end * end) - 1.0).abs() < 1e-4, "{energy:?}");
-    assert!(energy.residual().abs() < 1e-4 * energy.input, "{energy:?}");
+    assert!((energy.input / (MASS * end * w) - 1.0).abs() < 1e-6, "{energy:?}");
+    assert!((energy.stored / (0.5 * MASS * end * end) - 1.0).abs() < 1e-6, "{energy:?}");
+    assert!(energy.residual().abs() < 1e-6 * energy.input, "{energy:?}");
 }
 
 #[test]
