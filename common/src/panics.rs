@@ -32,20 +32,25 @@ pub fn end_process_on_panic(advice: &'static str) {
     let report = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         report(panic);
-        if CAUGHT.get() > 0 {
-            return;
+        if CAUGHT.get() == 0 {
+            let thread = std::thread::current();
+            let name = thread.name().unwrap_or("without a name");
+            end_process(&format!("thread {name} has panicked. {advice}"));
         }
-        let thread = std::thread::current();
-        eprintln!("error: thread {} has panicked. {advice}", thread.name().unwrap_or("without a name"));
-        // In another thread: this one may hold what the end of the programs needs.
-        let (done, ended) = channel();
-        std::thread::spawn(move || {
-            crate::external::kill_all();
-            let _ = done.send(());
-        });
-        let _ = ended.recv_timeout(LONGEST_END);
-        exit(1);
     }));
+}
+
+/// Ends the process with exit code 1 and a cause on standard error, whatever its other threads do. Programs it has started are ended.
+pub fn end_process(cause: &str) -> ! {
+    eprintln!("error: {cause}");
+    // In another thread: this one may hold what the end of the programs needs.
+    let (done, ended) = channel();
+    std::thread::spawn(move || {
+        crate::external::kill_all();
+        let _ = done.send(());
+    });
+    let _ = ended.recv_timeout(LONGEST_END);
+    exit(1)
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {

@@ -2,6 +2,7 @@
 //! `cargo run --release -p tests --example coordinator_alone [FOLDER]`; the campaign files are in the folder, by default the
 //! current one.
 
+use common::build::Build;
 use common::wire::{self, Claim, Next, Offers, Outcome, Reply, Subject, Task, TaskKey, WorkOrder, WorkerId};
 use coordinator::farm::dispatch::scheduler::{Action, Assignment, Event, Scheduler, SchedulerSettings};
 use coordinator::farm::evaluate::{Finished, Request, RequestSource};
@@ -56,7 +57,7 @@ impl Hand {
         Claim {
             worker: self.id.clone(),
             sequence: self.sequence,
-            offers: Offers::Scenes(worker::BUILD),
+            offers: Offers::Scenes(Build::default()),
             slots: 1,
             credits,
             holding: finished.iter().map(|outcome| outcome.task.key).collect(),
@@ -134,7 +135,7 @@ fn encoded(
     let next = match assignment {
         Assignment::Work(tasks) => Next::Work(WorkOrder { tasks, ..order.clone() }),
         Assignment::Idle => Next::Idle { ask_again: 1000 },
-        Assignment::Leave => Next::Leave,
+        Assignment::Leave => Next::Leave { campaign: campaign().id },
     };
     wire::encode(&Reply { acknowledged, next })
 }

@@ -99,6 +99,14 @@ pub fn user(own: &Path, name: &str, password: &str) -> PathBuf {
 
 /// A Zenoh client session without the protocol of this program.
 pub fn session(config: &Path, endpoint: &str) -> Session {
+    try_session(config, endpoint).expect("a coordinator listens there")
+}
+
+/// As [`session`], where the connection may fail.
+///
+/// # Errors
+/// That of Zenoh.
+pub fn try_session(config: &Path, endpoint: &str) -> zenoh::Result<Session> {
     let mut settings = Config::from_file(config).expect("the configuration is valid");
     for (key, value) in [
         ("mode", "\"client\""),
@@ -109,7 +117,7 @@ pub fn session(config: &Path, endpoint: &str) -> Session {
     ] {
         settings.insert_json5(key, value).expect("the key exists");
     }
-    zenoh::open(settings).wait().expect("a coordinator listens there")
+    zenoh::open(settings).wait()
 }
 
 /// The scene `four-bar` with a study of at most `evaluations` evaluations.
@@ -198,6 +206,12 @@ impl LoggedProcess {
     /// Waits for the exit of the process; returns its exit code.
     pub fn end(&mut self) -> Option<i32> {
         self.process.0.wait().expect("it can be waited for").code()
+    }
+
+    /// Exit code if the process has ended, -1 if a signal ended it.
+    pub fn ended(&mut self) -> Option<i32> {
+        let status = self.process.0.try_wait().expect("it can be waited for");
+        status.map(|status| status.code().unwrap_or(-1))
     }
 
     /// Process number.

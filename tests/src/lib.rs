@@ -6,6 +6,7 @@ pub mod command_line;
 pub mod deployed;
 pub mod faults;
 pub mod journaled;
+pub mod mutated_frames;
 pub mod practice_study;
 pub mod process;
 pub mod router;

@@ -6,6 +6,7 @@
 //!        <--reply-- (latency) <--
 //! ```
 
+use common::build::Build;
 use common::failure::SimulationFailure;
 use common::wire::{Claim, Offers, Outcome, Task, TaskKey, WorkerId};
 use coordinator::farm::dispatch::scheduler::{
@@ -19,6 +20,8 @@ use std::time::{Duration, Instant};
 const CAMPAIGN: u64 = 1;
 /// Time after which an idle worker claims again.
 const CLAIM_AGAIN_AFTER: Duration = Duration::from_secs(1);
+/// Simulated time after which the tasks that are open stay open.
+const LONGEST: Duration = Duration::from_secs(30 * 24 * 3600);
 const TICK: Duration = Duration::from_millis(500);
 
 /// Parameters of a simulated farm.
@@ -133,6 +136,7 @@ pub fn simulate(plan: Plan) -> Figures {
     world.at(TICK, Happening::Tick);
     while world.open > 0 {
         let Reverse((now, order)) = world.queue.pop().expect("a farm with open tasks goes on");
+        assert!(now < LONGEST, "{} of {tasks} tasks are open for ever", world.open);
         world.now = now;
         let happening = world.happenings.remove(&order).expect("each happens once");
         world.happen(happening);
@@ -272,7 +276,7 @@ impl World {
         let claim = Claim {
             worker: hand.id.clone(),
             sequence: hand.sequence,
-            offers: Offers::Scenes(worker::BUILD),
+            offers: Offers::Scenes(Build::default()),
             slots: 1,
             credits: u32::from(hand.running.is_none()),
             holding: held.map(|task| task.key).collect(),

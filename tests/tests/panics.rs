@@ -8,7 +8,7 @@ use tests::program;
 /// Time in which a program must have ended after a panic.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// With a few files only, the messaging library panics, mostly in threads of its own.
+/// With a few files only, the messaging library panics, mostly in its own threads.
 #[test]
 fn issue_a_process_lived_on_after_a_panic_of_its_messaging() {
     let folder = tempfile::tempdir().unwrap();

@@ -38,7 +38,7 @@ fn answering(frame: Vec<u8>) -> (Session, String) {
 }
 
 fn farewell() -> Vec<u8> {
-    wire::encode(&Reply { acknowledged: vec![], next: Next::Leave }).unwrap()
+    wire::encode(&Reply { acknowledged: vec![], next: Next::Leave { campaign: 1 } }).unwrap()
 }
 
 /// An address nobody listens on: bound for a moment, then free.

@@ -38,7 +38,7 @@ pub enum AccuracyNameError {
         part: String,
     },
     /// A preset that is not the first part.
-    #[error("the preset {part:?} stands in front, changes of it after it")]
+    #[error("the preset {part:?} comes first, changes of it after it")]
     Misplaced {
         /// Name of the preset.
         part: String,

@@ -133,7 +133,7 @@ fn rows_of(item: &Item) -> Vec<Item> {
     }
 }
 
-/// A value that the text does not have, in the form of one of `others` if they have it; as tables with heads of their own if `has_heads`.
+/// A value that the text does not have, in the form of one of `others` if they have it; as tables with separate heads if `has_heads`.
 fn new_item(others: &[&Item], value: &Value, has_heads: bool) -> Item {
     let Some((first, rest)) = others.split_first() else { return written(value, has_heads) };
     let mut item = (*first).clone();

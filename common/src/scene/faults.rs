@@ -252,7 +252,7 @@ pub enum FaultKind {
 }
 
 impl FaultKind {
-    /// What stands at [`Fault::used_at`], in words.
+    /// What [`Fault::used_at`] points to, in words.
     pub(super) fn related(&self) -> &'static str {
         match self {
             Self::Duplicate { .. } | Self::Syntax { .. } => "first at",
@@ -317,7 +317,10 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         .into_iter()
         .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
         .filter(|(distance, candidate)| {
-            *distance <= 1 + candidate.chars().count() / 3 || strsim::jaro_winkler(name, candidate) > 0.9
+            let length = candidate.chars().count();
+            let is_near = *distance <= 1 + length / 3 || strsim::jaro_winkler(name, candidate) > 0.9;
+            // A name of which no letter is left is another one.
+            is_near && *distance < length.max(name.chars().count())
         })
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate.to_owned())

@@ -10,7 +10,7 @@ use toml::{Table, Value};
 const PARAMETERS: [&str; 9] =
     ["distribution", "mean", "std", "truncation", "lower", "upper", "mode", "diameter", "capability"];
 
-/// Keys of a curve or of samples with values of their own.
+/// Keys of a curve or of samples whose values the scene states.
 const VALUES: [&str; 3] = ["at", "value", "values"];
 
 /// Merges `over` into `base`, in place.

@@ -277,8 +277,8 @@ impl SceneSource {
         Ok(Scene { variables, ..self.resolve_overridden(&overrides)? })
     }
 
-    /// The random variables with the quantities at some keys set to other values `(key, SI value)`: a variable without a mean
-    /// of its own has the value of the keys that it changes, which may follow from a parameter.
+    /// The random variables with the quantities at some keys set to other values `(key, SI value)`: a variable that states no
+    /// mean has the value of the keys that it changes, which may follow from a parameter.
     ///
     /// # Errors
     /// An unknown key, or values that give an invalid scene.

@@ -136,7 +136,10 @@ pub enum Next {
         ask_again: u32,
     },
     /// Leave: the campaign has ended.
-    Leave,
+    Leave {
+        /// Number of the campaign.
+        campaign: u64,
+    },
 }
 
 /// What is to be evaluated.
@@ -173,7 +176,7 @@ pub enum Notice {
         /// Numbers and samples of the points.
         points: Vec<CandidatePoint>,
     },
-    /// The campaign has ended; workers may leave.
+    /// The campaign has ended: workers that claim now are told to leave.
     Ended {
         /// Number of the campaign.
         campaign: u64,

@@ -134,7 +134,7 @@ fn reply() -> impl Strategy<Value = Reply> {
         })
     });
     let idle = any::<u32>().prop_map(|ask_again| Next::Idle { ask_again });
-    (vec(key(), 0..9), prop_oneof![work, idle, Just(Next::Leave)])
+    (vec(key(), 0..9), prop_oneof![work, idle, any::<u64>().prop_map(|campaign| Next::Leave { campaign })])
         .prop_map(|(acknowledged, next)| Reply { acknowledged, next })
 }
 

@@ -5,8 +5,9 @@ use super::error::CommandError;
 use super::external;
 use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;
+use common::panics::end_process;
 use common::scene::SceneSource;
-use coordinator::farm::dispatch::{CampaignSpec, Listen, StatusBoard, ZenohEvaluator};
+use coordinator::farm::dispatch::{CampaignSpec, Listen, StatusBoard, Watch, Watched, ZenohEvaluator, watch};
 use coordinator::farm::evaluate::Evaluator;
 use coordinator::presentation::monitor::StatusSource;
 use coordinator::presentation::terminal::print_message;
@@ -14,6 +15,10 @@ use std::sync::Arc;
 use std::time::Instant;
 use worker::service::{self, ServiceConfig, Simulator, WorkerHandle};
 use worker::simulator::simulator;
+
+/// Said when the coordinator does not answer its own questions.
+const SILENT: &str = "the coordinator no longer answers its own questions: its messaging has failed. Every evaluation recorded so \
+                      far is saved: continue a study with `coordinator resume DIR`.";
 
 /// Number of local slots that the arguments ask for.
 pub fn local_slots(arguments: &FarmArguments) -> usize {
@@ -119,6 +124,7 @@ pub struct WorkerFarm {
     /// Whether workers have to have the simulator of the scene themselves.
     is_external: bool,
     local: Option<WorkerHandle>,
+    _watched: Option<Watched>,
 }
 
 impl WorkerFarm {
@@ -149,7 +155,11 @@ impl WorkerFarm {
         let interrupted = interruption().map_err(CommandError::Signals)?;
         let evaluator = ZenohEvaluator::open(campaign, &listen, interrupted)?;
         let (arguments, simulator) = (arguments.clone(), simulator());
-        Ok(Self { evaluator, arguments, simulator, is_external, local: None })
+        let watched = |endpoint: &String| {
+            watch(endpoint.clone(), arguments.config.clone(), Watch::default(), || end_process(SILENT))
+        };
+        let _watched = evaluator.endpoints().first().map(watched).transpose()?;
+        Ok(Self { evaluator, arguments, simulator, is_external, local: None, _watched })
     }
 
     /// Starts the local workers, if the arguments ask for any.

@@ -49,7 +49,7 @@ pub struct FarmArguments {
     /// Most evaluations of the scene's own simulator at once, on all workers together
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub licences: Option<u32>,
-    /// Use workers of other builds of the program too, whose results may differ; the build stands with each result's worker
+    /// Use workers of other builds of the program too, whose results may differ; the build is recorded with each result's worker
     #[arg(long)]
     pub mixed_builds: bool,
 }

@@ -322,10 +322,9 @@ fn a_wrong_shape_or_value_is_refused_by_number_and_worker() {
     }
     let error =
         run(&scene(), &small(), &mut Broken, &mut InMemoryJournal::default(), &mut Silent).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "evaluation 5 by test/0 does not fit the scene: output \"angular_velocity_difference\" is NaN at 8000 cycles"
-    );
+    let expected = "evaluation 5 by test/0 does not fit the scene: output \"angular_velocity_difference\" is NaN at 8000 \
+                    cycles, allowed: -1e150 to 1e150, whose square is still a number";
+    assert_eq!(error.to_string(), expected);
 }
 
 #[test]

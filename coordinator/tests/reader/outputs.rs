@@ -52,7 +52,7 @@ pub fn outputs_and_study(page: &str, text: &mut String) {
     let period = between(&life, " cycles of ", ", with");
     writeln!(text, "[life]\ncycles = {cycles}\ncheckpoint_every = {every}\nsettle_cycles = {settling}")
         .unwrap();
-    // Without a period of its own a cycle is one of the drive.
+    // Without a given period a cycle is one of the drive.
     if !period.ends_with(", the period of the drive") {
         writeln!(text, "period = \"{period}\"").unwrap();
     }

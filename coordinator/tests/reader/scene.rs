@@ -9,7 +9,7 @@ pub fn quoted(text: &str) -> String {
     format!("\"{text}\"")
 }
 
-/// `(1, 2)` in a unit as a TOML pair; an entry with a unit of its own keeps it.
+/// `(1, 2)` in a unit as a TOML pair; an entry with its own unit keeps it.
 fn pair(text: &str, unit: &str) -> String {
     let entries = text.trim_start_matches('(').trim_end_matches(')').split(", ");
     let entries = entries.map(|entry| {
@@ -145,7 +145,7 @@ pub fn rebuilt(page: &str) -> toml::Table {
             )
             .unwrap();
         } else if row["type"] == "gravity" {
-            // It stands beside the lists of the scene.
+            // It is beside the lists of the scene.
             text.truncate(text.rfind("[[loads]]").unwrap());
             gravity = Some(pair(between(values, "acceleration ", " m/s^2"), "m/s^2"));
         } else {

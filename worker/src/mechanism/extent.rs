@@ -1,4 +1,4 @@
-//! Lengths of a mechanism that do not depend on where it stands.
+//! Lengths of a mechanism that do not depend on its place.
 
 use crate::lanes::Real;
 use common::scene::{Attachment, Body, Motion, Scene};

@@ -27,6 +27,9 @@ const QUEUE_EMPTY_PAUSE: Duration = Duration::from_secs(1);
 const FAREWELL: Duration = Duration::from_secs(5);
 /// Margin over the timeout of a query, after which Zenoh must have ended it.
 const QUERY_MARGIN: Duration = Duration::from_secs(5);
+/// Time for which the end of another campaign than that of the last tasks is no reason to leave: behind a router a claim may reach the
+/// coordinator of another study, which ends.
+const END_OF_ANOTHER: Duration = Duration::from_secs(10);
 /// Longest wait for an event.
 const POLL_INTERVAL: Duration = Duration::from_millis(500);
 
@@ -52,8 +55,12 @@ pub(super) struct ClaimLoop {
     monitor: ConnectionMonitor,
     leave_policy: LeavePolicy,
     contact: LicenceContact,
-    /// Tasks were returned, and no claim has reported it yet.
-    returned_tasks: bool,
+    /// Campaign of the tasks last received.
+    campaign: Option<u64>,
+    /// When a claim was first answered with the end of another campaign.
+    another_ended: Option<Instant>,
+    /// A claim is due whatever the free slots: tasks were returned, or the campaign has ended.
+    must_claim: bool,
     leaving_since: Option<Instant>,
     /// A claim with the flag `leaving` was answered.
     farewell_answered: bool,
@@ -89,7 +96,9 @@ impl ClaimLoop {
             monitor,
             leave_policy,
             contact: LicenceContact::default(),
-            returned_tasks: false,
+            campaign: None,
+            another_ended: None,
+            must_claim: false,
             leaving_since: None,
             farewell_answered: false,
         }
@@ -139,7 +148,7 @@ impl ClaimLoop {
             // Stopped because the worker is leaving, or without contact: the task goes to another worker.
             ClaimEvent::Finished(outcome) if self.contact.take_ended(&outcome, self.leaving_since) => {
                 self.running.retain(|(task, _)| !task.same_work(&outcome.task));
-                self.returned_tasks = true;
+                self.must_claim = true;
             }
             ClaimEvent::Finished(outcome) => {
                 if let Some(at) = self.running.iter().position(|(task, _)| task.same_work(&outcome.task)) {
@@ -163,13 +172,19 @@ impl ClaimLoop {
                     // The points may include tasks whose outcomes wait here for a request.
                     self.unacknowledged.resend_all(now);
                 }
-                Ok(Notice::Ended { .. }) => return Ok(self.campaign_ended(now)),
+                // Only the reply to a claim says that this worker may leave: anybody may send a notice.
+                Ok(Notice::Ended { campaign }) if self.is_own(campaign) => {
+                    (self.must_claim, self.claim_at, self.silent_until) = (true, now, now);
+                }
+                Ok(Notice::Ended { campaign }) => {
+                    tracing::debug!("campaign {campaign:x} has ended, which this worker does not work for");
+                }
                 Err(error) => tracing::warn!("a notice of the coordinator cannot be decoded: {error}"),
             },
             ClaimEvent::Stop => {
                 self.leave_policy.request_stop(now);
                 // Waiting tasks are returned at once for other workers.
-                self.returned_tasks |= self.withdraw(|_| true) > 0;
+                self.must_claim |= self.withdraw(|_| true) > 0;
             }
             ClaimEvent::Abort => return Ok(Some(Departure::Aborted)),
         }
@@ -214,6 +229,8 @@ impl ClaimLoop {
         match reply.next {
             Next::Work(order) => {
                 let received = order.tasks.len();
+                self.campaign = order.tasks.first().map(|task| task.key.campaign).or(self.campaign);
+                self.another_ended = None;
                 self.prefetch.reply_received(now.saturating_duration_since(since));
                 self.start_tasks(order, now);
                 // Fewer than requested: the queue is empty; a notice announces new tasks.
@@ -227,9 +244,24 @@ impl ClaimLoop {
                         now + self.backoff.spread(Duration::from_millis(u64::from(ask_again)), self.sequence);
                 }
             }
-            Next::Leave => return Ok(self.campaign_ended(now)),
+            Next::Leave { campaign } if self.is_own(campaign) => return Ok(self.campaign_ended(now)),
+            Next::Leave { campaign } => {
+                let since = *self.another_ended.get_or_insert(now);
+                if now.saturating_duration_since(since) >= END_OF_ANOTHER {
+                    return Ok(self.campaign_ended(now));
+                }
+                tracing::warn!(
+                    "the end of another study (campaign {campaign:x}) is ignored: one router serves one coordinator"
+                );
+                self.claim_at = now + QUEUE_EMPTY_PAUSE;
+            }
         }
         Ok(None)
+    }
+
+    /// True if a campaign is, as far as is known, that of this worker.
+    fn is_own(&self, campaign: u64) -> bool {
+        self.campaign.is_none_or(|own| own == campaign)
     }
 
     /// Handles the end of the campaign: leaves, or waits for the next one at this endpoint.
@@ -239,6 +271,7 @@ impl ClaimLoop {
         }
         tracing::info!("the campaign at {} has ended", self.config.connect[self.coordinator]);
         self.pending = None;
+        (self.campaign, self.another_ended) = (None, None);
         self.slots.shares().answered(self.coordinator, 0, now);
         self.slots.simulator().on_campaign_ended();
         self.withdraw(|_| true);
@@ -312,12 +345,12 @@ impl ClaimLoop {
         }
         let leaving = self.leaving_since.is_some();
         let contact = self.contact.next_claim(self.running.len()).is_some_and(|due| due <= now);
-        let must_report = (leaving && !self.farewell_answered) || self.returned_tasks || contact;
+        let must_report = (leaving && !self.farewell_answered) || self.must_claim || contact;
         if credits == 0 && !must_report && self.unacknowledged.next_due().is_none_or(|due| due > now) {
             return Ok(());
         }
         self.sequence += 1;
-        self.returned_tasks = false;
+        self.must_claim = false;
         let running = self.running.iter().map(|(task, _)| task.key);
         let holding: Vec<TaskKey> = running.chain(self.unacknowledged.keys()).collect();
         let claim = Claim {
@@ -357,7 +390,7 @@ impl ClaimLoop {
     fn check_contact(&mut self, now: Instant) {
         if self.contact.is_lost(now, self.running.len()) {
             // The coordinator may give their licences to other workers.
-            self.returned_tasks |= self.withdraw(|_| true) > 0;
+            self.must_claim |= self.withdraw(|_| true) > 0;
             self.contact.end(self.running.drain(..).map(|(task, _)| task));
             self.slots.simulator().stop_jobs_of(self.coordinator);
         }

@@ -140,7 +140,7 @@ impl Run<'_> {
             }
             finer.measure().await?;
         }
-        finer.measure_after_transient(0.0).await?;
+        finer.measure_after_transient().await?;
         self.add_counts(&finer);
         Ok(finer.measured)
     }

@@ -35,7 +35,7 @@ const MOST_AGAIN: usize = 2;
 
 /// What is still to come of such a motion, over the largest difference of three successive cycles [1].
 const WANDERING: f64 = 5.0;
-/// Angle from which on a body that turns is told from one that swings in a cycle [rad], and the part of it that counts [1].
+/// Angle from which on a body that turns is distinguished from one that swings in a cycle [rad], and the part of it that counts [1].
 const TURNS: f64 = 0.5 * PI;
 const PART_OF_TURN: f64 = 1e-3;
 
@@ -283,21 +283,21 @@ impl<'a> Run<'a> {
     /// [`SimulationFailure`] if the integration stops.
     pub(crate) async fn next_settled_cycle(&mut self) -> Result<(), SimulationFailure> {
         self.next_cycle().await?;
-        self.measure_after_transient(FALL).await
+        self.measure_after_transient().await
     }
 
-    /// Measures the cycle after the one just measured, as long as that changes the state by more than `least` [1] and begins with a
+    /// Measures the cycle after the one just measured, as long as that changes the state by more than [`FALL`] and begins with a
     /// transient which sets an output.
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn measure_after_transient(&mut self, least: f64) -> Result<(), SimulationFailure> {
+    pub(crate) async fn measure_after_transient(&mut self) -> Result<(), SimulationFailure> {
         if self.repetition.is_irregular {
             return Ok(());
         }
         for _ in 0..MOST_AGAIN {
             let change = self.change_over_cycle();
-            let early = if change > least { self.starts_with_extreme() } else { None };
+            let early = if change > FALL { self.starts_with_extreme() } else { None };
             tracing::debug!(
                 "over a worn cycle the state changes by {change}; output with an extreme in its start: {early:?}"
             );

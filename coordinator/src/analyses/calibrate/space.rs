@@ -7,7 +7,7 @@
 //! `x_k = f_mean mean_k + f_spread std_k z_k`
 //!
 //! with `x_k` the variable [SI], `z_k` the standardised variable [1], and the factors `f_mean`, `f_spread` [1]; mean and
-//! standard deviation are those at the values of the parameters, since a variable without a mean of its own follows the keys
+//! standard deviation are those at the values of the parameters, since a variable that states no mean follows the keys
 //! that it changes. Lognormal and Weibull variables, whose shape depends on both, are those of the new mean and standard
 //! deviation at the same probability, and so remain positive.
 

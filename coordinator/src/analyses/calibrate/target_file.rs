@@ -81,7 +81,7 @@ pub fn read(file: &InputFile, source: &SceneSource) -> Result<CalibrationTargets
     }
 }
 
-/// The error of a space of free parameters; a fault of the variable that stands for one is that of the parameter in its file.
+/// The error of a space of free parameters; a fault of the variable that represents one is that of the parameter in its file.
 pub fn of_parameters(
     file: &InputFile,
     targets: &CalibrationTargets,

@@ -1,4 +1,4 @@
-//! What an optimisation knows of its problem in every round: the places of its targets in the campaigns, and when designs are near
+//! The parts of an optimisation that are the same in every round: the places of its targets in the campaigns, and when designs are near
 //! each other and accurate.
 
 use super::campaign::{StudyBasis, TargetCampaign};

@@ -9,7 +9,7 @@ use common::scene::{Faults, InputFile, Scene};
 /// Share of a range by which a bound may lie outside of it, for rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Names of the design variables as a problem file may give them: `(key, name of the random variable that stands for it)`.
+/// Names of the design variables as a problem file may give them: `(key, name of the random variable that represents it)`.
 pub fn design_names(space: &DesignSpace) -> Vec<(String, String)> {
     space
         .quantities()

@@ -16,7 +16,7 @@ const SAME: f64 = 1e-9;
 const PARAMETERS: [&str; 3] = ["mean", "std", "tolerance"];
 
 /// Reads the file of a problem for the scene of a study; `names` are the design variables of the study, `(key, name of the
-/// random variable that stands for it)`.
+/// random variable that represents it)`.
 ///
 /// # Errors
 /// All faults.
@@ -73,7 +73,7 @@ fn fixed_bounds(source: &SceneSource) -> Vec<[bool; 2]> {
 /// The rows of a file for a scene. After a fault they are read on with values that have no meaning.
 struct ProblemReader<'a> {
     scene: &'a Scene,
-    /// Design variables of the study: key, and name of the random variable that stands for it.
+    /// Design variables of the study: key, and name of the random variable that represents it.
     names: &'a [(String, String)],
 }
 

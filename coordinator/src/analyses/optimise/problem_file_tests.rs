@@ -99,7 +99,7 @@ fn all_faults_are_reported_at_once() {
         "4: quantities[2].cost.model: \"cubic\" is unknown; allowed: reciprocal-power, exponential, linear, table",
         "5: quantities[3].upper: 3 has no unit, expected a length (mm, um, m, ...)",
         "5: quantities[3].cost.k: is missing, expected a plain number",
-        "6: quantities[4].change: \"median\" is unknown; allowed: mean, std, tolerance",
+        "6: quantities[4].change: \"median\" is unknown, did you mean \"mean\"?; allowed: mean, std, tolerance",
         "7: quantities[5].grades: grades are for the tolerance of a length, e.g. \"rod_length.tolerance\"",
         "9: targets[1].reliability: 1.5 is out of range, allowed: > 0 and < 1",
         "9: targets[2].limit_state: there is no limit state \"wear\"; there are: touch, total",

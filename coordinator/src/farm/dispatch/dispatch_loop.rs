@@ -245,7 +245,7 @@ impl DispatchLoop {
                     );
                 }
                 // The frame of any reply carries our version, which is all the worker can read.
-                let reply = Reply { acknowledged: vec![], next: Next::Leave };
+                let reply = Reply { acknowledged: vec![], next: Next::Leave { campaign: self.campaign } };
                 self.answer(query, &reply);
             }
             Err(error) => {
@@ -291,7 +291,7 @@ impl DispatchLoop {
                 let next = match assignment {
                     Assignment::Work(tasks) => Next::Work(WorkOrder { tasks, ..self.order.clone() }),
                     Assignment::Idle => Next::Idle { ask_again: ASK_AGAIN },
-                    Assignment::Leave => Next::Leave,
+                    Assignment::Leave => Next::Leave { campaign: self.campaign },
                 };
                 self.answer(query, &Reply { acknowledged, next });
             }

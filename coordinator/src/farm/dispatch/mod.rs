@@ -22,7 +22,7 @@ mod warn;
 pub use dispatch_loop::{ConnectedWorker, ConnectedWorkers};
 pub use evaluator::{CampaignSimulator, CampaignSpec, StatusHandle, ZenohEvaluator};
 pub use status_board::{StatusBoard, clock_ms};
-pub use transport::{ClientError, ClientSession, Listen, LivelinessGuard};
+pub use transport::{ClientError, ClientSession, Listen, LivelinessGuard, Watch, Watched, watch};
 
 use common::wire::WireError;
 use std::path::PathBuf;

@@ -106,7 +106,7 @@ fn standard_deviation(values: &[(f64, usize)]) -> f64 {
     (squares / count).sqrt()
 }
 
-/// One of the values `(value, number)` nearest to the threshold, which stands before place `above`, and the largest step of
+/// One of the values `(value, number)` nearest to the threshold, which comes before place `above`, and the largest step of
 /// which their differences are multiples; `None` if they have no common step.
 fn common_step(values: &[(f64, usize)], above: usize) -> Option<(f64, f64)> {
     if values.len() < NEAREST {

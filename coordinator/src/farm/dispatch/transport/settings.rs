@@ -3,6 +3,7 @@
 
 use super::super::DispatchError;
 use super::file_limit::bounded_by_open_files;
+use super::permissions::permissions;
 use common::wire::{MAX_MESSAGE, MAX_SESSIONS, reason};
 use std::net::IpAddr;
 use std::path::PathBuf;
@@ -70,6 +71,9 @@ pub(super) fn transport_settings(listen: &Listen) -> Result<TransportSettings, D
         if !listen.insecure && !is_loopback(endpoint)? && !authenticates_clients(&config, endpoint) {
             return Err(DispatchError::Insecure { endpoint: endpoint.clone() });
         }
+    }
+    if config.get_json("access_control/enabled").is_ok_and(|enabled| enabled == "false") {
+        config.insert_json5("access_control", &permissions().to_string()).map_err(messaging)?;
     }
     let json = serde_json::Value::from(endpoints.clone()).to_string();
     config
@@ -154,6 +158,21 @@ mod tests {
         assert_eq!(number(SESSIONS, "{ transport: { unicast: { max_sessions: 12 } } }"), 12);
         assert_eq!(number(ACCEPTING, "{}"), ACCEPT_LIMIT);
         assert_eq!(number(ACCEPTING, "{ transport: { unicast: { accept_timeout: 500 } } }"), 500);
+    }
+
+    #[test]
+    fn clients_have_the_permissions_of_the_protocol_unless_the_file_has_others() {
+        let rules = |text: &str| {
+            let settings = with_config(text, None).unwrap();
+            assert_eq!(settings.config.get_json("access_control/enabled").unwrap(), "true");
+            serde_json::from_str::<serde_json::Value>(
+                &settings.config.get_json("access_control/rules").unwrap(),
+            )
+            .unwrap()
+        };
+        assert_eq!(rules("{}").as_array().unwrap().len(), permissions()["rules"].as_array().unwrap().len());
+        let own = r#"{ access_control: { enabled: true, default_permission: "deny", policies: [], subjects: [], rules: [] } }"#;
+        assert_eq!(rules(own), serde_json::json!([]));
     }
 
     #[test]

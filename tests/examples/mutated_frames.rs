@@ -1,0 +1,42 @@
+//! Changed frames of Zenoh on their way to a coordinator: `cargo run --release -p tests --example mutated_frames [MINUTES] [SEED]`, over TCP
+//! and, where `openssl` is installed, through mutual TLS. Prints how many were changed and what ended the coordinator. Build the programs
+//! first: `cargo build --release`.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::time::{Duration, Instant};
+use tests::deployed::{HOST, certificates, configuration, has_openssl};
+use tests::mutated_frames::{Attack, random_changes};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let minutes: f64 = arguments.next().map_or(Ok(5.0), |text| text.parse())?;
+    let seed: u64 = arguments.next().map_or(Ok(1), |text| text.parse())?;
+    // The client's own messaging may fail with a connection that was spoilt.
+    std::panic::set_hook(Box::new(|_| ()));
+    for with_tls in [false, true] {
+        if with_tls && !has_openssl("frames through TLS") {
+            continue;
+        }
+        let folder = tempfile::tempdir()?;
+        let tls = with_tls.then(|| {
+            let own = certificates(folder.path(), HOST);
+            (configuration("zenoh-tls.json5", &own), own)
+        });
+        let mut attack = Attack::start(folder.path(), tls);
+        let until = Instant::now() + Duration::from_secs_f64(30.0 * minutes);
+        let figures = attack.run(u64::MAX / 2, until, random_changes(seed));
+        let (sessions, changed, ends) = (figures.sessions, figures.changed, figures.ends.len());
+        println!(
+            "TLS {with_tls}: {sessions} sessions, {changed} changed frames so far, {ends} ends of the coordinator, each resumed"
+        );
+        let mut causes = BTreeMap::new();
+        for cause in &figures.ends {
+            *causes.entry(cause).or_insert(0) += 1;
+        }
+        for (cause, count) in causes {
+            println!("  {count} times: {cause}");
+        }
+    }
+    Ok(())
+}
