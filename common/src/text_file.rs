@@ -8,6 +8,10 @@ use std::path::Path;
 /// # Errors
 /// Why it cannot be read, and what to do, as a clause that follows the name of the file.
 pub fn read_text(path: &Path, expected: &str) -> Result<String, String> {
+    // Neither a device nor a pipe: it may have no end.
+    if std::fs::metadata(path).is_ok_and(|of| !of.is_file() && !of.is_dir()) {
+        return Err(format!("it is no file but a device or a pipe, expected {expected}"));
+    }
     let bytes = std::fs::read(path).map_err(|error| match error.kind() {
         ErrorKind::NotFound => "there is no such file".to_owned(),
         ErrorKind::IsADirectory => format!("it is a folder, expected {expected}"),
@@ -32,6 +36,7 @@ mod tests {
         let said = |path: &Path| read_text(path, "a CSV file").unwrap_err();
         assert_eq!(said(&file), "there is no such file");
         assert_eq!(said(folder.path()), "it is a folder, expected a CSV file");
+        assert_eq!(said(Path::new("/dev/zero")), "it is no file but a device or a pipe, expected a CSV file");
         std::fs::write(&file, b"gap [\xb5m]\n1\n").unwrap();
         assert!(said(&file).contains("save it as UTF-8"), "{}", said(&file));
         std::fs::write(&file, b"\x7fELF\0\xff").unwrap();

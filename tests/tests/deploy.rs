@@ -33,9 +33,13 @@ fn the_programs_accept_the_command_lines_of_the_units() {
         let start = start.replace("$${LICENCES:+--licences \"$$LICENCES\"}", "--licences 3");
         let start = start.replace("$WORKER_OPTIONS", "--simulator beam.toml --slots 2");
         let start = start.replace("$$OPTIONS", "--samples 1000");
+        let start = start.replace("$$EVERY_START", "--metrics 127.0.0.1:9100");
         let shared = start.split("set -- ").nth(1).map_or("", |rest| rest.split(';').next().unwrap());
         let start = start.replace("\"$$@\"", shared);
-        assert!(!start.contains("OPTIONS") && !start.contains("LICENCES"), "{start}");
+        assert!(
+            !start.contains("START") && !start.contains("OPTIONS") && !start.contains("LICENCES"),
+            "{start}"
+        );
         let commands: Vec<&str> = start.split(INSTALLED).skip(1).collect();
         assert_eq!(commands.len(), lines, "{name}: {start}");
         for command in commands {

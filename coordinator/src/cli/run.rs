@@ -162,7 +162,9 @@ fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Result<(), Comm
 
 /// The command line of this process.
 fn command_line() -> String {
-    std::env::args().collect::<Vec<_>>().join(" ")
+    // A name of a file need not be UTF-8.
+    let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+    words.collect::<Vec<_>>().join(" ")
 }
 
 /// Runs a study to its end and writes its results.

@@ -31,9 +31,13 @@ impl CsvTable {
     }
 }
 
-/// A cell as it is written: with an apostrophe before a first character from which spreadsheets read a formula, unless
-/// it is a number.
+/// A cell as it is written: with an apostrophe before a first character from which spreadsheets read a formula, unless it is a number, and
+/// with spaces for control characters, which a terminal would obey.
 pub fn plain_text(cell: &str) -> Cow<'_, str> {
+    let obeyed = |c: char| c.is_control() && !matches!(c, '\n' | '\t' | '\r');
+    if cell.contains(obeyed) {
+        return Cow::Owned(plain_text(&cell.replace(obeyed, " ")).into_owned());
+    }
     if cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err() {
         Cow::Owned(format!("'{cell}"))
     } else {
@@ -54,6 +58,7 @@ mod tests {
     fn issue_no_name_is_a_formula() {
         let table = CsvTable::new(["=HYPERLINK(1),<b>", "+a", "-b", "@c", "d=e"]);
         assert_eq!(table.into_text(), "\"'=HYPERLINK(1),<b>\",'+a,'-b,'@c,d=e\n");
+        assert_eq!(plain_text("\u{1b}[2J=1"), " [2J=1");
         assert_eq!((plain_text("=1+1"), plain_text("-1.5e-3")), ("'=1+1".into(), "-1.5e-3".into()));
     }
 

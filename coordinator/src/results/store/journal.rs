@@ -10,6 +10,10 @@ use common::outputs::Evaluation;
 use rusqlite::types::Value;
 use rusqlite::{OptionalExtension, Transaction, params, params_from_iter};
 use serde::Serialize;
+use std::time::{Duration, Instant};
+
+/// Longest time in which what is recorded is in the log alone.
+const LOG_EVERY: Duration = Duration::from_secs(60);
 
 impl Journal for CampaignFile {
     fn finished(&mut self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
@@ -131,7 +135,19 @@ impl CampaignFile {
                 self.write(&transaction, to_key(request.id), request, finished, &outcome).map_err(failed)?;
             }
         }
-        transaction.commit().map_err(failed)
+        transaction.commit().map_err(failed)?;
+        self.write_log_into_file()
+    }
+
+    /// Writes the log into the file, now and then: without it, a copy of the file alone would lack everything recorded since. Readers may
+    /// delay a part of it until the next time.
+    fn write_log_into_file(&mut self) -> Result<(), StoreError> {
+        if self.log_written.is_some_and(|last| last.elapsed() < LOG_EVERY) {
+            return Ok(());
+        }
+        self.log_written = Some(Instant::now());
+        let pragma = "PRAGMA wal_checkpoint(PASSIVE)";
+        self.connection.query_row(pragma, [], |_| Ok(())).map_err(|source| self.database(source))
     }
 
     /// The outcome's exact bytes, if it fits the scene; `None` if one is recorded already.

@@ -39,6 +39,7 @@ use rusqlite::{Connection, OpenFlags};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Name of the lock in its folder.
 const LOCK_NAME: &str = "campaign.lock";
@@ -67,6 +68,8 @@ pub struct CampaignFile {
     created_at: String,
     inputs: Vec<String>,
     outputs: Vec<String>,
+    /// When the log was last written into the file.
+    log_written: Option<Instant>,
     /// What is held until the file is closed.
     _held: Held,
 }
@@ -172,7 +175,16 @@ impl CampaignFile {
         let created_at = value("created_at")?;
         let inputs = value_tables::table_columns(&connection, "input").map_err(failed)?;
         let outputs = value_tables::table_columns(&connection, "output").map_err(failed)?;
-        Ok(Self { connection, dir: dir.into(), meta, created_at, inputs, outputs, _held: held })
+        Ok(Self {
+            connection,
+            dir: dir.into(),
+            meta,
+            created_at,
+            inputs,
+            outputs,
+            log_written: None,
+            _held: held,
+        })
     }
 
     /// Folder of the study.

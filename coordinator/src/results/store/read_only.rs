@@ -99,10 +99,13 @@ fn probe(path: &Path, connection: &Connection) -> Result<(), StoreError> {
         .map_err(|source| StoreError::Database { path: path.into(), source })
 }
 
-/// Whether the shared index is missing and cannot be created.
+/// Whether the shared index is missing and cannot be created, e.g. on a full disk.
 fn needs_index(error: &StoreError) -> bool {
     let StoreError::Database { source, .. } = error else { return false };
-    matches!(source.sqlite_error_code(), Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly))
+    matches!(
+        source.sqlite_error_code(),
+        Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly | ErrorCode::SystemIoFailure | ErrorCode::DiskFull)
+    )
 }
 
 fn named(path: &Path, error: StoreError) -> StoreError {
