@@ -2,15 +2,16 @@
 //! proxy that changes bytes. The coordinator must go on, or end with its cause and go on when resumed; it must not live on in silence.
 
 use crate::deployed::{KilledOnDrop, LoggedProcess, small_scene, try_session};
+use crate::program;
 use common::wire::{WorkerId, keys};
 use coordinator::farm::dispatch::ClientSession;
 use std::io::{Read, Write};
-use std::net::{Shutdown, TcpListener, TcpStream};
+use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 use zenoh::Wait;
 
@@ -18,8 +19,9 @@ use zenoh::Wait;
 const PATIENCE: Duration = Duration::from_secs(20);
 /// Sessions between two looks at the coordinator.
 const SESSIONS_PER_LOOK: u64 = 20;
-/// Sessions at the same time.
+/// Processes of clients at the same time.
 const AT_ONCE: u64 = 4;
+const SESSIONS_OF_A_HAND: u64 = SESSIONS_PER_LOOK / AT_ONCE;
 /// Changes the frames that a client sends, from the length of each on; true if it did.
 pub type Mutate = dyn Fn(&mut Vec<u8>) -> bool + Send + Sync;
 
@@ -108,7 +110,13 @@ impl Attack {
     /// # Panics
     /// If the coordinator lives and does not answer, or ends without a cause.
     pub fn run(&mut self, sessions: u64, until: Instant, mutate: Box<Mutate>) -> &Figures {
-        let mutate: Arc<Mutate> = Arc::from(mutate);
+        let changed = Arc::new(AtomicU64::new(0));
+        let counted = Arc::clone(&changed);
+        let mutate: Arc<Mutate> = Arc::new(move |frame| {
+            let is_changed = mutate(frame);
+            counted.fetch_add(u64::from(is_changed), Ordering::Relaxed);
+            is_changed
+        });
         let plain = self.folder.join("plain.json5");
         // An attempt that was spoilt is given up soon.
         std::fs::write(&plain, "{ connect: { timeout_ms: 300, exit_on_failure: true } }")
@@ -117,35 +125,36 @@ impl Attack {
             if Instant::now() > until {
                 break;
             }
-            thread::scope(|scope| {
-                for hand in 0..AT_ONCE {
-                    let (mutate, this, plain) = (&mutate, &*self, &plain);
-                    let first = look * SESSIONS_PER_LOOK + hand * (SESSIONS_PER_LOOK / AT_ONCE);
-                    let numbers = first..first + SESSIONS_PER_LOOK / AT_ONCE;
-                    scope.spawn(move || numbers.for_each(|number| this.session(number, plain, mutate)));
-                }
-            });
+            let first = look * SESSIONS_PER_LOOK;
+            let hands: Vec<_> = (0..AT_ONCE)
+                .map(|hand| self.hand(first + hand * SESSIONS_OF_A_HAND, &plain, &mutate))
+                .collect();
+            hands.into_iter().for_each(Hand::end);
             self.figures.sessions += SESSIONS_PER_LOOK;
-            self.figures.changed = CHANGED.load(Ordering::Relaxed);
+            self.figures.changed = changed.load(Ordering::Relaxed);
             self.look();
         }
         &self.figures
     }
 
-    /// One session of a client through its own proxy.
-    fn session(&self, number: u64, settings: &Path, mutate: &Arc<Mutate>) {
-        let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
-        let endpoint = format!("tcp/{}", listener.local_addr().expect("it listens"));
-        let (port, tls, mutate) = (self.port, self.tls.clone(), Arc::clone(mutate));
-        let proxy = thread::spawn(move || {
-            if let Ok((client, _)) = listener.accept() {
-                forward(client, port, tls.as_ref().map(|(_, folder)| folder.as_path()), &mutate);
-            }
+    /// Starts a process with sessions `first` and following, each through its own proxy.
+    fn hand(&self, first: u64, settings: &Path, mutate: &Arc<Mutate>) -> Hand {
+        let mut command = Command::new(program("frames_client"));
+        command.arg(settings).arg(first.to_string()).stdout(Stdio::null()).stderr(Stdio::null());
+        let proxies = (0..SESSIONS_OF_A_HAND).map(|_| {
+            let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+            let address = listener.local_addr().expect("it listens");
+            command.arg(format!("tcp/{address}"));
+            let (port, tls, mutate) = (self.port, self.tls.clone(), Arc::clone(mutate));
+            let proxy = thread::spawn(move || {
+                if let Ok((client, _)) = listener.accept() {
+                    forward(client, port, tls.as_ref().map(|(_, folder)| folder.as_path()), &mutate);
+                }
+            });
+            (address, proxy)
         });
-        messages_of_a_worker(number, settings, &endpoint);
-        // An attempt that never reached the proxy leaves it listening.
-        drop(TcpStream::connect(endpoint.trim_start_matches("tcp/")));
-        let _ = proxy.join();
+        let proxies = proxies.collect();
+        Hand { proxies, client: KilledOnDrop(command.spawn().expect("the program starts")) }
     }
 
     fn look(&mut self) {
@@ -153,9 +162,12 @@ impl Attack {
         loop {
             if let Some(code) = self.coordinator.ended() {
                 let log = self.coordinator.log();
-                assert_eq!(code, 1, "{log}");
-                let cause =
-                    log.lines().find(|line| line.contains("panicked at") || line.starts_with("error: "));
+                // By its own decision, or by that of the system (e.g. an allocation that a length in the frame asks for).
+                assert!([1, -1].contains(&code), "{code}: {log}");
+                let is_cause = |line: &&str| {
+                    ["panicked at", "memory allocation", "error: "].iter().any(|words| line.contains(words))
+                };
+                let cause = log.lines().find(is_cause);
                 self.figures.ends.push(cause.unwrap_or_else(|| panic!("no cause: {log}")).to_owned());
                 self.coordinator = Self::coordinator(&self.folder, &self.tls, self.port, true);
                 return;
@@ -175,11 +187,30 @@ impl Attack {
     }
 }
 
-/// Frames that were changed by all proxies of this process.
-static CHANGED: AtomicU64 = AtomicU64::new(0);
+/// A process of clients with its proxies.
+struct Hand {
+    proxies: Vec<(SocketAddr, JoinHandle<()>)>,
+    client: KilledOnDrop,
+}
+
+impl Hand {
+    /// Waits for the clients. A changed frame may spoil a client too, which is of no interest here.
+    fn end(mut self) {
+        let begun = Instant::now();
+        while begun.elapsed() < PATIENCE && matches!(self.client.0.try_wait(), Ok(None)) {
+            thread::sleep(Duration::from_millis(5));
+        }
+        drop(self.client);
+        for (address, proxy) in self.proxies {
+            // An attempt that never reached the proxy leaves it listening.
+            drop(TcpStream::connect(address));
+            let _ = proxy.join();
+        }
+    }
+}
 
 /// What a worker declares and sends, most of it in a frame of its own. The connection may be spoilt at any time.
-fn messages_of_a_worker(number: u64, settings: &Path, endpoint: &str) {
+pub fn messages_of_a_worker(number: u64, settings: &Path, endpoint: &str) {
     let Ok(session) = try_session(settings, endpoint) else { return };
     let worker = WorkerId { name: format!("zz{number}"), epoch: number };
     let declared = (
@@ -225,7 +256,7 @@ fn forward(mut client: TcpStream, port: u16, certificates: Option<&Path>, mutate
         if client.read_exact(&mut frame).is_err() {
             break;
         }
-        CHANGED.fetch_add(u64::from(mutate(&mut frame)), Ordering::Relaxed);
+        mutate(&mut frame);
         let length = u16::try_from(frame.len()).unwrap_or(u16::MAX).to_le_bytes();
         if to.write_all(&[&length[..], &frame].concat()).and_then(|()| to.flush()).is_err() {
             break;

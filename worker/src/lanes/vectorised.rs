@@ -4,7 +4,9 @@
 //! a fused operation is a call of the C library. Its results have the same bits everywhere, it only takes longer.
 
 use super::{Lanes, Real};
-use pulp::{Arch, Scalar, Simd, WithSimd};
+#[cfg(not(all(test, target_arch = "x86_64")))]
+use pulp::Arch;
+use pulp::{Scalar, Simd, WithSimd};
 
 /// Work on single numbers, or in lanes of its own.
 pub trait Vectorised {
@@ -22,7 +24,19 @@ pub trait InLanes {
 
 /// Does `work` in the widest lanes of this processor.
 pub(crate) fn in_widest_lanes(work: impl InLanes) {
-    Arch::new().dispatch(Wide(work));
+    widest(Wide(work));
+}
+
+/// Does `work` with the widest vectors of this processor. Unit tests leave out AVX-512, which is a third of their compilation; the tests of
+/// whole evaluations have it.
+pub(crate) fn widest<W: WithSimd>(work: W) -> W::Output {
+    #[cfg(all(test, target_arch = "x86_64"))]
+    return match pulp::x86::V3::try_new() {
+        Some(avx2) => Simd::vectorize(avx2, work),
+        None => work.with_simd(Scalar::new()),
+    };
+    #[cfg(not(all(test, target_arch = "x86_64")))]
+    Arch::new().dispatch(work)
 }
 
 /// Does `work`, which uses lanes of `simd`, with its instructions; lanes of one number as in [`fused`].

@@ -154,6 +154,16 @@ impl Transform {
                 other => unreachable!("{other:?} is in no scene of these tests"),
             }
         }
+        for output in &mut scene.outputs {
+            match &mut output.kind {
+                OutputKind::PositionError { at, .. } | OutputKind::Acceleration { at, .. } => place(at),
+                OutputKind::PositionBacklash { at, direction, .. } => {
+                    place(at);
+                    *direction = self.angle(*direction);
+                }
+                _ => {}
+            }
+        }
         scene.gravity = self.vector(scene.gravity);
         scene
     }

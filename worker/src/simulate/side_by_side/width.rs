@@ -1,6 +1,7 @@
 //! How many numbers the vectors of a lane group hold.
 
-use pulp::{Arch, Scalar, Simd, WithSimd};
+use crate::lanes::widest;
+use pulp::{Scalar, Simd, WithSimd};
 
 /// Numbers that a SIMD lane group holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +29,7 @@ impl LaneWidth {
             LaneWidth::Holding(..=4) if let Some(avx2) = pulp::x86::V3::try_new() => {
                 Simd::vectorize(avx2, work)
             }
-            _ => Arch::new().dispatch(work),
+            _ => widest(work),
         }
     }
 }
