@@ -72,6 +72,7 @@ impl BeamStudy {
             build: Some(worker::BUILD),
             shape: Some(EvaluationShape::of(self.source.nominal())),
             simulator: Some(CampaignSimulator { id: self.id(), timeout: 60.0, licences }),
+            cross_check: None,
             resumed: false,
         };
         ZenohEvaluator::open(campaign, &Listen::default(), Arc::default()).expect("loopback")

@@ -97,6 +97,7 @@ pub fn campaign() -> CampaignSpec {
         build: Some(worker::BUILD),
         shape: None,
         simulator: None,
+        cross_check: None,
         resumed: false,
     }
 }

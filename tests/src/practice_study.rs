@@ -88,6 +88,7 @@ impl PracticeStudy {
             build: Some(worker::BUILD),
             shape: Some(EvaluationShape::of(&self.scene)),
             simulator: None,
+            cross_check: None,
             resumed,
         }
     }

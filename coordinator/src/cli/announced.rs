@@ -33,6 +33,7 @@ pub fn announced(
             timeout: simulator.timeout,
             licences: None,
         }),
+        cross_check: None,
         resumed,
     })
 }

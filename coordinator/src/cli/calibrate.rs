@@ -76,6 +76,7 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
         build: Some(worker::BUILD),
         shape: Some(EvaluationShape::of(scene)),
         simulator: None,
+        cross_check: None,
         resumed: false,
     };
     let mut farm = WorkerFarm::start(campaign, &arguments.farm)?;

@@ -60,7 +60,8 @@ pub fn check_accuracy(origin: &str, accuracy: &AccuracyArguments) -> Result<(), 
 
 /// True if the options ask for remote workers; otherwise this process runs the simulator without messages.
 pub fn has_remote_workers(farm: &FarmArguments) -> bool {
-    let FarmArguments { workers, listen, config, insecure, licences: _, mixed_builds: _ } = farm;
+    let FarmArguments { workers, listen, config, insecure, licences: _, mixed_builds: _, cross_check: _ } =
+        farm;
     listen.is_some() || config.is_some() || *insecure || *workers == Some(Slots::Count(0))
 }
 

@@ -7,7 +7,9 @@ use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;
 use common::panics::end_process;
 use common::scene::SceneSource;
-use coordinator::farm::dispatch::{CampaignSpec, Listen, StatusBoard, Watch, Watched, ZenohEvaluator, watch};
+use coordinator::farm::dispatch::{
+    CampaignSpec, CrossCheck, Listen, StatusBoard, Watch, Watched, ZenohEvaluator, watch,
+};
 use coordinator::farm::evaluate::Evaluator;
 use coordinator::presentation::monitor::StatusSource;
 use coordinator::presentation::terminal::print_message;
@@ -143,7 +145,8 @@ impl WorkerFarm {
     /// # Errors
     /// [`CommandError::Signals`], [`CommandError::Dispatch`], [`CommandError::NoLicences`].
     pub fn listen(mut campaign: CampaignSpec, arguments: &FarmArguments) -> Result<Self, CommandError> {
-        let FarmArguments { listen, config, insecure, licences, mixed_builds, .. } = arguments.clone();
+        let FarmArguments { listen, config, insecure, licences, mixed_builds, cross_check, .. } =
+            arguments.clone();
         campaign.build = campaign.build.filter(|_| !mixed_builds);
         match &mut campaign.simulator {
             Some(simulator) => simulator.licences = licences,
@@ -151,6 +154,9 @@ impl WorkerFarm {
             None => {}
         }
         let is_external = campaign.simulator.is_some();
+        let is_exact = !is_external && !mixed_builds;
+        let share = cross_check.or(is_exact.then_some(0.0));
+        campaign.cross_check = share.map(|share| CrossCheck { share, is_exact });
         let listen = Listen { endpoint: listen, config, insecure };
         let interrupted = interruption().map_err(CommandError::Signals)?;
         let evaluator = ZenohEvaluator::open(campaign, &listen, interrupted)?;

@@ -96,13 +96,19 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
 /// # Errors
 /// [`CommandError`].
 pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    let ResumeArguments { dir, extension, farm, monitor } = arguments;
+    let ResumeArguments { dir, distrust, extension, farm, monitor } = arguments;
     // A study that this version cannot go on with is refused before its file is brought up to the present layout.
     StoredStudy::look(dir)?;
     let mut study = StoredStudy::read(CampaignFile::open(dir)?)?;
     let extended = extension.extended(&study.settings, study.campaign.count()?)?;
     extended.check(study.scene())?;
-    let begins_leg = extended != study.settings;
+    let mut repeated = 0;
+    for worker in distrust {
+        let number = study.campaign.set_worker_aside(worker)?;
+        print_message(format_args!("{number} evaluations by {worker} are repeated"));
+        repeated += number;
+    }
+    let begins_leg = extended != study.settings || repeated > 0;
     let summary = study.campaign.document::<StudySummary>(SUMMARY_DOCUMENT)?;
     if let Some(summary) = summary.filter(|_| !begins_leg) {
         if !verbosity.quiet {

@@ -52,6 +52,10 @@ pub struct FarmArguments {
     /// Use workers of other builds of the program too, whose results may differ; the build is recorded with each result's worker
     #[arg(long)]
     pub mixed_builds: bool,
+    /// Share of the evaluations that two workers make, whose results have to agree, besides the first one of each worker [default: that one
+    /// alone; none with --mixed-builds or a simulator of the scene]
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub cross_check: Option<f64>,
 }
 
 /// Number of local worker slots.

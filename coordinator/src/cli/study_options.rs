@@ -47,6 +47,9 @@ pub struct RunArguments {
 pub struct ResumeArguments {
     /// Folder of the study
     pub dir: PathBuf,
+    /// Repeat the evaluations of this worker, e.g. of a faulty machine
+    #[arg(long, value_name = "WORKER")]
+    pub distrust: Vec<String>,
     #[command(flatten)]
     pub extension: ExtensionArguments,
     #[command(flatten)]

@@ -114,6 +114,7 @@ fn announced(source: &SceneSource, plan: &TradeoffPlan) -> CampaignSpec {
         build: Some(worker::BUILD),
         shape: Some(EvaluationShape::of(source.nominal())),
         simulator: None,
+        cross_check: None,
         resumed: false,
     }
 }

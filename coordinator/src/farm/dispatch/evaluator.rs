@@ -3,7 +3,7 @@
 use super::DispatchError;
 use super::backpressure::Backpressure;
 use super::dispatch_loop::{ConnectedWorker, ConnectedWorkers, Delivery, DispatchLoop, Input};
-use super::scheduler::{LICENCE_HOLD, SchedulerSettings};
+use super::scheduler::{CrossCheck, LICENCE_HOLD, SchedulerSettings};
 use super::status_board::StatusBoard;
 use super::transport::{Listen, Transport};
 use crate::farm::evaluate::{EvaluateError, Evaluator, POLL_INTERVAL, PendingRequests, RequestSource};
@@ -47,6 +47,8 @@ pub struct CampaignSpec {
     /// The build of the program whose simulations the study uses; workers of another build get no tasks. `None`: all builds are
     /// admitted, and that of each result is recorded with its worker.
     pub build: Option<Build>,
+    /// Which results another worker has to repeat; `None`: none.
+    pub cross_check: Option<CrossCheck>,
     /// The shape of its outcomes: workers whose outcomes have another one get no more tasks. `None`: any.
     pub shape: Option<EvaluationShape>,
     /// The external simulator of the scene, if it names one. Workers then get its identity instead of the scene.
@@ -98,8 +100,9 @@ impl ZenohEvaluator {
             (true, None) if fixed_endpoint => SETTLE,
             _ => Duration::ZERO,
         };
-        let CampaignSpec { id, scene, accuracy, accuracy_name, build, shape, simulator, .. } = campaign;
-        let settings = SchedulerSettings { settle, build, ..settings(id, simulator.as_ref()) };
+        let CampaignSpec { id, scene, accuracy, accuracy_name, build, cross_check, shape, simulator, .. } =
+            campaign;
+        let settings = SchedulerSettings { settle, build, cross_check, ..settings(id, simulator.as_ref()) };
         if scene.len() > MAX_SCENE {
             return Err(DispatchError::SceneTooLarge { bytes: scene.len(), limit: MAX_SCENE });
         }

@@ -21,6 +21,7 @@ mod warn;
 
 pub use dispatch_loop::{ConnectedWorker, ConnectedWorkers};
 pub use evaluator::{CampaignSimulator, CampaignSpec, StatusHandle, ZenohEvaluator};
+pub use scheduler::CrossCheck;
 pub use status_board::{StatusBoard, clock_ms};
 pub use transport::{ClientError, ClientSession, Listen, LivelinessGuard, Watch, Watched, watch};
 

@@ -139,6 +139,22 @@ impl CampaignFile {
         set_aside(&self.connection).map_err(|source| self.database(source))
     }
 
+    /// Sets all evaluations of a worker aside, so that they are requested again; their number.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn set_worker_aside(&mut self, worker: &str) -> Result<usize, StoreError> {
+        let sql = "SELECT id FROM evaluation WHERE id >= 0 AND (worker = ?1 OR substr(worker, 1, length(?1) + 1) = ?1 || '/')";
+        let read = |connection: &Connection| -> rusqlite::Result<Vec<i64>> {
+            connection.prepare(sql)?.query_map([worker], |row| row.get(0))?.collect()
+        };
+        let ids = read(&self.connection).map_err(|source| self.database(source))?;
+        for id in &ids {
+            self.set_misfit_aside(*id, &format!("not used: its worker {worker} is not trusted"))?;
+        }
+        Ok(ids.len())
+    }
+
     /// Gives number `id` to the recorded evaluation of this sample, if there is one; an evaluation of another sample that
     /// has the number is set aside.
     ///

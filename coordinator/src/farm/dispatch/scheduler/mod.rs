@@ -8,7 +8,8 @@
 //!
 //! Invariants, for messages lost, duplicated, delayed or out of order:
 //! - Every task ends exactly once: one outcome is delivered to the study, or the task is given up with a reason.
-//! - An outcome is acknowledged only when it is durable ([`Event::Recorded`]) or not needed.
+//! - An outcome is acknowledged only when it is durable ([`Event::Recorded`]) or not needed, or when it waits for that of another worker
+//!   ([`CrossCheck`]): if it is lost with the coordinator, it is evaluated again.
 //! - An outcome of this campaign that has not been requested yet is not acknowledged: after a restart the study requests
 //!   it again, and the worker still holds it.
 //! - A claim lists all tasks its worker holds. A lease missing from the list was lost in transit; its task returns to the
@@ -23,6 +24,9 @@
 //! - A worker's share of the tasks follows its measured speed. If slots are idle and the queue is empty, a task that has
 //!   been running much longer than usual goes to a second worker too; the first outcome counts.
 
+mod cross_check;
+#[cfg(test)]
+mod cross_check_tests;
 mod event;
 mod external;
 #[cfg(test)]
@@ -43,6 +47,7 @@ mod workers;
 #[cfg(test)]
 mod workers_tests;
 
+pub use cross_check::CrossCheck;
 pub use event::{Action, Assignment, Event, Token, Warning};
 pub use licences::LICENCE_HOLD;
 pub use settings::SchedulerSettings;
@@ -51,6 +56,7 @@ pub use snapshot::FarmSnapshot;
 use crate::farm::evaluate::{Finished, Request};
 use common::failure::SimulationFailure;
 use common::wire::{Claim, Offers, Outcome, TaskKey, WorkerId};
+use cross_check::HeldOutcomes;
 use licences::HeldLicences;
 use pending_replies::{PendingReplies, PendingReply};
 use std::collections::BTreeSet;
@@ -68,6 +74,7 @@ pub struct Scheduler {
     pending_replies: PendingReplies,
     warnings: WorkerWarnings,
     held_licences: HeldLicences,
+    held: HeldOutcomes,
     /// Time and text of the last report of an unusable simulator since a worker claimed tasks that offers the subject.
     unusable: Option<(Duration, String)>,
     longest_wall: Option<f64>,
@@ -89,6 +96,7 @@ impl Scheduler {
             pending_replies: PendingReplies::default(),
             warnings: WorkerWarnings::default(),
             held_licences: HeldLicences::default(),
+            held: HeldOutcomes::default(),
             unusable: None,
             longest_wall: None,
             settled_at: None,
@@ -119,6 +127,7 @@ impl Scheduler {
                 self.settle(now, &mut actions);
                 self.check_deadlines(now, &mut actions);
                 self.release_licences(now, &mut actions);
+                self.check_held(&mut actions);
                 self.give_up_unusable(now, &mut actions);
                 let open = if self.workers.any_eligible() { 0 } else { self.tasks.open() };
                 let warning = self.warnings.check_unattended(now, open, &self.settings);
@@ -226,6 +235,8 @@ impl Scheduler {
         let mut unrequested = Vec::new();
         for &task in kept {
             match self.tasks.status(task) {
+                // Its own outcome waits here for that of another worker.
+                TaskStatus::Open if self.held.has(task, id) => {}
                 TaskStatus::Open if self.workers.is_unknown_task(id, task) => {
                     self.tasks.adopt(task);
                     self.tasks.withdraw_loss(task, id);
@@ -274,16 +285,17 @@ impl Scheduler {
                 pending.waiting.insert(key.task);
             }
             OutcomeStatus::First => {
-                pending.waiting.insert(key.task);
                 self.longest_wall = Some(self.longest_wall.map_or(wall, |longest| longest.max(wall)));
                 self.workers.record_evaluation(&pending.worker, key.task, wall, now);
                 self.workers.release_from_all(key.task);
-                actions.push(Action::Deliver(Box::new(Finished {
-                    id: key.task,
-                    outcome: result,
-                    worker,
-                    wall,
-                })));
+                let finished = Finished { id: key.task, outcome: result, worker, wall };
+                let id = pending.worker.clone();
+                match self.deliver_checked(&id, finished, actions) {
+                    true if self.tasks.status(key.task) == TaskStatus::Delivered => {
+                        pending.waiting.insert(key.task);
+                    }
+                    _ => pending.acknowledged.push(key),
+                }
             }
         }
     }
@@ -314,12 +326,15 @@ impl Scheduler {
                 let room = room.min(self.licences_for(&id));
                 let wanted = room.min(credits.min(self.settings.most_tasks) as usize);
                 let losses = self.losses_bound(&id);
-                let mut tasks = self.tasks.lease(wanted, losses);
+                let held = &self.held;
+                let mut tasks = self.tasks.lease(wanted, losses, |task| !held.has(task, &id));
                 if tasks.len() < wanted && self.settings.licences.is_none() {
                     let SchedulerSettings { straggler_factor, straggler_least, .. } = self.settings;
                     let late = self.workers.stragglers(&id, now, straggler_factor, straggler_least);
                     tasks.extend(
-                        late.filter_map(|task| self.tasks.copy(task, losses)).take(wanted - tasks.len()),
+                        late.filter(|task| !held.has(*task, &id))
+                            .filter_map(|task| self.tasks.copy(task, losses))
+                            .take(wanted - tasks.len()),
                     );
                 }
                 for task in &tasks {
@@ -375,6 +390,7 @@ impl Scheduler {
 
     fn on_cancel(&mut self, now: Duration, actions: &mut Vec<Action>) {
         self.tasks.clear();
+        self.held.clear();
         self.hold_all_licences(now);
         self.workers.release_everything();
         // Outcomes that are not durable stay with their workers.

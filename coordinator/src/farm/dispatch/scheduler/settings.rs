@@ -1,5 +1,6 @@
 //! Deadlines and limits of the scheduler.
 
+use super::cross_check::CrossCheck;
 use common::build::Build;
 use common::wire::{Offers, Subject};
 use std::time::Duration;
@@ -13,6 +14,8 @@ pub struct SchedulerSettings {
     pub subject: Subject,
     /// The build of the program that simulates scenes: workers of another one get none. `None`: any.
     pub build: Option<Build>,
+    /// Which results another worker has to repeat; `None`: none.
+    pub cross_check: Option<CrossCheck>,
     /// Bound on the evaluations at once, if there is one.
     pub licences: Option<u32>,
     /// Losses (of a worker, or by a deadline) after which a task is given up; the last loss counts at a worker that has
@@ -56,6 +59,7 @@ impl SchedulerSettings {
             campaign,
             subject: Subject::Scene(String::new()),
             build: Some(Build::default()),
+            cross_check: None,
             licences: None,
             losses_allowed: 3,
             first_deadline: Duration::from_secs(3600),

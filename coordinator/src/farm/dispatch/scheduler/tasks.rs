@@ -112,8 +112,9 @@ impl TaskTable {
         Some(point)
     }
 
-    /// Leases up to `count` tasks from the front of the queue; tasks with `losses` or more losses are skipped.
-    pub fn lease(&mut self, count: usize, losses: u32) -> Vec<Task> {
+    /// Leases up to `count` tasks from the front of the queue; tasks with `losses` or more losses are skipped, and those that are not `open`
+    /// to the worker.
+    pub fn lease(&mut self, count: usize, losses: u32, open: impl Fn(u64) -> bool) -> Vec<Task> {
         let mut tasks = Vec::new();
         let mut withheld = Vec::new();
         while tasks.len() < count {
@@ -121,7 +122,7 @@ impl TaskTable {
             let Some(entry) = self.entries.get_mut(&id).filter(|e| e.phase == Phase::Queued) else {
                 continue;
             };
-            if entry.losses >= losses {
+            if entry.losses >= losses || !open(id) {
                 withheld.push(id);
                 continue;
             }
@@ -158,6 +159,21 @@ impl TaskTable {
         entry.phase = Phase::Queued;
         self.queue.push_front(id);
         Some(entry.point())
+    }
+
+    /// Returns a task with an outcome to the front of the queue, for another worker.
+    pub fn hold(&mut self, id: u64) -> Option<CandidatePoint> {
+        let entry = self.entries.get_mut(&id).filter(|entry| entry.phase == Phase::Delivered)?;
+        entry.phase = Phase::Queued;
+        self.queue.push_front(id);
+        Some(entry.point())
+    }
+
+    /// Marks a task whose outcome was held as delivered.
+    pub fn set_delivered(&mut self, id: u64) {
+        if let Some(entry) = self.entries.get_mut(&id) {
+            entry.phase = Phase::Delivered;
+        }
     }
 
     /// Points of the queued tasks.
