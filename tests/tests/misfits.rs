@@ -3,7 +3,7 @@
 
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use coordinator::farm::dispatch::{Listen, ZenohEvaluator};
+use coordinator::farm::dispatch::{CampaignSpec, ConnectedWorker, CrossCheck, Listen, ZenohEvaluator};
 use coordinator::farm::evaluate::local::LocalEvaluator;
 use coordinator::farm::evaluate::{Finished, Request};
 use coordinator::results::journal::Journal;
@@ -56,6 +56,36 @@ fn issue_one_misfit_of_one_worker_ended_the_study_for_ever() {
             for worker in [misfitting, fitting] {
                 assert_eq!(worker.join().unwrap(), Departure::CampaignEnded, "{k}");
             }
+        }
+    });
+}
+
+#[test]
+fn issue_results_of_a_worker_off_by_a_fifth_were_believed() {
+    in_time(|| {
+        let study = PracticeStudy::monte_carlo(12);
+        let expected = study.alone();
+        let folder = tempfile::tempdir().unwrap();
+        let (mut journal, _) = study.journal(folder.path()).unwrap();
+        let cross_check = Some(CrossCheck { share: 0.0, is_exact: true });
+        let campaign = CampaignSpec { cross_check, ..study.campaign(false) };
+        let mut evaluator = ZenohEvaluator::open(campaign, &Listen::default(), Arc::default()).unwrap();
+        let off = |sample: &[f64]| {
+            evaluation(sample).map(|mut found| {
+                found.histories.iter_mut().flatten().for_each(|value| *value *= 0.8);
+                found
+            })
+        };
+        let off = worker(&evaluator, "off", 1, off);
+        let others = ["one", "two"].map(|name| worker(&evaluator, name, 1, evaluation));
+        let all = |w: &[ConnectedWorker]| w.iter().filter(|w| w.slots > 0).count() == 3;
+        assert!(evaluator.wait_for_workers(PATIENCE, all));
+        let (answer, workers) = study.run(&mut evaluator, &mut journal).unwrap();
+        assert_eq!(answer, expected);
+        assert!(workers.iter().all(|worker| worker != "off/0"), "{workers:?}");
+        evaluator.finish();
+        for worker in others.into_iter().chain([off]) {
+            assert_eq!(worker.join().unwrap(), Departure::CampaignEnded);
         }
     });
 }
