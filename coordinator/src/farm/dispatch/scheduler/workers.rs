@@ -4,6 +4,8 @@ use common::wire::WorkerId;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
+/// Most tasks of a worker that are remembered without a request: more than a worker can hold.
+const MOST_UNREQUESTED: usize = 10_000;
 /// Weight of the newest evaluation in the running mean of a worker's evaluation times [1].
 const NEWEST_WALL: f64 = 0.2;
 /// Weight of the newest task in the running mean of the time from lease to outcome [1].
@@ -230,7 +232,7 @@ impl Workforce {
         if !self.unrequested.is_empty() {
             self.unrequested.retain(|_, holder| holder != id);
         }
-        self.unrequested.extend(tasks.iter().map(|&task| (task, id.clone())));
+        self.unrequested.extend(tasks.iter().take(MOST_UNREQUESTED).map(|&task| (task, id.clone())));
     }
 
     /// The worker that already holds this task, which the study requests now.
