@@ -3,18 +3,21 @@
 //!
 //! There are three kinds of reply: work; "idle, claim again in T" (a notice ends the wait early); none, after which the worker backs off.
 
+mod replies;
+
 use super::backoff::Backoff;
 use super::claim_event::{ClaimEvent, PendingClaim};
 use super::connection_monitor::ConnectionMonitor;
 use super::leave_policy::LeavePolicy;
 use super::licence_contact::LicenceContact;
 use super::link::Link;
+use super::own_campaign::OwnCampaign;
 use super::prefetch::PrefetchEstimator;
 use super::slots::Slots;
 use super::unacknowledged::UnacknowledgedResults;
-use super::{Departure, Job, ServiceConfig, ServiceError};
+use super::{Departure, ServiceConfig, ServiceError};
 use crate::log::refusal;
-use common::wire::{self, Claim, Next, Notice, Reply, Task, TaskKey, WireError, WorkOrder, WorkerId};
+use common::wire::{self, Claim, Notice, Task, TaskKey, WorkerId};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
@@ -27,9 +30,6 @@ const QUEUE_EMPTY_PAUSE: Duration = Duration::from_secs(1);
 const FAREWELL: Duration = Duration::from_secs(5);
 /// Margin over the timeout of a query, after which Zenoh must have ended it.
 const QUERY_MARGIN: Duration = Duration::from_secs(5);
-/// Time for which the end of another campaign than that of the last tasks is no reason to leave: behind a router a claim may reach the
-/// coordinator of another study, which ends.
-const END_OF_ANOTHER: Duration = Duration::from_secs(10);
 /// Longest wait for an event.
 const POLL_INTERVAL: Duration = Duration::from_millis(500);
 
@@ -55,10 +55,7 @@ pub(super) struct ClaimLoop {
     monitor: ConnectionMonitor,
     leave_policy: LeavePolicy,
     contact: LicenceContact,
-    /// Campaign of the tasks last received.
-    campaign: Option<u64>,
-    /// When a claim was first answered with the end of another campaign.
-    another_ended: Option<Instant>,
+    campaign: OwnCampaign,
     /// A claim is due whatever the free slots: tasks were returned, or the campaign has ended.
     must_claim: bool,
     leaving_since: Option<Instant>,
@@ -96,8 +93,7 @@ impl ClaimLoop {
             monitor,
             leave_policy,
             contact: LicenceContact::default(),
-            campaign: None,
-            another_ended: None,
+            campaign: OwnCampaign::default(),
             must_claim: false,
             leaving_since: None,
             farewell_answered: false,
@@ -173,12 +169,10 @@ impl ClaimLoop {
                     self.unacknowledged.resend_all(now);
                 }
                 // Only the reply to a claim says that this worker may leave: anybody may send a notice.
-                Ok(Notice::Ended { campaign }) if self.is_own(campaign) => {
+                Ok(Notice::Ended { campaign }) if self.campaign.is(campaign) => {
                     (self.must_claim, self.claim_at, self.silent_until) = (true, now, now);
                 }
-                Ok(Notice::Ended { campaign }) => {
-                    tracing::debug!("campaign {campaign:x} has ended, which this worker does not work for");
-                }
+                Ok(Notice::Ended { .. }) => {}
                 Err(error) => tracing::warn!("a notice of the coordinator cannot be decoded: {error}"),
             },
             ClaimEvent::Stop => {
@@ -193,111 +187,6 @@ impl ClaimLoop {
 
     fn is_pending(&self, sequence: u64) -> bool {
         self.pending.as_ref().is_some_and(|claim| claim.sequence == sequence)
-    }
-
-    fn on_reply(
-        &mut self,
-        now: Instant,
-        frame: Result<Vec<u8>, String>,
-    ) -> Result<Option<Departure>, ServiceError> {
-        let reply = match frame.map(|frame| wire::decode::<Reply>(&frame)) {
-            Ok(Ok(reply)) => reply,
-            Ok(Err(WireError::OtherVersion { theirs, ours })) => {
-                let endpoint = self.config.connect[self.coordinator].clone();
-                return Err(ServiceError::OtherVersion { endpoint, theirs, ours });
-            }
-            Ok(Err(error)) => {
-                tracing::warn!("a reply of the coordinator cannot be decoded: {error}");
-                self.on_no_reply(now, error.to_string());
-                return Ok(None);
-            }
-            Err(reason) => {
-                self.on_no_reply(now, reason);
-                return Ok(None);
-            }
-        };
-        let Some(PendingClaim { credits, leaving, since, .. }) = self.pending.take() else {
-            return Ok(None);
-        };
-        self.farewell_answered |= leaving;
-        self.contact.on_reply(since);
-        self.monitor.on_answer();
-        self.backoff.reset();
-        self.unacknowledged.forget(&reply.acknowledged);
-        // Tasks that other workers have finished are not started.
-        self.withdraw(|task| reply.acknowledged.contains(&task.key));
-        match reply.next {
-            Next::Work(order) => {
-                let received = order.tasks.len();
-                self.campaign = order.tasks.first().map(|task| task.key.campaign).or(self.campaign);
-                self.another_ended = None;
-                self.prefetch.reply_received(now.saturating_duration_since(since));
-                self.start_tasks(order, now);
-                // Fewer than requested: the queue is empty; a notice announces new tasks.
-                self.claim_at = if received < credits { now + QUEUE_EMPTY_PAUSE } else { now };
-            }
-            Next::Idle { ask_again } => {
-                self.slots.shares().answered(self.coordinator, 0, now);
-                // Without credits, the reply says nothing about the queue.
-                if credits > 0 {
-                    self.claim_at =
-                        now + self.backoff.spread(Duration::from_millis(u64::from(ask_again)), self.sequence);
-                }
-            }
-            Next::Leave { campaign } if self.is_own(campaign) => return Ok(self.campaign_ended(now)),
-            Next::Leave { campaign } => {
-                let since = *self.another_ended.get_or_insert(now);
-                if now.saturating_duration_since(since) >= END_OF_ANOTHER {
-                    return Ok(self.campaign_ended(now));
-                }
-                tracing::warn!(
-                    "the end of another study (campaign {campaign:x}) is ignored: one router serves one coordinator"
-                );
-                self.claim_at = now + QUEUE_EMPTY_PAUSE;
-            }
-        }
-        Ok(None)
-    }
-
-    /// True if a campaign is, as far as is known, that of this worker.
-    fn is_own(&self, campaign: u64) -> bool {
-        self.campaign.is_none_or(|own| own == campaign)
-    }
-
-    /// Handles the end of the campaign: leaves, or waits for the next one at this endpoint.
-    fn campaign_ended(&mut self, now: Instant) -> Option<Departure> {
-        if !self.config.next_campaign || self.leave_policy.is_draining() {
-            return Some(Departure::CampaignEnded);
-        }
-        tracing::info!("the campaign at {} has ended", self.config.connect[self.coordinator]);
-        self.pending = None;
-        (self.campaign, self.another_ended) = (None, None);
-        self.slots.shares().answered(self.coordinator, 0, now);
-        self.slots.simulator().on_campaign_ended();
-        self.withdraw(|_| true);
-        self.unacknowledged = UnacknowledgedResults::default();
-        (self.claim_at, self.silent_until) = (now + QUEUE_EMPTY_PAUSE, now + QUEUE_EMPTY_PAUSE);
-        None
-    }
-
-    fn start_tasks(&mut self, mut order: WorkOrder, now: Instant) {
-        let mut tasks = std::mem::take(&mut order.tasks);
-        tasks.retain(|task| {
-            let is_running = self.running.iter().any(|(other, _)| other.same_work(task));
-            !(is_running || self.unacknowledged.resend_if_held(task, now))
-        });
-        // Tasks that arrive after the decision to leave are returned.
-        if self.leaving_since.is_some() {
-            tasks.clear();
-        }
-        self.slots.shares().answered(self.coordinator, tasks.len(), now);
-        self.contact.on_work(order.licensed);
-        let order = Arc::new(order);
-        self.running.extend(tasks.iter().map(|task| (task.clone(), now)));
-        self.limit_contact();
-        for task in tasks {
-            self.slots.start_job(Job { order: Arc::clone(&order), task, coordinator: self.coordinator });
-        }
     }
 
     /// Removes tasks that wait for a slot; returns their number.

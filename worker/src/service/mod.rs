@@ -22,6 +22,7 @@ mod guard;
 mod leave_policy;
 mod licence_contact;
 mod link;
+mod own_campaign;
 #[cfg(test)]
 mod practice;
 mod prefetch;
