@@ -179,6 +179,7 @@ fn the_units_study_is_resumed_after_a_restart() {
             ("STUDY", "study"),
             ("LISTEN", listen),
             ("OPTIONS", "--seed 7 --samples 3000"),
+            ("EVERY_START", "--metrics 127.0.0.1:0"),
             ("LICENCES", ""),
         ];
 
