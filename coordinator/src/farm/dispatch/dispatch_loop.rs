@@ -21,6 +21,8 @@ use std::time::{Duration, Instant};
 const ASK_AGAIN: u32 = 1000;
 /// Interval of the scheduler's tick events.
 const TICK: Duration = Duration::from_millis(500);
+/// Most messages that are handled before the workers are listed and deadlines checked.
+const MOST_TOGETHER: usize = 1000;
 /// Workers of other versions that are remembered, so that each is logged once.
 const MOST_REFUSED: usize = 1000;
 
@@ -157,14 +159,24 @@ impl DispatchLoop {
     /// Runs until [`Input::Close`].
     pub fn run(mut self, inputs: &Receiver<Input>) {
         let mut next_tick = Instant::now() + TICK;
-        loop {
+        'inputs: loop {
             let notice = self.announcements.due().map(|due| self.started + due);
             let wake = notice.map_or(next_tick, |due| next_tick.min(due));
-            match inputs.recv_timeout(wake.saturating_duration_since(Instant::now())) {
-                Ok(Input::Close) | Err(RecvTimeoutError::Disconnected) => break,
-                Ok(input) => self.handle(input),
-                Err(RecvTimeoutError::Timeout) => {}
+            let mut next = match inputs.recv_timeout(wake.saturating_duration_since(Instant::now())) {
+                Err(RecvTimeoutError::Disconnected) => break,
+                input => input.ok(),
+            };
+            // The list of workers is published once for all messages that wait: it is as long as they are many.
+            let mut handled = 0;
+            while let Some(input) = next {
+                if matches!(input, Input::Close) {
+                    break 'inputs;
+                }
+                self.handle(input);
+                handled += 1;
+                next = if handled < MOST_TOGETHER { inputs.try_recv().ok() } else { None };
             }
+            self.publish_workers();
             if Instant::now() >= next_tick {
                 next_tick = Instant::now() + TICK;
                 self.event(Event::Tick);
@@ -194,7 +206,9 @@ impl DispatchLoop {
             Input::Finish => self.event(Event::Finish),
             Input::Close => {}
         }
-        // Checked after every message, so it must be cheap while nothing changes.
+    }
+
+    fn publish_workers(&mut self) {
         if self.published_revision != self.scheduler.revision() {
             self.published_revision = self.scheduler.revision();
             self.connected.set(self.scheduler.workers());
