@@ -28,6 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         build: None,
         shape: None,
         simulator: None,
+        cross_check: None,
         resumed: false,
     };
     let mut evaluator = ZenohEvaluator::open(campaign, &Listen::default(), Arc::default())?;
