@@ -88,6 +88,7 @@ impl Study {
             shape: None,
             accuracy_name: "balanced".into(),
             simulator: Some(CampaignSimulator { id, timeout: 60.0, licences }),
+            cross_check: None,
             resumed: false,
         };
         ZenohEvaluator::open(campaign, &Listen::default(), interrupted).unwrap()
