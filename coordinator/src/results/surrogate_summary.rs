@@ -41,6 +41,10 @@ pub struct SurrogateRow {
     /// deviation; absent otherwise, and in studies by earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub different_values: Option<usize>,
+    /// Largest distance of a simulated value from the median of all over their interquartile range [1]; absent where it is not that of an
+    /// outlier, and in studies by earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outlier: Option<f64>,
 }
 
 /// Failure probabilities that no simulation has tested, whose intervals are bounded by the independent samples alone.

@@ -74,6 +74,7 @@ impl SurrogateReport {
             separate_would_gain: self.sharing.map(|sharing| sharing.separate_would_gain),
             share_of_stated_error: surrogate.share_of_stated,
             noise_share: Some(surrogate.noise_share),
+            outlier: surrogate.outlier,
         }
     }
 }

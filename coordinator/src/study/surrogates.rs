@@ -8,6 +8,9 @@ use crate::statistics::surrogate::{
 };
 use faer::{Mat, MatRef};
 
+/// Interquartile ranges from the median beyond which a value is an outlier [1]: 40 standard deviations of normal values.
+const OUTLIER: f64 = 30.0;
+
 /// Results of the response of one limit state.
 pub(super) struct ModeResults<'a> {
     /// Standardised points `(d, n)` [1].
@@ -75,6 +78,9 @@ pub struct Surrogate {
     pub share_of_stated: Option<f64>,
     /// Variance of the simulations' noise over that of their values, largest over the fitted checkpoints [1].
     pub noise_share: f64,
+    /// Largest distance of a value from the median of all over their interquartile range, over the fitted checkpoints, where it is that of an
+    /// outlier [1].
+    pub outlier: Option<f64>,
     /// Number of repairs: starts of the likelihood that failed, and nuggets raised.
     pub repairs: usize,
     /// Threshold that the surrogate uses, and the jump of the response there.
@@ -137,6 +143,7 @@ impl Surrogate {
             sharing,
             share_of_stated: None,
             noise_share: 0.0,
+            outlier: None,
             repairs: found.repairs,
             threshold,
             noise,
@@ -180,6 +187,9 @@ impl Surrogate {
             if variance > 0.0 { noise * self.model.sigma2()[*n] / variance } else { 0.0 }
         };
         self.noise_share = self.fitted_on.iter().map(share).fold(0.0, f64::max);
+        let distances =
+            self.fitted_on.iter().map(|n| farthest(results.values.col(*n).iter().copied().collect()));
+        self.outlier = distances.reduce(f64::max).filter(|distance| *distance > OUTLIER);
     }
 
     /// Factor on the predicted variances [1], at least 1: the mean of squared errors over predicted variances
@@ -191,8 +201,31 @@ impl Surrogate {
     }
 }
 
+/// Largest distance of one of these values from their median over their interquartile range [1]; 0 where most are equal.
+fn farthest(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let quantile = |share: f64| values[(share * (values.len() - 1) as f64).round() as usize];
+    let (median, range) = (quantile(0.5), quantile(0.75) - quantile(0.25));
+    let distance = (quantile(1.0) - median).max(median - quantile(0.0));
+    if range > 0.0 { distance / range } else { 0.0 }
+}
+
 /// The chosen columns of a matrix `(n, m)`.
 fn columns(of: &Mat<f64>, chosen: &[usize]) -> Mat<f64> {
     let of: MatRef<'_, f64> = of.as_ref();
     Mat::from_fn(of.nrows(), chosen.len(), |i, o| of[(i, chosen[o])])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::farthest;
+
+    #[test]
+    fn issue_one_value_of_sixty_a_hundred_times_too_large_was_believed() {
+        let mut values: Vec<f64> = (0..60).map(|k| 1.0 + 0.01 * f64::from(k)).collect();
+        assert!(farthest(values.clone()) < 2.0);
+        values[7] *= 100.0;
+        assert!(farthest(values) > super::OUTLIER);
+        assert_eq!(farthest(vec![0.0, 0.0, 0.0, 0.0, 1.0]), 0.0, "flags");
+    }
 }

@@ -57,20 +57,26 @@ fn of_limit_states(untested: &UntestedRow) -> String {
 /// A line per limit state whose output has steps at its limit, or whose simulations are noisy, with what helps.
 pub fn steps_and_noise(summary: &StudySummary) -> Vec<String> {
     let simulations = count((summary.evaluations.total - summary.evaluations.failed) as u64);
-    let line = |row: &SurrogateRow| match (row.different_values, row.much_noise()) {
-        (Some(values), _) => Some(format!(
+    let line = |row: &SurrogateRow| match (row.different_values, row.outlier, row.much_noise()) {
+        (Some(values), ..) => Some(format!(
             "steps: the output of {} has {} different values in {simulations} simulations and jumps at the limit, which surrogates \
              resolve with many simulations only; return the quantity behind it, before it is counted, rounded or compared",
             row.limit_state,
             count(values as u64)
         )),
-        (None, Some(share)) => Some(format!(
+        (None, Some(distance), _) => Some(format!(
+            "outlier: a simulated value of {} lies {} interquartile ranges from the median of all (samples.csv), and the surrogates \
+             follow it; if the simulator or a machine is at fault, correct that and run the study again",
+            row.limit_state,
+            three_digits(distance)
+        )),
+        (None, None, Some(share)) => Some(format!(
             "noise: {:.1} % of the variance of {} is numerical noise; {} may need fewer simulations",
             100.0 * share,
             row.limit_state,
             if summary.of_mechanism() { "a finer --accuracy" } else { "finer tolerances in the simulator" }
         )),
-        (None, None) => None,
+        (None, None, None) => None,
     };
     summary.surrogates.iter().filter_map(line).collect()
 }
