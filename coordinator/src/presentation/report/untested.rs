@@ -102,4 +102,32 @@ mod tests {
         let said = no_simulated_failure(&summary).unwrap();
         assert!(said.contains("the limit of play") && said.contains("P_f < 0.238 (95 %)"), "{said}");
     }
+
+    #[test]
+    fn issue_rows_that_few_studies_have_were_missing_in_the_schema() {
+        let mut summary = crate::test_study::study().summary;
+        summary.simulations_beyond_a_limit = Some(3);
+        let curves = vec!["play".to_owned()];
+        summary.untested = Some(UntestedRow { curves, samples: 11, bound: 0.2384, predicted: 0.5 });
+        for row in &mut summary.surrogates {
+            (row.different_values, row.outlier) = (Some(3), Some(41.0));
+        }
+        let schema: serde_json::Value =
+            serde_json::from_str(include_str!("../../../schemas/summary.schema.json")).unwrap();
+        let summary = serde_json::to_value(&summary).unwrap();
+        let faults: Vec<String> = jsonschema::validator_for(&schema)
+            .unwrap()
+            .iter_errors(&summary)
+            .map(|e| e.to_string())
+            .collect();
+        assert_eq!(faults, Vec::<String>::new());
+    }
+
+    #[test]
+    fn issue_an_outlier_was_called_noise() {
+        let mut summary = crate::test_study::study().summary;
+        (summary.surrogates[0].outlier, summary.surrogates[0].noise_share) = (Some(4610.0), Some(0.98));
+        let said = steps_and_noise(&summary).remove(0);
+        assert!(said.starts_with("outlier: ") && said.contains("4610 interquartile ranges"), "{said}");
+    }
 }
