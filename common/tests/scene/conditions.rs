@@ -2,7 +2,7 @@
 
 use common::scene::*;
 
-const EVERYTHING: &str = include_str!("scenes/everything.toml");
+const EVERYTHING: &str = include_str!("../scenes/everything.toml");
 
 fn joint<'s>(scene: &'s Scene, name: &str) -> &'s Joint {
     scene.joints.iter().find(|joint| joint.name == name).unwrap()

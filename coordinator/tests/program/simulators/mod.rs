@@ -107,7 +107,7 @@ impl Study {
 #[test]
 fn the_example_of_the_document_runs() {
     let Some(study) = Study::new("", "1 min") else { return };
-    let text = include_str!("../../doc/simulators.md");
+    let text = include_str!("../../../doc/simulators.md");
     let block = |kind: &str| {
         let from = text.find(&format!("```{kind}\n")).unwrap() + kind.len() + 4;
         &text[from..from + text[from..].find("```").unwrap()]

@@ -6,10 +6,10 @@ use common::scene::quantity::UNITS;
 use std::collections::BTreeSet;
 use toml::{Table, Value};
 
-const REFERENCE: &str = include_str!("../scenes/README.md");
-const EVERYTHING: &str = include_str!("scenes/everything.toml");
+const REFERENCE: &str = include_str!("../../scenes/README.md");
+const EVERYTHING: &str = include_str!("../scenes/everything.toml");
 /// Every key of what is read from CSV files beside the scene.
-const MEASURED: &str = include_str!("scenes/measured.toml");
+const MEASURED: &str = include_str!("../scenes/measured.toml");
 
 /// Every key of a scene with an external simulator, program and server.
 const SIMULATORS: [&str; 2] = [

@@ -2,7 +2,7 @@
 
 use common::scene::SceneSource;
 
-const SCENE: &str = include_str!("../scenes/four-bar.toml");
+const SCENE: &str = include_str!("../../scenes/four-bar.toml");
 
 /// What is said of the scene after a change, as on a terminal.
 fn said(change: impl FnOnce(&str) -> String) -> String {

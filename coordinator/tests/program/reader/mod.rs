@@ -28,7 +28,7 @@ fn the_tables_of_the_drive_give_the_same_scene() {
 /// An ideal pin, a hinge and a guide with clearance, a load by a curve and gravity.
 #[test]
 fn issue_the_materials_of_guides_were_in_no_table() {
-    let needle = include_str!("../../../common/tests/scenes/needle.toml");
+    let needle = include_str!("../../../../common/tests/scenes/needle.toml");
     is_rebuilt(needle, &["--method", "monte-carlo", "--samples", "2", "--accuracy", "balanced"]);
 }
 

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-const FOUR_BAR: &str = include_str!("../../common/scenes/four-bar.toml");
+const FOUR_BAR: &str = include_str!("../../../common/scenes/four-bar.toml");
 
 fn coordinator(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
@@ -172,7 +172,7 @@ fn a_linkage_that_cannot_be_assembled_or_is_tied_twice_names_its_joint() {
 fn faulty_ideal_joints_and_outputs() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.toml");
-    let slider_crank = include_str!("../../common/scenes/slider-crank.toml");
+    let slider_crank = include_str!("../../../common/scenes/slider-crank.toml");
     for (from, to, parts) in [
         (
             "axis = \"0 deg\"",

@@ -1,7 +1,7 @@
 //! Outputs, limit states, life, random variables and settings as the tables of a report state them.
 
-use crate::page::{between, plain, table};
-use crate::scene::{place, quoted};
+use super::page::{between, plain, table};
+use super::scene::{place, quoted};
 use std::fmt::Write;
 
 /// Outputs, limit states, life, variables and settings.

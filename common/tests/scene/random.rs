@@ -3,8 +3,8 @@
 use common::random::{Distribution, Extreme};
 use common::scene::SceneSource;
 
-const EVERYTHING: &str = include_str!("scenes/everything.toml");
-const FOUR_BAR: &str = include_str!("../scenes/four-bar.toml");
+const EVERYTHING: &str = include_str!("../scenes/everything.toml");
+const FOUR_BAR: &str = include_str!("../../scenes/four-bar.toml");
 
 fn law(source: &SceneSource, name: &str) -> Distribution {
     source.variables().iter().find(|variable| variable.name == name).unwrap().distribution.clone()

@@ -1,6 +1,6 @@
 //! Faults of operating conditions.
 
-use crate::{EVERYTHING, one_fault};
+use super::{EVERYTHING, one_fault};
 use common::scene::SceneSource;
 
 #[test]

@@ -1,6 +1,6 @@
 //! Faults of outputs and limit states.
 
-use crate::{EVERYTHING, one_fault};
+use super::{EVERYTHING, one_fault};
 use common::scene::SceneSource;
 
 #[test]

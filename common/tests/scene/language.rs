@@ -3,7 +3,7 @@
 use common::scene::*;
 use std::f64::consts::{PI, TAU};
 
-const EVERYTHING: &str = include_str!("scenes/everything.toml");
+const EVERYTHING: &str = include_str!("../scenes/everything.toml");
 
 fn scene() -> Scene {
     SceneSource::parse(EVERYTHING, "everything").unwrap().resolve().unwrap()

@@ -10,7 +10,7 @@ mod outputs;
 use common::scene::SceneSource;
 use proptest::prelude::*;
 
-const EVERYTHING: &str = include_str!("../scenes/everything.toml");
+const EVERYTHING: &str = include_str!("../../scenes/everything.toml");
 
 /// The faults after replacing one piece of the scene's text, where it stands first after `place`.
 fn faults(place: &str, from: &str, to: &str) -> Vec<String> {

@@ -2,8 +2,8 @@
 
 use common::scene::{Fault, SceneSource};
 
-const FOUR_BAR: &str = include_str!("../scenes/four-bar.toml");
-const EVERYTHING: &str = include_str!("scenes/everything.toml");
+const FOUR_BAR: &str = include_str!("../../scenes/four-bar.toml");
+const EVERYTHING: &str = include_str!("../scenes/everything.toml");
 
 /// Least number of different mistakes that are tried.
 const MISTAKES: usize = 70;

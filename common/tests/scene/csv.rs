@@ -4,10 +4,10 @@ use common::random::{Distribution, Family};
 use common::scene::{Fault, Load, Over, SceneSource};
 use std::path::Path;
 
-const SCENE: &str = include_str!("scenes/measured.toml");
-const TORQUE: &str = include_str!("scenes/measured-torque.csv");
-const CLEARANCES: &str = include_str!("scenes/measured-clearances.csv");
-const FRICTION: &str = include_str!("scenes/measured-friction.csv");
+const SCENE: &str = include_str!("../scenes/measured.toml");
+const TORQUE: &str = include_str!("../scenes/measured-torque.csv");
+const CLEARANCES: &str = include_str!("../scenes/measured-clearances.csv");
+const FRICTION: &str = include_str!("../scenes/measured-friction.csv");
 const SHA256_OF_TORQUE: &str = "bf9f1b8f84ff71b304d9a3be8a8dde53c0e6fd97dad781406dde8878a2a8aa2d";
 
 fn measured() -> SceneSource {

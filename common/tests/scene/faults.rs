@@ -3,7 +3,7 @@
 use common::scene::SceneSource;
 use proptest::prelude::*;
 
-const FOUR_BAR: &str = include_str!("../scenes/four-bar.toml");
+const FOUR_BAR: &str = include_str!("../../scenes/four-bar.toml");
 
 /// The faults of the four-bar after replacing one piece of its text.
 fn faults(from: &str, to: &str) -> Vec<String> {

@@ -1,6 +1,6 @@
 //! Faults of joints and of what dissipates in them.
 
-use crate::{faults, one_fault};
+use super::{faults, one_fault};
 
 #[test]
 fn joints() {

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::process::Command;
 
-const EVERYTHING: &str = include_str!("../../common/tests/scenes/everything.toml");
-const MEASURED: &str = include_str!("../../common/tests/scenes/measured.toml");
+const EVERYTHING: &str = include_str!("../../../common/tests/scenes/everything.toml");
+const MEASURED: &str = include_str!("../../../common/tests/scenes/measured.toml");
 const BEAM: &str = "scene = { name = \"beam\" }\nsimulator = { program = [\"python3\", \"beam.py\"], timeout = \"2 min\" }\n\
                     [[outputs]]\nname = \"deflection\"\nunit = \"mm\"\nvalues = 1\n[[limit_states]]\nname = \"bent\"\n\
                     output = \"deflection\"\nthreshold = 12.5\nfails = \"below\"\n[[variables]]\nname = \"load\"\nmean = \"2 kN\"\n\
@@ -52,7 +52,7 @@ fn every_valid_scene_is_valid() {
     let built_in = SceneSource::builtin_names().into_iter().map(|name| {
         (name, std::fs::read_to_string(folder.join(format!("{name}.toml"))).expect("a built-in scene"))
     });
-    let template = include_str!("../src/cli/init.toml").replace("@name@", "press");
+    let template = include_str!("../../src/cli/init.toml").replace("@name@", "press");
     let own = [("everything", EVERYTHING.to_owned()), ("beam", BEAM.to_owned()), ("init", template)];
     let own = own.into_iter().chain([("measured", MEASURED.to_owned())]);
     let mut count = 0;

@@ -4,7 +4,7 @@ use common::scene::expression::{ExpressionError, evaluate, read_unit};
 use common::scene::quantity::{Quantity, UNITS};
 use std::collections::BTreeSet;
 
-const PAGE: &str = include_str!("../scenes/README.md");
+const PAGE: &str = include_str!("../../scenes/README.md");
 
 /// The cells of the tables of the section on units, by the head of their first column.
 fn rows(head: &str) -> Vec<[&'static str; 2]> {

@@ -1,6 +1,6 @@
 //! Faults of loads.
 
-use crate::one_fault;
+use super::one_fault;
 
 #[test]
 fn loads() {

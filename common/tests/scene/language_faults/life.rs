@@ -1,6 +1,6 @@
 //! Faults of the cycle.
 
-use crate::{EVERYTHING, faults, one_fault};
+use super::{EVERYTHING, faults, one_fault};
 use common::scene::SceneSource;
 
 #[test]

@@ -226,7 +226,7 @@ fn every_slip_is_named() {
 /// Limits of a mechanism and of a simulator, and those that are refused.
 #[test]
 fn limits_are_above_below_or_two() {
-    let four_bar = include_str!("../scenes/four-bar.toml");
+    let four_bar = include_str!("../../scenes/four-bar.toml");
     let with = |limits: &str| {
         let text = four_bar.replacen("threshold = \"8 um\"", limits, 1);
         SceneSource::parse(&text, "four-bar.toml").map(|source| source.nominal().limit_states[0].clone())

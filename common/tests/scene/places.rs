@@ -2,7 +2,7 @@
 
 use common::scene::{Fault, SceneSource};
 
-const FOUR_BAR: &str = include_str!("../scenes/four-bar.toml");
+const FOUR_BAR: &str = include_str!("../../scenes/four-bar.toml");
 
 /// The faults of the four-bar after replacing one piece of its text, and the changed text.
 fn faults(from: &str, to: &str) -> (Vec<Fault>, String) {

@@ -6,9 +6,9 @@
 use coordinator::presentation::report::{reliability_figure, standalone};
 use coordinator::results::summary::StudySummary;
 
-const PICTURE: &str = include_str!("../doc/reliability.svg");
-const NUMBERS: &str = include_str!("../doc/reliability.csv");
-const SUMMARY: &str = include_str!("../doc/reliability.json");
+const PICTURE: &str = include_str!("../../doc/reliability.svg");
+const NUMBERS: &str = include_str!("../../doc/reliability.csv");
+const SUMMARY: &str = include_str!("../../doc/reliability.json");
 
 #[test]
 fn the_picture_is_drawn_from_its_numbers() {

@@ -1,7 +1,7 @@
 //! A scene as the tables of a report state it.
 
-use crate::outputs::outputs_and_study;
-use crate::page::{between, plain, table};
+use super::outputs::outputs_and_study;
+use super::page::{between, plain, table};
 use std::fmt::Write;
 
 /// A quantity as a TOML text.

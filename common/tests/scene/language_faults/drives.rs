@@ -1,6 +1,6 @@
 //! Faults of drives and of tables.
 
-use crate::{faults, one_fault};
+use super::{faults, one_fault};
 
 #[test]
 fn drives() {

@@ -1,0 +1,17 @@
+//! The scene language: what is read, what is refused, and with which words.
+
+mod bad_scenes;
+mod builtin;
+mod conditions;
+mod csv;
+mod expressions;
+mod faults;
+mod language;
+mod language_faults;
+mod mistakes;
+mod places;
+mod random;
+mod reference;
+mod simulator;
+mod starts;
+mod units;
