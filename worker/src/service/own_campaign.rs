@@ -28,7 +28,7 @@ impl OwnCampaign {
     }
 
     /// True if the end of `campaign` is a reason to leave, as the reply to a claim says.
-    pub fn has_ended(&mut self, campaign: u64, now: Instant) -> bool {
+    pub fn end(&mut self, campaign: u64, now: Instant) -> bool {
         let is_own = self.is(campaign);
         let since = *self.another_ended.get_or_insert(now);
         if !is_own && now.saturating_duration_since(since) < END_OF_ANOTHER {
@@ -52,7 +52,7 @@ mod tests {
     fn issue_the_end_of_another_study_sent_a_worker_away() {
         let now = Instant::now();
         let mut own = OwnCampaign::default();
-        assert!(own.is(3) && own.has_ended(3, now), "nothing is known yet");
+        assert!(own.is(3) && own.end(3, now), "nothing is known yet");
         let task = Task {
             key: TaskKey { campaign: 3, task: 0 },
             attempt: 1,
@@ -68,9 +68,9 @@ mod tests {
             tasks: vec![task],
         };
         own.on_order(&order);
-        assert!(!own.is(4) && !own.has_ended(4, now) && !own.has_ended(4, now + END_OF_ANOTHER / 2));
-        assert!(own.has_ended(4, now + END_OF_ANOTHER), "its own coordinator has been silent for long");
+        assert!(!own.is(4) && !own.end(4, now) && !own.end(4, now + END_OF_ANOTHER / 2));
+        assert!(own.end(4, now + END_OF_ANOTHER), "its own coordinator has been silent for long");
         own.on_order(&order);
-        assert!(own.has_ended(3, now));
+        assert!(own.end(3, now));
     }
 }

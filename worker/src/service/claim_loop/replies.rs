@@ -57,7 +57,7 @@ impl ClaimLoop {
                         now + self.backoff.spread(Duration::from_millis(u64::from(ask_again)), self.sequence);
                 }
             }
-            Next::Leave { campaign } if self.campaign.has_ended(campaign, now) => {
+            Next::Leave { campaign } if self.campaign.end(campaign, now) => {
                 return Ok(self.campaign_ended(now));
             }
             Next::Leave { .. } => self.claim_at = now + QUEUE_EMPTY_PAUSE,

@@ -2,88 +2,13 @@
 //! worker decides which of the two gets no more tasks: a faulty processor, another library or a worker that lies would otherwise be
 //! believed, since every result that fits the scene is possible.
 
+use super::workers::Worker;
 use super::{Action, Scheduler, Warning};
 use crate::farm::evaluate::Finished;
-use common::failure::SimulationFailure;
-use common::outputs::Evaluation;
 use common::wire::WorkerId;
-use std::collections::{BTreeMap, BTreeSet};
 
 /// Workers that evaluate a sample until two of them agree, at most.
 const MOST_WORKERS: usize = 3;
-/// Difference of results of external simulators beyond their stated errors that counts as none, relative to the values [1].
-const SAME: f64 = 1e-9;
-
-/// Which results another worker has to repeat.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CrossCheck {
-    /// Share of the evaluations besides the first one of each worker [1].
-    pub share: f64,
-    /// Whether results have to agree to the last bit; otherwise within their stated errors.
-    pub is_exact: bool,
-}
-
-impl CrossCheck {
-    /// True if `task` belongs to the share: chosen by its number alone.
-    fn is_chosen(&self, task: u64) -> bool {
-        // SplitMix64 (Steele, Lea, Flood 2014).
-        let mut z = task.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 * 2.0_f64.powi(-53) < self.share
-    }
-
-    fn agree(
-        &self,
-        one: &Result<Evaluation, SimulationFailure>,
-        other: &Result<Evaluation, SimulationFailure>,
-    ) -> bool {
-        match (one, other) {
-            (Ok(one), Ok(other)) if self.is_exact => {
-                one.cycles == other.cycles && one.histories == other.histories && one.errors == other.errors
-            }
-            (Ok(one), Ok(other)) => one.cycles == other.cycles && agree_within_errors(one, other),
-            (one, other) => one.is_err() == other.is_err(),
-        }
-    }
-}
-
-fn agree_within_errors(one: &Evaluation, other: &Evaluation) -> bool {
-    let error =
-        |of: &Evaluation, k: usize, j: usize| of.errors.get(k).and_then(|e| e.get(j)).copied().unwrap_or(0.0);
-    one.histories.iter().zip(&other.histories).enumerate().all(|(k, (a, b))| {
-        a.iter().zip(b).enumerate().all(|(j, (a, b))| {
-            (a - b).abs() <= error(one, k, j) + error(other, k, j) + SAME * a.abs().max(b.abs())
-        })
-    })
-}
-
-/// Outcomes that wait for those of other workers.
-#[derive(Debug, Default)]
-pub(super) struct HeldOutcomes {
-    by_task: BTreeMap<u64, Vec<(WorkerId, Finished)>>,
-    /// Workers with an outcome that another one has repeated.
-    confirmed: BTreeSet<WorkerId>,
-    /// Number of outcomes of each worker that were passed on.
-    passed_on: BTreeMap<WorkerId, usize>,
-}
-
-impl HeldOutcomes {
-    /// True if the worker has an outcome of the task that waits.
-    pub fn has(&self, task: u64, id: &WorkerId) -> bool {
-        self.by_task.get(&task).is_some_and(|held| held.iter().any(|(worker, _)| worker.name == id.name))
-    }
-
-    /// Forgets what waits.
-    pub fn clear(&mut self) {
-        self.by_task.clear();
-    }
-
-    fn pass_on(&mut self, worker: &WorkerId, finished: Finished, actions: &mut Vec<Action>) {
-        *self.passed_on.entry(worker.clone()).or_default() += 1;
-        actions.push(Action::Deliver(Box::new(finished)));
-    }
-}
 
 impl Scheduler {
     /// Passes the first outcome of a task on, or holds it until another worker has repeated it; true if it was passed on.
@@ -125,9 +50,8 @@ impl Scheduler {
 
     /// Holds a task for another worker if there is one, otherwise ends it with what there is; true if it has ended.
     fn resolve_unchecked(&mut self, task: u64, actions: &mut Vec<Action>) -> bool {
-        let is_other = |(id, worker): (&WorkerId, &super::workers::Worker)| {
-            worker.usable_slots() > 0 && !self.held.has(task, id)
-        };
+        let is_other =
+            |(id, worker): (&WorkerId, &Worker)| worker.usable_slots() > 0 && !self.held.has(task, id);
         let number = self.held.by_task.get(&task).map_or(0, Vec::len);
         if number < MOST_WORKERS && self.workers.iter().any(is_other) {
             actions.extend(self.tasks.hold(task).map(|point| Action::Announce(vec![point])));

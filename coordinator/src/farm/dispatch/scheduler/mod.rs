@@ -31,6 +31,7 @@ mod event;
 mod external;
 #[cfg(test)]
 mod farm_tests;
+mod held_outcomes;
 mod licences;
 #[cfg(test)]
 mod licences_tests;
@@ -48,8 +49,8 @@ mod workers;
 #[cfg(test)]
 mod workers_tests;
 
-pub use cross_check::CrossCheck;
 pub use event::{Action, Assignment, Event, Token, Warning};
+pub use held_outcomes::CrossCheck;
 pub use licences::LICENCE_HOLD;
 pub use settings::SchedulerSettings;
 pub use snapshot::FarmSnapshot;
@@ -57,7 +58,7 @@ pub use snapshot::FarmSnapshot;
 use crate::farm::evaluate::{Finished, Request};
 use common::failure::SimulationFailure;
 use common::wire::{Claim, Offers, Outcome, TaskKey, WorkerId};
-use cross_check::HeldOutcomes;
+use held_outcomes::HeldOutcomes;
 use licences::HeldLicences;
 use pending_replies::{PendingReplies, PendingReply};
 use std::collections::BTreeSet;

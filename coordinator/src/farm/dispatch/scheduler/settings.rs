@@ -1,6 +1,6 @@
 //! Deadlines and limits of the scheduler.
 
-use super::cross_check::CrossCheck;
+use super::held_outcomes::CrossCheck;
 use common::build::Build;
 use common::wire::{Offers, Subject};
 use std::time::Duration;
