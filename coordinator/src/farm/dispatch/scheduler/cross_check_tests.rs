@@ -61,7 +61,7 @@ impl Farm {
         }
     }
 
-    /// Lets the workers claim in turns until all tasks have ended or somebody is given up.
+    /// Lets the workers claim in turns until all tasks have ended or one is given up.
     fn run(&mut self, factors: &[(&str, f64)]) {
         let mut running: Vec<Option<Task>> = vec![None; factors.len()];
         for turn in 0..1000 {
