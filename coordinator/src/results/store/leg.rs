@@ -93,9 +93,12 @@ impl CampaignFile {
     pub fn forget_failed_start(&mut self) -> Result<(), StoreError> {
         let forget = |connection: &Connection| -> rusqlite::Result<()> {
             let transaction = connection.unchecked_transaction()?;
-            let succeeded = "SELECT count(*) > 0 FROM evaluation WHERE failure IS NULL";
-            if !transaction.query_row(succeeded, [], |row| row.get::<_, bool>(0))? {
-                transaction.execute_batch("DELETE FROM input; DELETE FROM evaluation;")?;
+            // What was set aside is below zero, and has the tables of its values.
+            let failed = "SELECT count(*) > 0 AND count(*) = count(failure) FROM evaluation WHERE id >= 0";
+            if transaction.query_row(failed, [], |row| row.get::<_, bool>(0))? {
+                transaction.execute_batch(
+                    "DELETE FROM input WHERE evaluation >= 0; DELETE FROM evaluation WHERE id >= 0;",
+                )?;
             }
             transaction.commit()
         };

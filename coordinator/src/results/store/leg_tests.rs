@@ -83,6 +83,21 @@ fn a_study_without_a_result_forgets_its_failures() {
 }
 
 #[test]
+fn evaluations_of_a_worker_are_set_aside_and_made_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    record(&mut file, 0..6);
+    assert_eq!(file.set_worker_aside("hos").unwrap(), 0, "another name");
+    assert_eq!(file.set_worker_aside("host/4").unwrap(), 1);
+    assert_eq!(file.set_worker_aside("host").unwrap(), 5);
+    file.forget_failed_start().unwrap();
+    assert_eq!((file.count().unwrap(), numbers(&file).len()), (0, 6));
+    assert!((0..6).all(|id| file.finished(&request(id)).unwrap().is_none()));
+    record(&mut file, 0..6);
+    assert_eq!((file.count().unwrap(), numbers(&file).len()), (6, 12));
+}
+
+#[test]
 fn a_file_of_the_second_layout_gets_its_first_leg() {
     let dir = tempfile::tempdir().unwrap();
     let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
