@@ -2,6 +2,7 @@
 //! proxy that changes bytes. The coordinator must go on, or end with its cause and go on when resumed; it must not live on in silence.
 
 use crate::deployed::{KilledOnDrop, LoggedProcess, small_scene, try_session};
+use crate::faults::soak::Random;
 use crate::program;
 use common::wire::{WorkerId, keys};
 use coordinator::farm::dispatch::ClientSession;
@@ -9,8 +10,8 @@ use std::io::{Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 use zenoh::Wait;
@@ -38,14 +39,8 @@ pub struct Figures {
 
 /// A changed byte, a few of them, a frame cut or prolonged, by a generator that starts at `seed`: one frame of five.
 pub fn random_changes(seed: u64) -> Box<Mutate> {
-    let state = AtomicU64::new(seed);
-    let draw = move |below: u64| {
-        // SplitMix64 (Steele, Lea, Flood 2014).
-        let mut z = state.fetch_add(0x9e37_79b9_7f4a_7c15, Ordering::Relaxed);
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) % below
-    };
+    let random = Mutex::new(Random(seed));
+    let draw = move |below: u64| random.lock().unwrap_or_else(PoisonError::into_inner).below(below);
     Box::new(move |frame| {
         if frame.is_empty() || draw(5) > 0 {
             return false;
@@ -209,7 +204,7 @@ impl Hand {
     }
 }
 
-/// What a worker declares and sends, most of it in a frame of its own. The connection may be spoilt at any time.
+/// What a worker declares and sends, most of it in separate frames. The connection may break at any time.
 pub fn messages_of_a_worker(number: u64, settings: &Path, endpoint: &str) {
     let Ok(session) = try_session(settings, endpoint) else { return };
     let worker = WorkerId { name: format!("zz{number}"), epoch: number };

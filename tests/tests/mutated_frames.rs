@@ -1,5 +1,5 @@
 //! Changed frames of Zenoh, and a coordinator whose messaging has stopped. `cargo run --release -p tests --example mutated_frames` takes
-//! as long as it is told.
+//! a given time.
 
 use coordinator::farm::dispatch::{Watch, watch};
 use std::sync::atomic::{AtomicBool, Ordering};

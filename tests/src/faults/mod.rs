@@ -6,7 +6,7 @@ mod coordinators;
 mod disk;
 mod network;
 mod routers;
-mod soak;
+pub(crate) mod soak;
 mod workers;
 
 pub use coordinators::{killed_coordinator, stalled_coordinator};

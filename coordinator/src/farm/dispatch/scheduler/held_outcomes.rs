@@ -20,13 +20,10 @@ pub struct CrossCheck {
 }
 
 impl CrossCheck {
-    /// True if `task` belongs to the share: chosen by its number alone.
+    /// True if `task` belongs to the share, whose numbers are equally spaced.
     pub(super) fn is_chosen(&self, task: u64) -> bool {
-        // SplitMix64 (Steele, Lea, Flood 2014).
-        let mut z = task.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 * 2.0_f64.powi(-53) < self.share
+        let chosen_before = |task: f64| (task * self.share).floor();
+        chosen_before(task as f64 + 1.0) > chosen_before(task as f64)
     }
 
     pub(super) fn agree(

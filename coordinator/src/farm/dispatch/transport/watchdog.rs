@@ -4,7 +4,7 @@
 use super::super::DispatchError;
 use super::client_session::{ClientError, ClientSession};
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
@@ -27,9 +27,11 @@ impl Default for Watch {
 
 /// The coordinator is watched until this is dropped.
 #[derive(Debug)]
-pub struct Watched(#[allow(dead_code)] Arc<()>); // counted
+pub struct Watched {
+    _until_dropped: Sender<()>,
+}
 
-/// Asks the coordinator at `endpoint` in a thread, with the Zenoh settings of its own workers, and calls `failed` once when it has been
+/// Asks the coordinator at `endpoint` in a thread, with the Zenoh settings of its own workers, and calls `failed` at most once: when it is
 /// silent. Nothing is concluded before it has answered once, nor where no session can be opened: it may have all that it accepts.
 ///
 /// # Errors
@@ -40,14 +42,12 @@ pub fn watch(
     watch: Watch,
     failed: impl FnOnce() + Send + 'static,
 ) -> Result<Watched, DispatchError> {
-    let watched = Arc::new(());
-    let is_watched = Arc::downgrade(&watched);
+    let (_until_dropped, dropped) = channel();
     let ask = move || ClientSession::open(&endpoint, config.as_deref())?.status(watch.patience);
     let run = move || {
         let (mut has_answered, mut silences) = (false, 0);
         while silences < watch.silences {
-            thread::sleep(watch.every);
-            if is_watched.strong_count() == 0 {
+            if dropped.recv_timeout(watch.every) != Err(RecvTimeoutError::Timeout) {
                 return;
             }
             match ask() {
@@ -59,5 +59,5 @@ pub fn watch(
         failed();
     };
     let started = thread::Builder::new().name("coordinator-watch".into()).spawn(run);
-    started.map(|_| Watched(watched)).map_err(DispatchError::Thread)
+    started.map(|_| Watched { _until_dropped }).map_err(DispatchError::Thread)
 }
