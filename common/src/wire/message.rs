@@ -176,7 +176,7 @@ pub enum Notice {
         /// Numbers and samples of the points.
         points: Vec<CandidatePoint>,
     },
-    /// The campaign has ended: workers that claim now are told to leave.
+    /// The campaign has ended: the answer to a claim is now to leave.
     Ended {
         /// Number of the campaign.
         campaign: u64,
