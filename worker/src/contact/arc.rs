@@ -17,9 +17,9 @@
 // Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
 #![allow(clippy::needless_range_loop)]
 
-use super::integrals::{Integrals, UnitIntegrals, Weights};
+use super::integrals::{Integrals, TurnedIntegrals, UnitIntegrals, Weights};
 use super::stretch::{GROUP, Stretch, Stretches};
-use crate::bore::Profile;
+use crate::bore::{Profile, Radius};
 use crate::extremum::smallest;
 use crate::lanes::Real;
 use crate::plane::{dot, length};
@@ -44,15 +44,22 @@ pub struct Arc {
     stretches: Stretches,
 }
 
-/// A tabulated bore, or one per lane.
+/// A tabulated bore with a journal in it that is round or worn, or one pair per lane.
 pub trait Arcs<R: Real> {
-    /// Integrals over the arc in contact at the eccentricity `e` [m]; zeros for the second derivative unless `SECOND`.
-    fn integrate<const SECOND: bool>(&self, e: [R; 2]) -> Integrals<R>;
-    /// Penetration in free flight, not above zero, at the eccentricity `e` [m]; zero where `touches` is above zero.
-    fn free_penetration(&self, e: [R; 2], touches: R) -> R;
-    /// Direction in which the journal is nearest to the bore at the eccentricity `e` [m], which is not zero; zeros where `penetration` is above
-    /// zero `(2,)` [1].
-    fn nearest_free(&self, e: [R; 2], penetration: R) -> [R; 2];
+    /// Whether the journal wears, so that its angle alpha [rad] in the bore matters.
+    const JOURNAL: bool;
+    /// Integrals over the arc in contact at the eccentricity `e` [m] with the journal turned by `alpha` [rad]; the second derivatives only if
+    /// `SECOND`.
+    fn integrate<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> TurnedIntegrals<R>;
+    /// Penetration in free flight, not above zero [m]; zero where `touches` is above zero.
+    fn free_penetration(&self, e: [R; 2], alpha: R, touches: R) -> R;
+    /// Direction in which the journal is nearest to the bore at the eccentricity `e` [m], which is not zero `(2,)` [1], and the derivative of
+    /// the gap to alpha there [m/rad]; zeros where `penetration` is above zero.
+    fn nearest_free(&self, e: [R; 2], alpha: R, penetration: R) -> ([R; 2], R);
+    /// Radius of the worn journal at the angle `chi` in its own body, within half a turn of zero [rad]; that of a round one is the joint's.
+    fn journal(&self, chi: R) -> Radius<R> {
+        Radius { r: chi.zero(), d1: chi.zero(), d2: chi.zero() }
+    }
 }
 
 impl Arc {
@@ -279,20 +286,22 @@ fn add_runs(sum: &mut Integrals, e: [f64; 2], stretch: &Stretch, mut whole: u32)
 }
 
 impl Arcs<f64> for Arc {
+    const JOURNAL: bool = false;
+
     #[inline(always)]
-    fn integrate<const SECOND: bool>(&self, e: [f64; 2]) -> Integrals {
-        Arc::integrate(self, e)
+    fn integrate<const SECOND: bool>(&self, e: [f64; 2], _alpha: f64) -> TurnedIntegrals {
+        TurnedIntegrals::round(Arc::integrate(self, e))
     }
 
     #[inline(always)]
-    fn free_penetration(&self, e: [f64; 2], touches: f64) -> f64 {
+    fn free_penetration(&self, e: [f64; 2], _alpha: f64, touches: f64) -> f64 {
         if touches <= 0.0 { Arc::free_penetration(self, e) } else { 0.0 }
     }
 
     #[inline(always)]
-    fn nearest_free(&self, e: [f64; 2], penetration: f64) -> [f64; 2] {
+    fn nearest_free(&self, e: [f64; 2], _alpha: f64, penetration: f64) -> ([f64; 2], f64) {
         // An idle lane has no bore.
-        if penetration > 0.0 || self.radius.is_empty() { [0.0; 2] } else { self.nearest(e) }
+        (if penetration > 0.0 || self.radius.is_empty() { [0.0; 2] } else { self.nearest(e) }, 0.0)
     }
 }
 

@@ -12,22 +12,37 @@
 //! force is the gradient of a potential of e in the bushing's frame, so the law stays conservative as the
 //! bore wears.
 //!
+//! With a worn journal, whose surface turns in the bore, the gap function is that of `turned_arc.rs`, and U is a function of the
+//! eccentricity e and of the angle alpha [rad] of the journal's body from the bushing's. The pressure on the journal's uneven surface
+//! then also has the moment -M about its centre, M = dU/dalpha [N m], with the lever arm b = M / F_el [m]. The law stays conservative:
+//! dU/dt = F_el delta_dot with
+//!
+//!   delta_dot = n.(w - omega_j x e) + b (omega_i - omega_j),
+//!
+//! and F_N = F_el max(0, 1 + D delta_dot) damps force and moment alike. Friction acts at e + R_j n, with the radius R_j of the journal in
+//! the direction of n: v_t = w.t + omega_i R_j - omega_j (R_j + e.n). Torques: -R_j F_T - b F_N on the journal, F_N (e x n + b) + F_T
+//! (e.n + R_j) on the bushing; no moment is left over, and the power is -F_N delta_dot - F_T v_t. A round journal has b = 0, R_j = R1.
+//!
 //! # Source
 //! Winkler (1867), Die Lehre von der Elasticitaet und Festigkeit; elastic foundation model in Johnson (1985),
-//! Contact Mechanics, chapter 4. The modulus that reproduces Hertz's force is derived in `modulus.rs`.
+//! Contact Mechanics, chapter 4. The modulus that reproduces Hertz's force is derived in `modulus.rs`; the moment follows from the same
+//! potential.
 
 // Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
 #![allow(clippy::needless_range_loop)]
 
 use super::arc::{Arc, Arcs};
+use super::foundation_slopes::{FoundationLoad, Resultant, TurnedLoad};
+use super::integrals::TurnedIntegrals;
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
-use super::journal::Surfaces;
+use super::journal::{Journal, Surfaces, within_a_turn};
 use super::law::{Elastic, Law, Pressure};
 use super::modulus::Modulus;
 use super::stiffness::equivalent_penetration;
 use super::surface::Surface;
-use crate::bore::Profile;
-use crate::lanes::Real;
+use super::turned_arc::{Pair, TurnedArc};
+use crate::bore::{Profile, Radius};
+use crate::lanes::{Real, direction_angle};
 use crate::plane::{dot, left, length};
 use std::f64::consts::TAU;
 
@@ -49,44 +64,8 @@ pub struct Foundation<R = f64, A = Arc> {
     pub(super) arc: A,
 }
 
-/// Load that the foundation carries at one eccentricity.
-#[derive(Debug, Clone, Copy)]
-pub struct FoundationLoad<R = f64> {
-    /// Potential U [J].
-    pub energy: R,
-    /// Elastic force on the bushing, dU/de `(2,)` [N].
-    pub force: [R; 2],
-    /// Its derivative to e, entries xx, xy, yy [N/m].
-    pub stiffness: [R; 3],
-}
-
-/// A contact in the axes (n, t) of its elastic force: n the direction in which the journal presses, t its
-/// left normal.
-struct Resultant<R> {
-    n: [R; 2],
-    t: [R; 2],
-    /// e.n and e.t [m].
-    en: R,
-    et: R,
-    /// Relative velocity differentiated in the bushing's frame along n and along t [m/s].
-    bn: R,
-    bt: R,
-    /// Elastic force F_el, zero where none acts [N], and one over it, one where none acts [1/N].
-    elastic: R,
-    per_elastic: R,
-    /// 1 + D delta_dot [1].
-    factor: R,
-    /// Normal force F_N [N].
-    normal: R,
-    /// F_T / F_N [1] and its derivative to the sliding speed [s/m].
-    mu: R,
-    mu_v: R,
-    /// Friction force F_T [N].
-    friction: R,
-    /// Lever arms of friction and normal force about the bushing's centre [m].
-    arm: R,
-    lever: R,
-}
+/// The law of one joint with a worn journal.
+pub type FoundationWithJournal<'a> = Foundation<f64, Pair<'a>>;
 
 impl Foundation {
     /// The law on an unworn bore with `control_points` control points, tabulated finely enough for forces.
@@ -116,19 +95,72 @@ impl Foundation {
     pub(crate) fn profile_changed(&mut self, profile: &Profile) {
         self.arc.profile_changed(profile);
     }
+
+    /// An unworn journal with `points` control points on this foundation.
+    pub(crate) fn new_journal(&self, points: usize) -> Journal {
+        Journal::new(self.surface.journal_radius, points, Some(self.arc().intervals()))
+    }
+
+    /// The law with this journal, which has a table of its depth if it belongs to a joint with this law.
+    #[inline(always)]
+    pub(crate) fn with_journal<'a>(&'a self, journal: &'a Journal) -> Option<FoundationWithJournal<'a>> {
+        let turned = TurnedArc { arc: self.arc(), journal: journal.table()? };
+        Some(Foundation { surface: self.surface, modulus: self.modulus, arc: Pair { turned, journal } })
+    }
+
+    /// Elastic potential, force and stiffness at the eccentricity `e` [m] of a round journal.
+    #[inline(always)]
+    pub(crate) fn load(&self, e: [f64; 2]) -> FoundationLoad {
+        self.turned_load::<true>(e, 0.0).to_e
+    }
+}
+
+impl FoundationWithJournal<'_> {
+    /// Potential, force and stiffness to e at the eccentricity `e` [m] with the journal turned by `alpha` [rad].
+    #[inline(always)]
+    pub(crate) fn load_at(&self, e: [f64; 2], alpha: f64) -> FoundationLoad {
+        self.carried::<true>(&self.arc.turned.integrate::<false>(e, alpha)).to_e
+    }
+
+    /// Half the angle over which the contact extends at the eccentricity `e` [m] with the journal turned by `alpha` [rad].
+    pub(crate) fn half_arc(&self, e: [f64; 2], alpha: f64) -> f64 {
+        let [xx, _, yy] = self.arc.turned.integrate::<false>(e, alpha).to_e.d;
+        0.5 * (xx + yy)
+    }
+
+    /// The tabulated bore with the journal in it.
+    #[inline(always)]
+    pub(crate) fn turned_arc(&self) -> TurnedArc<'_> {
+        self.arc.turned
+    }
+}
+
+impl<A: Arcs<f64>> Foundation<f64, A> {
+    /// The elastic part of the contact.
+    fn elastic_part(&self, motion: &JointMotion) -> Elastic {
+        let load = self.turned_load::<true>(motion.e, motion.turn);
+        let FoundationLoad { energy, force, .. } = load.to_e;
+        let size = libm::hypot(force[0], force[1]);
+        if size <= 0.0 {
+            return Elastic::default();
+        }
+        let spin = motion.omega_journal - motion.omega_bushing;
+        let power = dot(force, in_bushing_frame(motion)) + load.moment * spin;
+        Elastic { stored: energy, force: size, rate: power / size }
+    }
 }
 
 impl<R: Real, A: Arcs<R>> Foundation<R, A> {
-    /// Elastic potential, force and stiffness at the eccentricity `e` [m].
+    /// Potential, force and moment at the eccentricity `e` [m] with the journal turned by `alpha` [rad]; their derivatives only if `SECOND`.
     #[inline(always)]
-    pub(crate) fn load(&self, e: [R; 2]) -> FoundationLoad<R> {
-        self.load_to::<true>(e)
+    fn turned_load<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> TurnedLoad<R> {
+        self.carried::<SECOND>(&self.arc.integrate::<SECOND>(e, alpha))
     }
 
-    /// The same, without the stiffness unless `SECOND`.
+    /// The load with these integrals over the arc in contact.
     #[inline(always)]
-    fn load_to<const SECOND: bool>(&self, e: [R; 2]) -> FoundationLoad<R> {
-        let sum = self.arc.integrate::<SECOND>(e);
+    fn carried<const SECOND: bool>(&self, integrals: &TurnedIntegrals<R>) -> TurnedLoad<R> {
+        let TurnedIntegrals { to_e: sum, t, et, tt } = *integrals;
         let potential = self.modulus.potential(sum.v);
         let (modulus, growth, [px, py]) = (potential.modulus, potential.growth, sum.p);
         let mut stiffness = sum.d;
@@ -137,58 +169,76 @@ impl<R: Real, A: Arcs<R>> Foundation<R, A> {
                 stiffness[k] = modulus * sum.d[k] + growth * product;
             }
         }
-        FoundationLoad { energy: potential.energy, force: [modulus * px, modulus * py], stiffness }
+        let to_e =
+            FoundationLoad { energy: potential.energy, force: [modulus * px, modulus * py], stiffness };
+        if !A::JOURNAL {
+            return TurnedLoad { to_e, moment: t, moment_e: et, moment_alpha: tt };
+        }
+        TurnedLoad {
+            to_e,
+            moment: modulus * t,
+            moment_e: [modulus * et[0] + growth * px * t, modulus * et[1] + growth * py * t],
+            moment_alpha: modulus * tt + growth * t * t,
+        }
     }
 
     /// Force on the journal; with `JACOBIAN` its exact derivative, else no slopes.
     ///
-    /// The elastic force -dU/de has size F_el and direction -n. Damping and friction follow
-    /// the resultant: delta_dot = n.(w - omega_j x e), F_N = F_el max(0, 1 + D delta_dot),
-    /// v_t = w.t + omega_i R1 - omega_j (R1 + e.n). The reaction acts on the bushing at e + R1 n, hence its
-    /// torque F_N (e x n) + F_T (e.n + R1). In free flight, and where the contact lets go early (1 + D delta_dot <= 0), only the
-    /// film acts.
+    /// The elastic force -dU/de has size F_el and direction -n. Damping and friction follow the resultant. The reaction acts on the bushing
+    /// at e + R_j n. In free flight, and where the contact lets go early (1 + D delta_dot <= 0), only the film acts.
     #[inline(always)]
     pub(crate) fn force<const JACOBIAN: bool>(
         &self,
         motion: &JointMotion<R>,
     ) -> (JointForce<R>, ForceSlopes<R>) {
         let s = &self.surface;
-        let JointMotion { e, w, omega_journal, omega_bushing, .. } = *motion;
-        let loaded = self.load_to::<JACOBIAN>(e);
+        let JointMotion { e, w, omega_journal, omega_bushing, turn } = *motion;
+        let mut loaded = self.turned_load::<JACOBIAN>(e, turn);
         let nothing = e[0].zero();
         let one = nothing.like(1.0);
-        let size = length(loaded.force);
+        let size = length(loaded.to_e.force);
         let pressed = nothing.below(size);
         let per_elastic = one / R::select(pressed, size, one);
         let n = [
-            R::select(pressed, loaded.force[0] * per_elastic, one),
-            R::select(pressed, loaded.force[1] * per_elastic, nothing),
+            R::select(pressed, loaded.to_e.force[0] * per_elastic, one),
+            R::select(pressed, loaded.to_e.force[1] * per_elastic, nothing),
         ];
         let t = left(n);
         let (en, et) = (dot(e, n), dot(e, t));
         let (wn, wt) = (dot(w, n), dot(w, t));
-        // e x n, and the relative velocity differentiated in the bushing's frame.
-        let lever = -et;
+        // The relative velocity differentiated in the bushing's frame.
         let (bn, bt) = (wn + omega_bushing * et, wt - omega_bushing * en);
-        let factor = one + s.damping * bn;
+        let spin = omega_journal - omega_bushing;
+        let (mut lever, mut rate, mut offset) = (nothing, bn, -et);
+        let mut journal = Radius { r: s.journal_radius, d1: nothing, d2: nothing };
+        if A::JOURNAL {
+            lever = loaded.moment * per_elastic;
+            rate += lever * spin;
+            offset += lever;
+            journal = self.arc.journal(within_a_turn(direction_angle(n) - turn));
+        }
+        let factor = one + s.damping * rate;
         // NaN compares as no contact.
         let touches = R::both(pressed, nothing.below(factor));
         let elastic = R::select(touches, size, nothing);
         let normal = elastic * factor;
-        let arm = s.journal_radius + en;
-        let sliding = wt + omega_journal * s.journal_radius - omega_bushing * arm;
+        let arm = journal.r + en;
+        let sliding = wt + omega_journal * journal.r - omega_bushing * arm;
         let sliding = R::select(touches, sliding, nothing);
         let (mu, mu_v) = s.friction(sliding);
         let friction = mu * normal;
         let mut out = JointForce {
             force: [-normal * n[0] - friction * t[0], -normal * n[1] - friction * t[1]],
-            torque_journal: -(s.journal_radius * friction),
-            torque_bushing: normal * lever + friction * arm,
+            torque_journal: -(journal.r * friction),
+            torque_bushing: normal * offset + friction * arm,
             normal,
             direction: [R::select(touches, n[0], nothing), R::select(touches, n[1], nothing)],
-            penetration: equivalent_penetration(size, s.stiffness) + self.arc.free_penetration(e, size),
+            penetration: equivalent_penetration(size, s.stiffness) + self.arc.free_penetration(e, turn, size),
             sliding,
         };
+        if A::JOURNAL {
+            out.torque_journal -= normal * lever;
+        }
         s.add_film(motion, &mut out);
         let mut slopes = ForceSlopes::none(nothing);
         if JACOBIAN {
@@ -199,22 +249,21 @@ impl<R: Real, A: Arcs<R>> Foundation<R, A> {
                 et,
                 bn,
                 bt,
+                spin,
+                omega_bushing,
                 elastic,
                 per_elastic,
+                lever,
+                offset,
                 factor,
                 normal,
                 mu,
                 mu_v,
                 friction,
-                arm,
-                lever,
+                journal,
             };
-            let mut stiffness = loaded.stiffness;
-            for k in 0..3 {
-                stiffness[k] = R::select(touches, stiffness[k], nothing);
-            }
-            let rows = self.slopes(&resultant, stiffness, omega_bushing);
-            slopes = ForceSlopes { u: n, rows, to_turn: None };
+            loaded.keep_where(touches);
+            slopes = resultant.slopes::<A>(&loaded, s.damping);
             s.add_film_slopes(&mut slopes);
         }
         (out, slopes)
@@ -224,67 +273,14 @@ impl<R: Real, A: Arcs<R>> Foundation<R, A> {
     /// the middle of the bore, from where every direction leads to the wall, the speed.
     #[inline(always)]
     pub(super) fn approach(&self, motion: &JointMotion<R>, penetration: R) -> R {
-        let JointMotion { e, w, .. } = *motion;
-        let rate = dot(self.arc.nearest_free(e, penetration), in_bushing_frame(motion));
+        let JointMotion { e, w, omega_journal, omega_bushing, turn } = *motion;
+        let (direction, to_alpha) = self.arc.nearest_free(e, turn, penetration);
+        let mut rate = dot(direction, in_bushing_frame(motion));
+        if A::JOURNAL {
+            rate += to_alpha * (omega_journal - omega_bushing);
+        }
         let size = length(e);
         R::select(size.zero().below(size), rate, length(w))
-    }
-
-    /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j), in the axes (n, t) `(4, 6)`, with
-    /// the foundation's stiffness, entries xx, xy, yy [N/m].
-    #[inline(always)]
-    fn slopes(&self, resultant: &Resultant<R>, [xx, xy, yy]: [R; 3], omega_bushing: R) -> [[R; 6]; 4] {
-        let s = &self.surface;
-        let &Resultant {
-            n,
-            t,
-            en,
-            et,
-            bn,
-            bt,
-            elastic,
-            per_elastic,
-            factor,
-            normal,
-            mu,
-            mu_v,
-            friction,
-            arm,
-            lever,
-        } = resultant;
-        let nothing = en.zero();
-        let one = nothing.like(1.0);
-        // Columns in the axes (n, t): e along n, e along t, w along n, w along t, omega_i, omega_j.
-        let (kn, kt) =
-            ([xx * n[0] + xy * n[1], xy * n[0] + yy * n[1]], [xx * t[0] + xy * t[1], xy * t[0] + yy * t[1]]);
-        let elastic_c = [dot(n, kn), dot(n, kt)];
-        let turn_c = [dot(t, kn) * per_elastic, dot(t, kt) * per_elastic];
-        let rate_own = [nothing, omega_bushing, one, nothing, nothing, et];
-        let sliding_own = [-omega_bushing, nothing, nothing, one, s.journal_radius, -arm];
-        let (damped, grip) = (elastic * s.damping, mu_v * normal);
-        let mut rows = [[nothing; 6]; 4];
-        for c in 0..6 {
-            let (mut d_normal, mut d_sliding) = (damped * rate_own[c], sliding_own[c]);
-            if c < 2 {
-                d_normal += elastic_c[c] * factor + damped * bt * turn_c[c];
-                d_sliding -= bn * turn_c[c];
-            }
-            let d_friction = mu * d_normal + grip * d_sliding;
-            rows[0][c] = -d_normal;
-            rows[1][c] = -d_friction;
-            rows[2][c] = -(s.journal_radius * d_friction);
-            rows[3][c] = d_normal * lever + d_friction * arm;
-        }
-        // The axes turn with the force, and the arms change with e.
-        for c in 0..2 {
-            let turn = turn_c[c];
-            rows[0][c] += friction * turn;
-            rows[1][c] -= normal * turn;
-            rows[3][c] += normal * en * turn + friction * et * turn;
-        }
-        rows[3][0] += friction;
-        rows[3][1] -= normal;
-        rows
     }
 }
 
@@ -317,84 +313,28 @@ impl Law for Foundation {
     ) -> (JointForce, ForceSlopes) {
         match surfaces.journal.and_then(|journal| self.with_journal(journal)) {
             None => Foundation::<f64, Arc>::force::<JACOBIAN>(self, motion),
-            Some(pair) => pair.force_with_journal::<JACOBIAN>(motion),
+            Some(pair) => pair.force::<JACOBIAN>(motion),
         }
     }
 
     fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic {
-        if let Some(pair) = surfaces.journal.and_then(|journal| self.with_journal(journal)) {
-            return pair.elastic_with_journal(motion);
+        match surfaces.journal.and_then(|journal| self.with_journal(journal)) {
+            None => self.elastic_part(motion),
+            Some(pair) => pair.elastic_part(motion),
         }
-        let FoundationLoad { energy, force, .. } = self.load(motion.e);
-        let size = libm::hypot(force[0], force[1]);
-        if size <= 0.0 {
-            return Elastic::default();
-        }
-        let power = dot(force, in_bushing_frame(motion));
-        Elastic { stored: energy, force: size, rate: power / size }
     }
 
     fn approach(&self, surfaces: Surfaces, motion: &JointMotion) -> f64 {
         match surfaces.journal.and_then(|journal| self.with_journal(journal)) {
             None => Foundation::<f64, Arc>::approach(self, motion, 0.0),
-            Some(pair) => pair.approach_with_journal(motion, 0.0),
+            Some(pair) => pair.approach(motion, 0.0),
         }
     }
 }
 
 /// Velocity of the journal's centre differentiated in the bushing's frame, w - omega_j x e `(2,)` [m/s].
 #[inline(always)]
-pub(super) fn in_bushing_frame<R: Real>(motion: &JointMotion<R>) -> [R; 2] {
+fn in_bushing_frame<R: Real>(motion: &JointMotion<R>) -> [R; 2] {
     let JointMotion { e, w, omega_bushing, .. } = *motion;
     [w[0] + omega_bushing * e[1], w[1] - omega_bushing * e[0]]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn equals_hertz_on_an_unworn_bore() {
-        // The modulus is fitted within 4e-5 below a tenth of the clearance and 4e-4 beyond; the ends of an
-        // arc whose half angle spans m intervals add 0.025 / m^3 at most.
-        let mut worst: f64 = 0.0;
-        for clearance in [1e-6, 3e-6, 1e-5, 23.5e-6, 1e-4, 5e-4] {
-            let stiffness = 3.264e10 * libm::sqrt(23.5e-6 / clearance);
-            let law = Foundation::new(
-                Surface {
-                    journal_radius: 1.5e-3,
-                    clearance,
-                    stiffness,
-                    damping: 0.0,
-                    restitution: None,
-                    friction: 0.0,
-                    per_friction_speed: 1.0 / 1e-3,
-                    film: 0.0,
-                },
-                36,
-            );
-            for delta in [1e-8, 1.7e-8, 3e-8, 1e-7, 3.2e-7, 1e-6, 2e-6] {
-                for k in 0..40 {
-                    let (angle, e) = (0.7 + 2.3e-4 * f64::from(k), clearance + delta);
-                    let motion = JointMotion {
-                        e: [e * libm::cos(angle), e * libm::sin(angle)],
-                        w: [0.0; 2],
-                        omega_journal: 0.0,
-                        omega_bushing: 0.0,
-                        turn: 0.0,
-                    };
-                    let hertz = stiffness * libm::pow(delta, 1.5);
-                    let off = (law.force::<false>(&motion).0.normal / hertz - 1.0).abs();
-                    let half_angle = libm::acos(clearance / e);
-                    let spanned = half_angle / TAU * law.arc().intervals() as f64;
-                    let fitted = if delta < 0.1 * clearance { 4e-5 } else { 4e-4 };
-                    let bound = fitted + 0.025 / (spanned * spanned * spanned);
-                    assert!(off < bound, "clearance {clearance}, delta {delta}, angle {angle}: {off}");
-                    worst = worst.max(off);
-                }
-            }
-        }
-        println!("unworn foundation within {worst:e} of K_n delta^1.5");
-        assert!(worst < 1e-3, "{worst}");
-    }
 }

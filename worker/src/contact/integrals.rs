@@ -66,6 +66,49 @@ impl<R: Real> UnitIntegrals<R> {
     }
 }
 
+/// Integrals over the arc in contact with a turned journal.
+#[derive(Debug, Clone, Copy)]
+pub struct TurnedIntegrals<R = f64> {
+    /// V and its derivatives to e.
+    pub to_e: Integrals<R>,
+    /// dV/dalpha: minus the integral of g dh/dalpha [m^2].
+    pub t: R,
+    /// d2V/(de dalpha) `(2,)` [m].
+    pub et: [R; 2],
+    /// Second derivative of V to alpha [m^2/rad].
+    pub tt: R,
+}
+
+impl<R: Real> TurnedIntegrals<R> {
+    /// Zero integrals: no interval in contact.
+    #[inline(always)]
+    pub(super) fn none(nothing: R) -> Self {
+        Self::round(Integrals { v: nothing, p: [nothing; 2], d: [nothing; 3] })
+    }
+
+    /// Those of a round journal, which do not depend on alpha.
+    #[inline(always)]
+    pub(super) fn round(to_e: Integrals<R>) -> Self {
+        let nothing = to_e.v.zero();
+        TurnedIntegrals { to_e, t: nothing, et: [nothing; 2], tt: nothing }
+    }
+
+    /// Replaces the integrals of a lane.
+    #[inline(always)]
+    pub(super) fn set_lane(&mut self, lane: usize, one: &TurnedIntegrals) {
+        self.to_e.v.set_lane(lane, one.to_e.v);
+        self.t.set_lane(lane, one.t);
+        self.tt.set_lane(lane, one.tt);
+        for k in 0..2 {
+            self.to_e.p[k].set_lane(lane, one.to_e.p[k]);
+            self.et[k].set_lane(lane, one.et[k]);
+        }
+        for k in 0..3 {
+            self.to_e.d[k].set_lane(lane, one.to_e.d[k]);
+        }
+    }
+}
+
 /// Weights of the two ends a, b of one interval: derivatives of its potential, the integral of g^2 / 2 over
 /// the part with g > 0, for an interval of length one.
 pub(super) struct Weights {

@@ -3,16 +3,16 @@
 //! Arcs in contact are summed in cells (`turned_cells.rs`), free flight lane by lane.
 //!
 //! # Source
-//! The law: see `foundation_journal.rs`.
+//! The law: see `foundation.rs`.
 
 // Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
 #![allow(clippy::needless_range_loop)]
 
-use super::arc::Arc;
-use super::foundation_journal::JournalInArc;
+use super::arc::{Arc, Arcs};
+use super::integrals::TurnedIntegrals;
 use super::journal::{Journal, worn_radius};
 use super::journal_table::JournalTable;
-use super::turned_arc::{TurnedArc, TurnedIntegrals};
+use super::turned_arc::TurnedArc;
 use super::turned_cells::TurnedCells;
 use crate::bore::{Bore, Bores, Radius};
 use crate::lanes::Real;
@@ -60,7 +60,9 @@ impl<R: Real> JournalLanes<R> {
     }
 }
 
-impl<R: Real> JournalInArc<R> for JournalLanes<R> {
+impl<R: Real> Arcs<R> for JournalLanes<R> {
+    const JOURNAL: bool = true;
+
     #[inline(always)]
     fn integrate<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> TurnedIntegrals<R> {
         self.cells.borrow_mut().integrate::<SECOND>(&self.pairs, e, alpha)

@@ -6,7 +6,7 @@
 use super::arc::{Arc, Arcs};
 use super::arc_cells::ArcCells;
 use super::foundation::Foundation;
-use super::integrals::Integrals;
+use super::integrals::TurnedIntegrals;
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::journal::{Surfaces, within_a_turn, worn_radius};
 use super::journal_lanes::JournalLanes;
@@ -115,7 +115,7 @@ impl<R: Real> LawLanes<R> {
         let approach = match self {
             LawLanes::LocalHertz(law, ..) => law.approach(place, walls, motion),
             LawLanes::Foundation(law) => law.approach(motion, penetration),
-            LawLanes::FoundationWithJournal(law) => law.approach_with_journal(motion, penetration),
+            LawLanes::FoundationWithJournal(law) => law.approach(motion, penetration),
         };
         self.surface_mut().follow_approach(approach, penetration);
     }
@@ -178,32 +178,35 @@ impl<R: Real> LawLanes<R> {
             LawLanes::LocalHertz(law, _, None) => law.force::<JACOBIAN, false>(place, walls, motion),
             LawLanes::LocalHertz(law, ..) => law.force::<JACOBIAN, true>(place, walls, motion),
             LawLanes::Foundation(law) => law.force::<JACOBIAN>(motion),
-            LawLanes::FoundationWithJournal(law) => law.force_with_journal::<JACOBIAN>(motion),
+            LawLanes::FoundationWithJournal(law) => law.force::<JACOBIAN>(motion),
         }
     }
 }
 
 impl<R: Real> Arcs<R> for ArcLanes<R> {
+    const JOURNAL: bool = false;
+
     #[inline(always)]
-    fn integrate<const SECOND: bool>(&self, e: [R; 2]) -> Integrals<R> {
-        self.cells.borrow_mut().integrate::<SECOND>(&self.arcs, e).scaled(self.spacing)
+    fn integrate<const SECOND: bool>(&self, e: [R; 2], _alpha: R) -> TurnedIntegrals<R> {
+        let sums = self.cells.borrow_mut().integrate::<SECOND>(&self.arcs, e);
+        TurnedIntegrals::round(sums.scaled(self.spacing))
     }
 
     #[inline(always)]
-    fn nearest_free(&self, e: [R; 2], penetration: R) -> [R; 2] {
-        let mut out = [e[0].zero(); 2];
+    fn nearest_free(&self, e: [R; 2], alpha: R, penetration: R) -> ([R; 2], R) {
+        let mut out = [alpha.zero(); 2];
         for lane in 0..R::LANES {
-            let one =
-                self.arcs[lane].nearest_free([e[0].lane(lane), e[1].lane(lane)], penetration.lane(lane));
+            let at = [e[0].lane(lane), e[1].lane(lane)];
+            let (one, _) = self.arcs[lane].nearest_free(at, 0.0, penetration.lane(lane));
             out[0].set_lane(lane, one[0]);
             out[1].set_lane(lane, one[1]);
         }
-        out
+        (out, alpha.zero())
     }
 
     #[inline(always)]
-    fn free_penetration(&self, e: [R; 2], touches: R) -> R {
-        let mut out = e[0].zero();
+    fn free_penetration(&self, e: [R; 2], alpha: R, touches: R) -> R {
+        let mut out = alpha.zero();
         for lane in 0..R::LANES {
             if touches.lane(lane) <= 0.0 {
                 out.set_lane(lane, self.arcs[lane].free_penetration([e[0].lane(lane), e[1].lane(lane)]));

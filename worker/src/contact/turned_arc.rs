@@ -14,57 +14,17 @@
 // Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
 #![allow(clippy::needless_range_loop)]
 
-use super::arc::Arc;
-use super::integrals::{Integrals, UnitIntegrals};
+use super::arc::{Arc, Arcs};
+use super::integrals::{Integrals, TurnedIntegrals, UnitIntegrals};
+use super::journal::Journal;
 use super::journal_table::{JournalTable, Turned};
 use super::stretch::{GROUP, STRETCH, Stretch};
-use crate::lanes::Real;
+use crate::bore::Radius;
 use crate::plane::{dot, length};
 use std::f64::consts::TAU;
 
 /// Angles at which the intervals of a stretch begin or end.
 pub(super) const ANGLES: usize = STRETCH + 1;
-
-/// Integrals over the arc in contact with a turned journal.
-#[derive(Debug, Clone, Copy)]
-pub struct TurnedIntegrals<R = f64> {
-    /// V and its derivatives to e.
-    pub to_e: Integrals<R>,
-    /// dV/dalpha: minus the integral of g dh/dalpha [m^2].
-    pub t: R,
-    /// d2V/(de dalpha) `(2,)` [m].
-    pub et: [R; 2],
-    /// Second derivative of V to alpha [m^2/rad].
-    pub tt: R,
-}
-
-impl<R: Real> TurnedIntegrals<R> {
-    /// Nothing in contact.
-    #[inline(always)]
-    pub(super) fn none(nothing: R) -> Self {
-        TurnedIntegrals {
-            to_e: Integrals { v: nothing, p: [nothing; 2], d: [nothing; 3] },
-            t: nothing,
-            et: [nothing; 2],
-            tt: nothing,
-        }
-    }
-
-    /// Replaces the integrals of a lane.
-    #[inline(always)]
-    pub(super) fn set_lane(&mut self, lane: usize, one: &TurnedIntegrals) {
-        self.to_e.v.set_lane(lane, one.to_e.v);
-        self.t.set_lane(lane, one.t);
-        self.tt.set_lane(lane, one.tt);
-        for k in 0..2 {
-            self.to_e.p[k].set_lane(lane, one.to_e.p[k]);
-            self.et[k].set_lane(lane, one.et[k]);
-        }
-        for k in 0..3 {
-            self.to_e.d[k].set_lane(lane, one.to_e.d[k]);
-        }
-    }
-}
 
 /// A tabulated bore with a worn journal in it.
 #[derive(Debug, Clone, Copy)]
@@ -73,6 +33,39 @@ pub struct TurnedArc<'a> {
     pub arc: &'a Arc,
     /// The tabulated journal.
     pub journal: &'a JournalTable,
+}
+
+/// A tabulated bore with the journal in it.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<'a> {
+    /// The tables of both.
+    pub turned: TurnedArc<'a>,
+    /// The journal.
+    pub journal: &'a Journal,
+}
+
+impl Arcs<f64> for Pair<'_> {
+    const JOURNAL: bool = true;
+
+    #[inline(always)]
+    fn integrate<const SECOND: bool>(&self, e: [f64; 2], alpha: f64) -> TurnedIntegrals {
+        self.turned.integrate::<true>(e, alpha)
+    }
+
+    #[inline(always)]
+    fn free_penetration(&self, e: [f64; 2], alpha: f64, touches: f64) -> f64 {
+        if touches <= 0.0 { self.turned.free_penetration(e, alpha) } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn nearest_free(&self, e: [f64; 2], alpha: f64, penetration: f64) -> ([f64; 2], f64) {
+        if penetration > 0.0 { ([0.0; 2], 0.0) } else { self.turned.nearest(e, alpha) }
+    }
+
+    #[inline(always)]
+    fn journal(&self, chi: f64) -> Radius {
+        self.journal.radius_at(chi)
+    }
 }
 
 /// Gaps at the angles of a stretch, with their derivatives to alpha.

@@ -14,10 +14,10 @@
 
 use super::arc::Arc;
 use super::cells::{CellContents, Cells, MOST, SIDE, change_of_gaps};
-use super::integrals::{Integrals, UnitIntegrals};
+use super::integrals::{Integrals, TurnedIntegrals, UnitIntegrals};
 use super::journal_table::JournalTable;
 use super::stretch::STRETCH;
-use super::turned_arc::{TurnedArc, TurnedIntegrals};
+use super::turned_arc::TurnedArc;
 use super::turned_stretch::TurnedStretch;
 use super::turned_sums::{TurnedEnd, Whole};
 use crate::lanes::Real;

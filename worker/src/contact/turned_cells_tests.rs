@@ -4,8 +4,9 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::arc::Arc;
+use super::integrals::TurnedIntegrals;
 use super::journal_table::JournalTable;
-use super::turned_arc::{TurnedArc, TurnedIntegrals};
+use super::turned_arc::TurnedArc;
 use super::turned_cells::TurnedCells;
 use crate::bore::Profile;
 use crate::lanes::{InLanes, Real, in_widest_lanes};

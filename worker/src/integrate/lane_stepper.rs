@@ -207,7 +207,7 @@ impl<R: Real> LaneStepper<R> {
         let entered = R::select(zero.below(self.busy), entered, zero);
         let under_way = R::select(time.below(end), entered, zero);
         let tried = R::select(steps.below(control.bound), under_way, zero);
-        self.progress.forces = self.progress.forces.plus_product(tried, one + one) + entered;
+        self.progress.forces = self.progress.forces.plus_product(tried, one + one) + entered * self.fresh;
         let StepDecisions { accepted, too_small } =
             self.progress.decide_lanes(tried, self.tried, self.error, self.ratio);
         let is_accepted = zero.below(accepted);

@@ -39,16 +39,16 @@ pub struct Stepper {
 }
 
 /// An integration over a span of time, compiled for the instructions of this processor.
-struct Integration<'a, D, W> {
+struct Integration<'a, D> {
     stepper: &'a mut Stepper,
     system: &'a mut D,
     progress: &'a mut SpanProgress,
     q: &'a mut [f64],
     v: &'a mut [f64],
-    observer: &'a mut W,
+    observer: &'a mut dyn StateObserver<D>,
 }
 
-impl<D: Stepped, W: StateObserver<D>> Vectorised for Integration<'_, D, W> {
+impl<D: Stepped> Vectorised for Integration<'_, D> {
     type Output = Result<(), IntegrationError>;
 
     #[inline(always)]
@@ -78,13 +78,13 @@ impl Stepper {
     ///
     /// # Errors
     /// [`IntegrationError`]; the state is then the last accepted one.
-    pub fn run<D: Stepped, W: StateObserver<D>>(
+    pub fn run<D: Stepped>(
         &mut self,
         system: &mut D,
         span: Range<f64>,
         q: &mut [f64],
         v: &mut [f64],
-        observer: &mut W,
+        observer: &mut dyn StateObserver<D>,
         counts: &mut StepCounts,
     ) -> Result<(), IntegrationError> {
         let mut progress = SpanProgress::new(span, self.control);
@@ -114,13 +114,13 @@ impl Stepper {
     }
 
     #[inline(always)]
-    fn integrate<D: Stepped, W: StateObserver<D>>(
+    fn integrate<D: Stepped>(
         &mut self,
         system: &mut D,
         progress: &mut SpanProgress,
         q: &mut [f64],
         v: &mut [f64],
-        observer: &mut W,
+        observer: &mut dyn StateObserver<D>,
     ) -> Result<(), IntegrationError> {
         loop {
             self.linearise(system, progress, q, v)?;

@@ -18,4 +18,4 @@ pub(crate) use elementary::{cube_root, direction_angle, sincos, tanh};
 pub(crate) use lanewise::Lanewise;
 pub(crate) use lanewise::lanewise;
 pub(crate) use real::{Lanes, Real};
-pub(crate) use vectorised::{InLanes, Vectorised, fused, in_widest_lanes, run_in, widest};
+pub(crate) use vectorised::{InLanes, Vectorised, fused, in_widest_lanes, run_in};

@@ -39,9 +39,9 @@ pub(crate) fn widest<W: WithSimd>(work: W) -> W::Output {
     Arch::new().dispatch(work)
 }
 
-/// Does `work`, which uses lanes of `simd`, with its instructions; lanes of one number as in [`fused`].
+/// Does `work`, which uses lanes of `simd`, with its instructions.
 pub(crate) fn run_in<S: Simd, W: Vectorised>(simd: S, work: W) -> W::Output {
-    if S::F64_LANES == 1 { fused(work) } else { simd.vectorize(OnProcessor(work)) }
+    simd.vectorize(OnProcessor(work))
 }
 
 /// Does `work` on single numbers with the fused operations of this processor, if it has them.

@@ -19,6 +19,7 @@ use super::wearing_pair::WearingPair;
 use crate::contact::{GuideReaction, JointMotion};
 use crate::extremum::{largest, smallest};
 use crate::integrate::{Band, Dynamics, Linearised};
+use crate::lanes::{Vectorised, fused};
 use crate::plane::length;
 use common::scene::Scene;
 
@@ -348,9 +349,51 @@ impl Dynamics for Island {
         &self.mass
     }
 
-    #[inline(always)]
     fn force(&mut self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
-        self.set_state(t, q, v);
+        fused(AtState { island: self, t, q, v, wanted: Wanted::Force(f) });
+    }
+
+    fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
+        fused(AtState { island: self, t, q, v, wanted: Wanted::Linearisation(at) });
+        self.begin_step(t, q, v);
+    }
+}
+
+/// Forces of an island in the state `q`, `v` `(n,)` at time `t` [s], compiled for the instructions of this processor once for all that
+/// integrate islands by themselves.
+struct AtState<'a> {
+    island: &'a mut Island,
+    t: f64,
+    q: &'a [f64],
+    v: &'a [f64],
+    wanted: Wanted<'a>,
+}
+
+enum Wanted<'a> {
+    /// Generalised forces with the reactions of ideal joints `(n,)` [N, N m].
+    Force(&'a mut [f64]),
+    /// The same and their derivatives.
+    Linearisation(&'a mut Linearised),
+}
+
+impl Vectorised for AtState<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let AtState { island, t, q, v, wanted } = self;
+        island.set_state(t, q, v);
+        match wanted {
+            Wanted::Force(f) => island.add_forces(t, f),
+            Wanted::Linearisation(at) => island.add_derivatives(t, at),
+        }
+    }
+}
+
+impl Island {
+    /// Forces in the state last set.
+    #[inline(always)]
+    fn add_forces(&mut self, t: f64, f: &mut [f64]) {
         let mut space = std::mem::take(&mut self.space);
         self.acting().applied::<false>(t, &mut space, f, &mut Linearised::default());
         self.space = space;
@@ -366,9 +409,9 @@ impl Dynamics for Island {
         }
     }
 
+    /// Forces in the state last set, and their derivatives.
     #[inline(always)]
-    fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
-        self.set_state(t, q, v);
+    fn add_derivatives(&mut self, t: f64, at: &mut Linearised) {
         let (mut f, mut space) = (std::mem::take(&mut at.f), std::mem::take(&mut self.space));
         self.acting().applied::<true>(t, &mut space, &mut f, at);
         (at.f, self.space) = (f, space);
@@ -380,6 +423,5 @@ impl Dynamics for Island {
             (at.independent, at.balanced) = (Some(independent), Some(balanced));
             self.ideal.reduce_derivatives(placed, at);
         }
-        self.begin_step(t, q, v);
     }
 }

@@ -10,6 +10,7 @@ use super::passage::{Comparison, Passage, on_path};
 use super::placed::Placed;
 use crate::extremum::{largest, smallest};
 use crate::integrate::{Closed, Linearised, Passing, State, Stepped};
+use crate::lanes::{Vectorised, fused};
 
 /// Largest gap of a joint, over the size of the mechanism, in a position that a crossing motion reaches [1].
 const CLOSED: f64 = 1e-8;
@@ -116,6 +117,23 @@ impl Island {
     }
 }
 
+/// Closes the ideal joints of an island at time `t` [s], compiled for the instructions of this processor.
+struct Closing<'a> {
+    island: &'a mut Island,
+    t: f64,
+    q: &'a mut [f64],
+    v: &'a mut [f64],
+}
+
+impl Vectorised for Closing<'_> {
+    type Output = Closed;
+
+    #[inline(always)]
+    fn run(self) -> Closed {
+        close(self.island, self.t, 1.0, self.q, self.v)
+    }
+}
+
 impl Stepped for Island {
     fn is_constrained(&self) -> bool {
         self.ideal.rows() > 0
@@ -132,12 +150,11 @@ impl Stepped for Island {
         begun(&self.guides, &self.frames, &before.guides, h, &self.mass, |k| 1.0 / scale_v[k])
     }
 
-    #[inline(always)]
     fn close(&mut self, t: f64, q: &mut [f64], v: &mut [f64]) -> Option<f64> {
         if self.is_projected() {
             return self.close_to_rounding(t, q, v);
         }
-        let Closed { drift, closed } = close(self, t, 1.0, q, v);
+        let Closed { drift, closed } = fused(Closing { island: self, t, q, v });
         (closed == 1.0).then_some(drift)
     }
 

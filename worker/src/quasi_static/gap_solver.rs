@@ -23,7 +23,6 @@
 
 use super::IdealMotion;
 use crate::integrate::{Band, Linearised, Pivoted, Stepped, add_product, nan_as_infinite};
-use crate::lanes::{Vectorised, fused};
 
 /// Largest change of a coordinate in one Newton iteration, in its scale, 1 % of the smallest clearance [1].
 const LONGEST_UPDATE: f64 = 10.0;
@@ -220,7 +219,7 @@ impl GapSolver {
                 + beta[0] * self.past[0][i]
                 + beta[1] * self.past[1][i];
         }
-        fused(Linearising { system, t, q: &self.q, v: &self.v, at: &mut self.at });
+        system.linearise(t, &self.q, &self.v, &mut self.at);
         self.iterations += 1;
         let mass = system.mass();
         for (miss, (mass, (a, f))) in
@@ -247,24 +246,6 @@ impl GapSolver {
         for (g, u) in self.trial.iter_mut().zip(&self.update) {
             *g += share * u;
         }
-    }
-}
-
-/// Linearises a system at one state.
-struct Linearising<'a, D> {
-    system: &'a mut D,
-    t: f64,
-    q: &'a [f64],
-    v: &'a [f64],
-    at: &'a mut Linearised,
-}
-
-impl<D: Stepped> Vectorised for Linearising<'_, D> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        self.system.linearise(self.t, self.q, self.v, self.at);
     }
 }
 

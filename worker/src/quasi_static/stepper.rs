@@ -94,11 +94,11 @@ impl QuasiStaticStepper {
     ///
     /// # Errors
     /// [`Unsuitable`]: the step or the number of steps left its bounds, or a joint the range of its contact law.
-    pub(crate) fn run<D: Stepped, W: StateObserver<D>>(
+    pub(crate) fn run<D: Stepped>(
         &mut self,
         system: &mut D,
         end: f64,
-        observer: &mut W,
+        observer: &mut dyn StateObserver<D>,
         counts: &mut QuasiStaticCounts,
     ) -> Result<(), Unsuitable> {
         let before = self.solver.iterations;
@@ -107,11 +107,11 @@ impl QuasiStaticStepper {
         done
     }
 
-    fn integrate<D: Stepped, W: StateObserver<D>>(
+    fn integrate<D: Stepped>(
         &mut self,
         system: &mut D,
         end: f64,
-        observer: &mut W,
+        observer: &mut dyn StateObserver<D>,
         counts: &mut QuasiStaticCounts,
     ) -> Result<(), Unsuitable> {
         observer.observe(system, self.time, &self.solver.q, &self.solver.v, &self.solver.at);

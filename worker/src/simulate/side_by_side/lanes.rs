@@ -10,7 +10,7 @@ use crate::lanes::{Lanes, Real, Vectorised, run_in};
 use crate::mechanism::{Island, IslandLanes, same_topology};
 use crate::outputs::{ContactLanes, FullRecording, MotionRows};
 use crate::simulate::island_state::IslandState;
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 use std::time::Instant;
 
 /// The lane groups of one thread.
@@ -27,7 +27,7 @@ struct OpenGroup {
 }
 
 /// Islands of one topology in lanes of some width.
-trait Group {
+pub(super) trait Group {
     /// Number of lanes in use.
     fn occupied(&self) -> usize;
     /// Processor time of the evaluation of each island.
@@ -60,14 +60,12 @@ impl LanePool {
         ended
     }
 
-    /// Fills the idle lanes of every group, and opens groups for the topologies that have none. Islands that are never in lanes are
-    /// integrated by themselves; their number.
+    /// Fills the idle lanes of every group, and opens groups for the topologies that have none. Islands that are never in lanes, or the only
+    /// one of their topology, are integrated by themselves; their number.
     fn load_queued(&mut self, queue: &LaneQueue) -> usize {
         let mut alone = 0;
         while let Some(pending) = queue.take(|span| span.state.island.is_alone()) {
-            let (cpu_time, begun, start) = (pending.cpu_time(), Instant::now(), pending.span.time.start);
-            pending.integrate_alone(start, StepCounts::default());
-            cpu_time.set(cpu_time.get() + begun.elapsed());
+            integrate_alone(pending);
             alone += 1;
         }
         if self.width == LaneWidth::Fitting {
@@ -77,25 +75,26 @@ impl LanePool {
         self.groups.iter_mut().for_each(|open| open.group.fill(queue));
         while let Some(first) = queue.take(|_| true) {
             let waiting = 1 + queue.count(|span| same_topology(&first.span.state.island, &span.state.island));
-            let group = self.width.for_waiting(waiting).dispatch(NewGroup(first));
             // Empty groups of other topologies make room.
             self.groups.retain(|open| open.group.occupied() > 0);
-            self.groups.push(OpenGroup { group, passed_over: 0 });
+            match self.width.for_waiting(waiting).open(first) {
+                Ok(group) => self.groups.push(OpenGroup { group, passed_over: 0 }),
+                Err(first) => {
+                    integrate_alone(first);
+                    alone += 1;
+                }
+            }
             self.groups.iter_mut().for_each(|open| open.group.fill(queue));
         }
         alone
     }
 }
 
-/// Makes a group with its first island.
-struct NewGroup(PendingSpan);
-
-impl WithSimd for NewGroup {
-    type Output = Box<dyn Group>;
-
-    fn with_simd<S: Simd>(self, simd: S) -> Box<dyn Group> {
-        Box::new(LaneGroup::new(simd, self.0))
-    }
+/// Integrates an island by itself, on the account of its evaluation.
+fn integrate_alone(pending: PendingSpan) {
+    let (cpu_time, begun, start) = (pending.cpu_time(), Instant::now(), pending.span.time.start);
+    pending.integrate_alone(start, StepCounts::default());
+    cpu_time.set(cpu_time.get() + begun.elapsed());
 }
 
 /// The group to run next: the fullest, where every time a group was passed over counts as an occupant.
@@ -108,7 +107,7 @@ fn next_group(groups: &mut [OpenGroup]) -> Option<&mut OpenGroup> {
 }
 
 /// Islands of one topology, one per lane.
-struct LaneGroup<S: Simd> {
+pub(super) struct LaneGroup<S: Simd> {
     simd: S,
     /// An island of this topology.
     topology: Island,
@@ -191,7 +190,7 @@ impl<S: Simd> Group for LaneGroup<S> {
 
 impl<S: Simd> LaneGroup<S> {
     /// A group with its first island; idle lanes compute steps from the same state.
-    fn new(simd: S, first: PendingSpan) -> Self {
+    pub(super) fn new(simd: S, first: PendingSpan) -> Self {
         let state = &first.span.state;
         let (topology, like) = (state.island.clone(), Lanes::all(simd, 0.0));
         let island_lanes = IslandLanes::new(&topology, like);

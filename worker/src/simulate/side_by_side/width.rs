@@ -1,18 +1,35 @@
 //! How many numbers the vectors of a lane group hold.
 
-use crate::lanes::widest;
-use pulp::{Scalar, Simd, WithSimd};
+use super::lanes::{Group, LaneGroup};
+use super::queue::PendingSpan;
+use pulp::Simd;
+#[cfg(target_arch = "aarch64")]
+use pulp::aarch64::Neon;
+#[cfg(target_arch = "x86_64")]
+use pulp::x86::V3;
+#[cfg(all(target_arch = "x86_64", not(test)))]
+use pulp::x86::V4;
 
 /// Numbers that a SIMD lane group holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LaneWidth {
     /// As many as the vectors of this processor.
     Widest,
-    /// At least this number, in the narrowest vectors that have as many: vectors wider than there are islands for cost time. One number takes
-    /// the scalar instructions of any processor.
+    /// At least this number, in the narrowest vectors that have as many: vectors wider than there are islands for cost time. One island is
+    /// integrated by itself.
     Holding(usize),
     /// As many as islands of one topology wait for lanes when the group is opened: for one evaluation by itself.
     Fitting,
+}
+
+/// Vectors of this processor.
+enum Vectors {
+    #[cfg(target_arch = "aarch64")]
+    Two(Neon),
+    #[cfg(target_arch = "x86_64")]
+    Four(V3),
+    #[cfg(all(target_arch = "x86_64", not(test)))]
+    Eight(V4),
 }
 
 impl LaneWidth {
@@ -21,28 +38,54 @@ impl LaneWidth {
         if self == LaneWidth::Fitting { LaneWidth::Holding(islands) } else { self }
     }
 
-    /// Runs `work` in lanes of this width.
-    pub(super) fn dispatch<W: WithSimd>(self, work: W) -> W::Output {
-        match self {
-            LaneWidth::Holding(..=1) => work.with_simd(Scalar::new()),
+    /// Opens a group of this width with its first island. Returns the island where it is to be integrated by itself: as the only one, or on a
+    /// processor without vectors.
+    pub(super) fn open(self, first: PendingSpan) -> Result<Box<dyn Group>, PendingSpan> {
+        match self.vectors() {
+            #[cfg(target_arch = "aarch64")]
+            Some(Vectors::Two(simd)) => Ok(Box::new(LaneGroup::new(simd, first))),
             #[cfg(target_arch = "x86_64")]
-            LaneWidth::Holding(..=4) if let Some(avx2) = pulp::x86::V3::try_new() => {
-                Simd::vectorize(avx2, work)
-            }
-            _ => widest(work),
+            Some(Vectors::Four(simd)) => Ok(Box::new(LaneGroup::new(simd, first))),
+            #[cfg(all(target_arch = "x86_64", not(test)))]
+            Some(Vectors::Eight(simd)) => Ok(Box::new(LaneGroup::new(simd, first))),
+            None => Err(first),
         }
+    }
+
+    /// The vectors of this width that this processor has. Unit tests leave out AVX-512, which is a third of their compilation; the tests of
+    /// whole evaluations have it.
+    fn vectors(self) -> Option<Vectors> {
+        if matches!(self, LaneWidth::Holding(..=1)) {
+            return None;
+        }
+        #[cfg(all(target_arch = "x86_64", not(test)))]
+        if !matches!(self, LaneWidth::Holding(..=4))
+            && let Some(simd) = V4::try_new()
+        {
+            return Some(Vectors::Eight(simd));
+        }
+        #[cfg(target_arch = "x86_64")]
+        return V3::try_new().map(Vectors::Four);
+        #[cfg(target_arch = "aarch64")]
+        return Neon::try_new().map(Vectors::Two);
+        #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+        None
     }
 }
 
 /// Numbers in the widest vectors of this processor.
 pub(crate) fn widest_lanes() -> usize {
-    /// Counts the lanes that it is run in.
-    struct Count;
-    impl WithSimd for Count {
-        type Output = usize;
-        fn with_simd<S: Simd>(self, _simd: S) -> usize {
-            S::F64_LANES
-        }
+    /// Numbers in vectors of `S`.
+    fn lanes<S: Simd>(_simd: S) -> usize {
+        S::F64_LANES
     }
-    LaneWidth::Widest.dispatch(Count)
+    match LaneWidth::Widest.vectors() {
+        #[cfg(target_arch = "aarch64")]
+        Some(Vectors::Two(simd)) => lanes(simd),
+        #[cfg(target_arch = "x86_64")]
+        Some(Vectors::Four(simd)) => lanes(simd),
+        #[cfg(all(target_arch = "x86_64", not(test)))]
+        Some(Vectors::Eight(simd)) => lanes(simd),
+        None => 1,
+    }
 }
