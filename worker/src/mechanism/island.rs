@@ -3,7 +3,7 @@
 
 use super::closing::IdealJoints;
 use super::constraint::Constraint;
-use super::elimination::{Elimination, Existence};
+use super::elimination::Elimination;
 use super::extent::least_arm;
 use super::forces::{Acting, JointSpace};
 use super::frame::Frame;
@@ -18,8 +18,7 @@ use super::wearing_joint::WearingJoint;
 use super::wearing_pair::WearingPair;
 use crate::contact::{GuideReaction, JointMotion};
 use crate::extremum::{largest, smallest};
-use crate::integrate::{Band, Dynamics, Linearised};
-use crate::lanes::{Vectorised, fused};
+use crate::integrate::{Band, Linearised};
 use crate::plane::length;
 use common::scene::Scene;
 
@@ -61,7 +60,7 @@ pub struct Island {
     pub(super) frames: Vec<Frame>,
     /// Angles of the prescribed bodies with their derivatives, at the state last set.
     pub(super) jets: Vec<Jet>,
-    space: JointSpace<f64, WearingJoint>,
+    pub(super) space: JointSpace<f64, WearingJoint>,
 }
 
 /// Constituents of an island; see the fields of [`Island`].
@@ -229,7 +228,7 @@ impl Island {
 
     /// Joints and loads of the island, at the state last set.
     #[inline(always)]
-    fn acting(&self) -> Acting<'_, f64, WearingJoint, WearingGuide> {
+    pub(super) fn acting(&self) -> Acting<'_, f64, WearingJoint, WearingGuide> {
         Acting {
             joints: &self.joints,
             guides: &self.guides,
@@ -341,87 +340,5 @@ impl IdealJoints<f64> for Island {
     #[inline(always)]
     fn size(&self) -> f64 {
         self.size
-    }
-}
-
-impl Dynamics for Island {
-    fn mass(&self) -> &[f64] {
-        &self.mass
-    }
-
-    fn force(&mut self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
-        fused(AtState { island: self, t, q, v, wanted: Wanted::Force(f) });
-    }
-
-    fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
-        fused(AtState { island: self, t, q, v, wanted: Wanted::Linearisation(at) });
-        self.begin_step(t, q, v);
-    }
-}
-
-/// Forces of an island in the state `q`, `v` `(n,)` at time `t` [s], compiled for the instructions of this processor once for all that
-/// integrate islands by themselves.
-struct AtState<'a> {
-    island: &'a mut Island,
-    t: f64,
-    q: &'a [f64],
-    v: &'a [f64],
-    wanted: Wanted<'a>,
-}
-
-enum Wanted<'a> {
-    /// Generalised forces with the reactions of ideal joints `(n,)` [N, N m].
-    Force(&'a mut [f64]),
-    /// The same and their derivatives.
-    Linearisation(&'a mut Linearised),
-}
-
-impl Vectorised for AtState<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let AtState { island, t, q, v, wanted } = self;
-        island.set_state(t, q, v);
-        match wanted {
-            Wanted::Force(f) => island.add_forces(t, f),
-            Wanted::Linearisation(at) => island.add_derivatives(t, at),
-        }
-    }
-}
-
-impl Island {
-    /// Forces in the state last set.
-    #[inline(always)]
-    fn add_forces(&mut self, t: f64, f: &mut [f64]) {
-        let mut space = std::mem::take(&mut self.space);
-        self.acting().applied::<false>(t, &mut space, f, &mut Linearised::default());
-        self.space = space;
-        let at = Placed { frames: &self.frames, jets: &self.jets };
-        match self.passage.as_mut().filter(|passage| passage.is_projected()) {
-            Some(passage) => {
-                passage.joints.add_reactions(at, f);
-            }
-            None if self.ideal.rows() > 0 => {
-                self.ideal.add_reactions(at, f);
-            }
-            None => {}
-        }
-    }
-
-    /// Forces in the state last set, and their derivatives.
-    #[inline(always)]
-    fn add_derivatives(&mut self, t: f64, at: &mut Linearised) {
-        let (mut f, mut space) = (std::mem::take(&mut at.f), std::mem::take(&mut self.space));
-        self.acting().applied::<true>(t, &mut space, &mut f, at);
-        (at.f, self.space) = (f, space);
-        if self.is_large() {
-            self.add_many_reactions(at);
-        } else if self.ideal.rows() > 0 {
-            let placed = Placed { frames: &self.frames, jets: &self.jets };
-            let Existence { independent, balanced } = self.ideal.add_reactions(placed, &mut at.f);
-            (at.independent, at.balanced) = (Some(independent), Some(balanced));
-            self.ideal.reduce_derivatives(placed, at);
-        }
     }
 }

@@ -32,6 +32,7 @@ mod guide_onset;
 mod guide_tests;
 mod influence;
 mod island;
+mod island_forces;
 mod island_frames;
 mod island_steps;
 mod joint;
