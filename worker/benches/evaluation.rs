@@ -8,7 +8,7 @@ use common::scene::{ContactLaw, JointKind, Scene, SceneSource, WearingSurfaces};
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use worker::bore::Profile;
-use worker::contact::{Contact, JointMotion};
+use worker::contact::{Contact, JointMotion, LawLanes, PolarEccentricity};
 use worker::simulate::{
     LaneWidth, SimulateOptions, SimulationInput, simulate, simulate_counted, simulate_side_by_side,
 };
@@ -62,10 +62,14 @@ fn motions(profile: &Profile, journal_radius: f64) -> Vec<JointMotion> {
 fn contact_of<const JACOBIAN: bool>(bencher: Bencher, law: ContactLaw) {
     let (contact, profile) = worn_joint(law);
     let motions = motions(&profile, contact.surface().journal_radius);
+    let law = LawLanes::new(&contact, (&profile).into(), 0.0);
     bencher.counter(ItemsCount::new(motions.len())).bench_local(|| {
         for motion in &motions {
+            let motion = black_box(motion);
+            let place = PolarEccentricity::new(motion.e);
+            let walls = law.walls(&place, motion.turn);
             // All of it counts as used, or the compiler would leave the derivative out.
-            black_box(contact.force::<JACOBIAN>(&profile, black_box(motion)));
+            black_box(law.force::<JACOBIAN>((&place, &walls), motion));
         }
     });
 }

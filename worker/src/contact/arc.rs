@@ -8,7 +8,7 @@
 //! arc: the force of an arc whose half angle spans m intervals is within 0.025 / m^3 (chords through g itself
 //! fall short by 0.25 / m^2).
 //!
-//! Intervals with g > 0 at both ends are added stretch by stretch (`stretch.rs`), and stretches wholly in contact next to each
+//! Intervals with g > 0 at both ends are added segment by segment (`segment.rs`), and segmentes wholly in contact next to each
 //! other at once.
 //!
 //! # Source
@@ -17,8 +17,8 @@
 // Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
 #![allow(clippy::needless_range_loop)]
 
-use super::integrals::{Integrals, TurnedIntegrals, UnitIntegrals, Weights};
-use super::stretch::{GROUP, Stretch, Stretches};
+use super::integrals::{Integrals, RotatedIntegrals, UnitIntegrals, Weights};
+use super::segment::{GROUP, Segment, Segmentes};
 use crate::bore::{Profile, Radius};
 use crate::extremum::smallest;
 use crate::lanes::Real;
@@ -40,8 +40,8 @@ pub struct Arc {
     radius: Vec<f64>,
     /// (1 + s^2 / 12) times the unit vectors at those angles `(intervals, 2)` [1].
     direction: Vec<[f64; 2]>,
-    /// Stretches of [`super::stretch::STRETCH`] intervals.
-    stretches: Stretches,
+    /// Segmentes of [`super::segment::SEGMENT`] intervals.
+    segmentes: Segmentes,
 }
 
 /// A tabulated bore with a journal in it that is round or worn, or one pair per lane.
@@ -50,7 +50,7 @@ pub trait Arcs<R: Real> {
     const JOURNAL: bool;
     /// Integrals over the arc in contact at the eccentricity `e` [m] with the journal turned by `alpha` [rad]; the second derivatives only if
     /// `SECOND`.
-    fn integrate<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> TurnedIntegrals<R>;
+    fn integrate<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> RotatedIntegrals<R>;
     /// Penetration in free flight, not above zero [m]; zero where `touches` is above zero.
     fn free_penetration(&self, e: [R; 2], alpha: R, touches: R) -> R;
     /// Direction in which the journal is nearest to the bore at the eccentricity `e` [m], which is not zero `(2,)` [1], and the derivative of
@@ -74,10 +74,10 @@ impl Arc {
             [lift * c, lift * s]
         };
         let direction: Vec<[f64; 2]> = (0..n).map(unit_vector).collect();
-        let mut stretches = Stretches::default();
-        stretches.tabulate(journal_radius, &radius, &direction);
+        let mut segmentes = Segmentes::default();
+        segmentes.tabulate(journal_radius, &radius, &direction);
         let scale = clearance * spacing * spacing;
-        Arc { journal_radius, reach: clearance / lift, spacing, scale, radius, direction, stretches }
+        Arc { journal_radius, reach: clearance / lift, spacing, scale, radius, direction, segmentes }
     }
 
     /// A bore that no journal reaches.
@@ -89,7 +89,7 @@ impl Arc {
             scale: 1.0,
             radius: vec![],
             direction: vec![],
-            stretches: Stretches::default(),
+            segmentes: Segmentes::default(),
         }
     }
 
@@ -104,9 +104,9 @@ impl Arc {
         self.scale
     }
 
-    /// Stretches of its intervals.
-    pub(super) fn stretches(&self) -> &Stretches {
-        &self.stretches
+    /// Segmentes of its intervals.
+    pub(super) fn segmentes(&self) -> &Segmentes {
+        &self.segmentes
     }
 
     /// Number of intervals around the bore.
@@ -119,7 +119,7 @@ impl Arc {
     pub(crate) fn profile_changed(&mut self, profile: &Profile) {
         profile.tabulate_chords(&mut self.radius);
         self.reach = (smallest(self.radius.iter().copied()) - self.journal_radius) / self.direction[0][0];
-        self.stretches.tabulate(self.journal_radius, &self.radius, &self.direction);
+        self.segmentes.tabulate(self.journal_radius, &self.radius, &self.direction);
     }
 
     /// Gap function in the direction of the eccentricity itself, |e| + R1 - R [m].
@@ -153,7 +153,7 @@ impl Arc {
     }
 
     /// Integrals over the arc in contact at the eccentricity `e` [m]. Intervals wholly in contact come from the sums
-    /// of their stretch; at the two ends of an arc only the part with g > 0 counts.
+    /// of their segment; at the two ends of an arc only the part with g > 0 counts.
     #[inline(always)]
     pub(crate) fn integrate(&self, e: [f64; 2]) -> Integrals {
         self.integrate_units(e).scaled(self.spacing())
@@ -166,27 +166,27 @@ impl Arc {
         if length(e) <= self.reach {
             return UnitIntegrals::none(0.0);
         }
-        let stretches = &self.stretches;
-        // Stretches wholly in contact under way: the first, and the one after the last.
+        let segmentes = &self.segmentes;
+        // Segmentes wholly in contact under way: the first, and the one after the last.
         let (mut first, mut end) = (0, 0);
-        for g in 0..stretches.groups.len() {
-            let touched = stretches.groups[g].touched(e, stretches.widening, 0.0);
+        for g in 0..segmentes.groups.len() {
+            let touched = segmentes.groups[g].touched(e, segmentes.widening, 0.0);
             let mut rest = touched.any;
             while rest != 0 {
                 let i = rest.trailing_zeros();
                 rest &= rest - 1;
                 let s = g * GROUP + i as usize;
                 if (touched.whole >> i) & 1 == 0 {
-                    add_partly(&mut sum, e, &stretches.each[s]);
+                    add_partly(&mut sum, e, &segmentes.each[s]);
                 } else if s == end {
                     end += 1;
                 } else {
-                    self.add_stretches(&mut sum, e, first, end);
+                    self.add_segmentes(&mut sum, e, first, end);
                     (first, end) = (s, s + 1);
                 }
             }
         }
-        self.add_stretches(&mut sum, e, first, end);
+        self.add_segmentes(&mut sum, e, first, end);
         UnitIntegrals { sums: sum, extent: sum.d[0] + sum.d[2] }
     }
 
@@ -206,41 +206,41 @@ impl Arc {
         whole: &mut Integrals,
         mut other: impl FnMut([f64; 2], [[f64; 2]; 2]),
     ) {
-        for g in 0..self.stretches.groups.len() {
-            let touched = self.stretches.groups[g].touched(e, self.stretches.widening, margin);
+        for g in 0..self.segmentes.groups.len() {
+            let touched = self.segmentes.groups[g].touched(e, self.segmentes.widening, margin);
             let mut rest = touched.any;
             while rest != 0 {
                 let i = rest.trailing_zeros();
                 rest &= rest - 1;
-                let stretch = &self.stretches.each[g * GROUP + i as usize];
+                let segment = &self.segmentes.each[g * GROUP + i as usize];
                 if (touched.whole >> i) & 1 == 1 {
-                    whole.add_whole(stretch.relative_to_centre(e), stretch.sums[stretch.intervals]);
+                    whole.add_whole(segment.relative_to_centre(e), segment.sums[segment.intervals]);
                     continue;
                 }
-                let inside = stretch.positive(e, margin);
-                let reached = stretch.positive(e, -margin);
-                let both = inside & (inside >> 1) & stretch.all();
-                add_runs(whole, e, stretch, both);
-                let mut ends = (reached | (reached >> 1)) & stretch.all() & !both;
+                let inside = segment.positive(e, margin);
+                let reached = segment.positive(e, -margin);
+                let both = inside & (inside >> 1) & segment.all();
+                add_runs(whole, e, segment, both);
+                let mut ends = (reached | (reached >> 1)) & segment.all() & !both;
                 while ends != 0 {
                     let k = ends.trailing_zeros() as usize;
                     ends &= ends - 1;
-                    let ((u, from), (v, to)) = (stretch.angle(k), stretch.angle(k + 1));
+                    let ((u, from), (v, to)) = (segment.angle(k), segment.angle(k + 1));
                     other([dot(e, u) - from, dot(e, v) - to], [u, v]);
                 }
             }
         }
     }
 
-    /// Adds the integrals of the stretches from `first` to before `end`, which are wholly in contact. Of several at once the
+    /// Adds the integrals of the segmentes from `first` to before `end`, which are wholly in contact. Of several at once the
     /// coefficients are for eccentricities counted from zero: they touch deeply enough for rounding not to count.
     #[inline(always)]
-    fn add_stretches(&self, sum: &mut Integrals, e: [f64; 2], first: usize, end: usize) {
+    fn add_segmentes(&self, sum: &mut Integrals, e: [f64; 2], first: usize, end: usize) {
         if end == first + 1 {
-            let stretch = &self.stretches.each[first];
-            sum.add_whole(stretch.relative_to_centre(e), stretch.sums[stretch.intervals]);
+            let segment = &self.segmentes.each[first];
+            sum.add_whole(segment.relative_to_centre(e), segment.sums[segment.intervals]);
         } else if end > first {
-            sum.add_whole(e, self.stretches.across[end].minus(&self.stretches.across[first]));
+            sum.add_whole(e, self.segmentes.across[end].minus(&self.segmentes.across[first]));
         }
     }
 
@@ -258,30 +258,30 @@ impl Arc {
     }
 }
 
-/// Adds the integrals of a stretch of which each interval has to be looked at.
+/// Adds the integrals of a segment of which each interval has to be looked at.
 #[inline(always)]
-fn add_partly(sum: &mut Integrals, e: [f64; 2], stretch: &Stretch) {
-    let positive = stretch.positive(e, 0.0);
-    add_runs(sum, e, stretch, positive & (positive >> 1) & stretch.all());
-    let mut ends = (positive ^ (positive >> 1)) & stretch.all();
+fn add_partly(sum: &mut Integrals, e: [f64; 2], segment: &Segment) {
+    let positive = segment.positive(e, 0.0);
+    add_runs(sum, e, segment, positive & (positive >> 1) & segment.all());
+    let mut ends = (positive ^ (positive >> 1)) & segment.all();
     while ends != 0 {
         let i = ends.trailing_zeros() as usize;
         ends &= ends - 1;
-        let ((u, from), (v, to)) = (stretch.angle(i), stretch.angle(i + 1));
+        let ((u, from), (v, to)) = (segment.angle(i), segment.angle(i + 1));
         let (a, b) = (dot(e, u) - from, dot(e, v) - to);
         sum.add([a, b], &Weights::new(a, b), u, v);
     }
 }
 
-/// Adds the integrals of the intervals `whole` of a stretch, bit by bit, which are in contact from end to end.
+/// Adds the integrals of the intervals `whole` of a segment, bit by bit, which are in contact from end to end.
 #[inline(always)]
-fn add_runs(sum: &mut Integrals, e: [f64; 2], stretch: &Stretch, mut whole: u32) {
+fn add_runs(sum: &mut Integrals, e: [f64; 2], segment: &Segment, mut whole: u32) {
     while whole != 0 {
         let from = whole.trailing_zeros();
         let to = from + (whole >> from).trailing_ones();
         whole &= !0 << to;
-        let of = stretch.sums[to as usize].minus(&stretch.sums[from as usize]);
-        sum.add_whole(stretch.relative_to_centre(e), of);
+        let of = segment.sums[to as usize].minus(&segment.sums[from as usize]);
+        sum.add_whole(segment.relative_to_centre(e), of);
     }
 }
 
@@ -289,8 +289,8 @@ impl Arcs<f64> for Arc {
     const JOURNAL: bool = false;
 
     #[inline(always)]
-    fn integrate<const SECOND: bool>(&self, e: [f64; 2], _alpha: f64) -> TurnedIntegrals {
-        TurnedIntegrals::round(Arc::integrate(self, e))
+    fn integrate<const SECOND: bool>(&self, e: [f64; 2], _alpha: f64) -> RotatedIntegrals {
+        RotatedIntegrals::round(Arc::integrate(self, e))
     }
 
     #[inline(always)]

@@ -5,7 +5,7 @@
 
 use super::arc::Arc;
 use super::integrals::Weights;
-use super::stretch::{GROUP, STRETCH};
+use super::segment::{GROUP, SEGMENT};
 use crate::plane::dot;
 
 /// What looks at the intervals of an arc in contact.
@@ -21,23 +21,23 @@ impl Arc {
     /// Shows `visitor` the intervals that are in contact at the eccentricity `e` [m], in their order.
     #[inline(always)]
     pub(crate) fn visit(&self, e: [f64; 2], visitor: &mut impl ArcVisitor) {
-        let stretches = self.stretches();
-        // Intervals wholly in contact under way, across stretches.
+        let segmentes = self.segmentes();
+        // Intervals wholly in contact under way, across segmentes.
         let (mut from, mut to) = (0, 0);
-        for g in 0..stretches.groups.len() {
-            let touched = stretches.groups[g].touched(e, stretches.widening, 0.0);
+        for g in 0..segmentes.groups.len() {
+            let touched = segmentes.groups[g].touched(e, segmentes.widening, 0.0);
             let mut rest = touched.any;
             while rest != 0 {
                 let i = rest.trailing_zeros();
                 rest &= rest - 1;
                 let s = g * GROUP + i as usize;
-                let stretch = &stretches.each[s];
-                let positive = if (touched.whole >> i) & 1 == 1 { !0 } else { stretch.positive(e, 0.0) };
-                let mut reached = (positive | (positive >> 1)) & stretch.all();
+                let segment = &segmentes.each[s];
+                let positive = if (touched.whole >> i) & 1 == 1 { !0 } else { segment.positive(e, 0.0) };
+                let mut reached = (positive | (positive >> 1)) & segment.all();
                 while reached != 0 {
                     let k = reached.trailing_zeros();
-                    let whole = (positive & (positive >> 1) & stretch.all()) >> k;
-                    let at = s * STRETCH + k as usize;
+                    let whole = (positive & (positive >> 1) & segment.all()) >> k;
+                    let at = s * SEGMENT + k as usize;
                     if whole & 1 == 1 {
                         let length = whole.trailing_ones();
                         reached &= !(((1 << length) - 1) << k);
@@ -48,7 +48,7 @@ impl Arc {
                         to = at + length as usize;
                     } else {
                         reached &= reached - 1;
-                        let ((u, a), (v, b)) = (stretch.angle(k as usize), stretch.angle(k as usize + 1));
+                        let ((u, a), (v, b)) = (segment.angle(k as usize), segment.angle(k as usize + 1));
                         let Weights { first, .. } = Weights::new(dot(e, u) - a, dot(e, v) - b);
                         visitor.end(at, first, [u, v]);
                     }

@@ -12,7 +12,7 @@
 //! force is the gradient of a potential of e in the bushing's frame, so the law stays conservative as the
 //! bore wears.
 //!
-//! With a worn journal, whose surface turns in the bore, the gap function is that of `turned_arc.rs`, and U is a function of the
+//! With a worn journal, whose surface turns in the bore, the gap function is that of `rotated_arc.rs`, and U is a function of the
 //! eccentricity e and of the angle alpha [rad] of the journal's body from the bushing's. The pressure on the journal's uneven surface
 //! then also has the moment -M about its centre, M = dU/dalpha [N m], with the lever arm b = M / F_el [m]. The law stays conservative:
 //! dU/dt = F_el delta_dot with
@@ -32,15 +32,15 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::arc::{Arc, Arcs};
-use super::foundation_slopes::{FoundationLoad, Resultant, TurnedLoad};
-use super::integrals::TurnedIntegrals;
+use super::foundation_slopes::{FoundationLoad, Resultant, RotatedLoad};
+use super::integrals::RotatedIntegrals;
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::journal::{Journal, Surfaces, within_a_turn};
 use super::law::{Elastic, Law, Pressure};
 use super::modulus::Modulus;
+use super::rotated_arc::{Pair, RotatedArc};
 use super::stiffness::equivalent_penetration;
 use super::surface::Surface;
-use super::turned_arc::{Pair, TurnedArc};
 use crate::bore::{Profile, Radius};
 use crate::lanes::{Real, direction_angle};
 use crate::plane::{dot, left, length};
@@ -104,14 +104,14 @@ impl Foundation {
     /// The law with this journal, which has a table of its depth if it belongs to a joint with this law.
     #[inline(always)]
     pub(crate) fn with_journal<'a>(&'a self, journal: &'a Journal) -> Option<FoundationWithJournal<'a>> {
-        let turned = TurnedArc { arc: self.arc(), journal: journal.table()? };
+        let turned = RotatedArc { arc: self.arc(), journal: journal.table()? };
         Some(Foundation { surface: self.surface, modulus: self.modulus, arc: Pair { turned, journal } })
     }
 
     /// Elastic potential, force and stiffness at the eccentricity `e` [m] of a round journal.
     #[inline(always)]
     pub(crate) fn load(&self, e: [f64; 2]) -> FoundationLoad {
-        self.turned_load::<true>(e, 0.0).to_e
+        self.rotated_load::<true>(e, 0.0).to_e
     }
 }
 
@@ -130,7 +130,7 @@ impl FoundationWithJournal<'_> {
 
     /// The tabulated bore with the journal in it.
     #[inline(always)]
-    pub(crate) fn turned_arc(&self) -> TurnedArc<'_> {
+    pub(crate) fn rotated_arc(&self) -> RotatedArc<'_> {
         self.arc.turned
     }
 }
@@ -138,7 +138,7 @@ impl FoundationWithJournal<'_> {
 impl<A: Arcs<f64>> Foundation<f64, A> {
     /// The elastic part of the contact.
     fn elastic_part(&self, motion: &JointMotion) -> Elastic {
-        let load = self.turned_load::<true>(motion.e, motion.turn);
+        let load = self.rotated_load::<true>(motion.e, motion.turn);
         let FoundationLoad { energy, force, .. } = load.to_e;
         let size = libm::hypot(force[0], force[1]);
         if size <= 0.0 {
@@ -153,14 +153,14 @@ impl<A: Arcs<f64>> Foundation<f64, A> {
 impl<R: Real, A: Arcs<R>> Foundation<R, A> {
     /// Potential, force and moment at the eccentricity `e` [m] with the journal turned by `alpha` [rad]; their derivatives only if `SECOND`.
     #[inline(always)]
-    fn turned_load<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> TurnedLoad<R> {
+    fn rotated_load<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> RotatedLoad<R> {
         self.carried::<SECOND>(&self.arc.integrate::<SECOND>(e, alpha))
     }
 
     /// The load with these integrals over the arc in contact.
     #[inline(always)]
-    fn carried<const SECOND: bool>(&self, integrals: &TurnedIntegrals<R>) -> TurnedLoad<R> {
-        let TurnedIntegrals { to_e: sum, t, et, tt } = *integrals;
+    fn carried<const SECOND: bool>(&self, integrals: &RotatedIntegrals<R>) -> RotatedLoad<R> {
+        let RotatedIntegrals { to_e: sum, t, et, tt } = *integrals;
         let potential = self.modulus.potential(sum.v);
         let (modulus, growth, [px, py]) = (potential.modulus, potential.growth, sum.p);
         let mut stiffness = sum.d;
@@ -172,9 +172,9 @@ impl<R: Real, A: Arcs<R>> Foundation<R, A> {
         let to_e =
             FoundationLoad { energy: potential.energy, force: [modulus * px, modulus * py], stiffness };
         if !A::JOURNAL {
-            return TurnedLoad { to_e, moment: t, moment_e: et, moment_alpha: tt };
+            return RotatedLoad { to_e, moment: t, moment_e: et, moment_alpha: tt };
         }
-        TurnedLoad {
+        RotatedLoad {
             to_e,
             moment: modulus * t,
             moment_e: [modulus * et[0] + growth * px * t, modulus * et[1] + growth * py * t],
@@ -193,7 +193,7 @@ impl<R: Real, A: Arcs<R>> Foundation<R, A> {
     ) -> (JointForce<R>, ForceSlopes<R>) {
         let s = &self.surface;
         let JointMotion { e, w, omega_journal, omega_bushing, turn } = *motion;
-        let mut loaded = self.turned_load::<JACOBIAN>(e, turn);
+        let mut loaded = self.rotated_load::<JACOBIAN>(e, turn);
         let nothing = e[0].zero();
         let one = nothing.like(1.0);
         let size = length(loaded.to_e.force);
@@ -305,29 +305,10 @@ impl Law for Foundation {
         Pressure::Foundation
     }
 
-    #[inline(always)]
-    fn force<const JACOBIAN: bool>(
-        &self,
-        surfaces: Surfaces,
-        motion: &JointMotion,
-    ) -> (JointForce, ForceSlopes) {
-        match surfaces.journal.and_then(|journal| self.with_journal(journal)) {
-            None => Foundation::<f64, Arc>::force::<JACOBIAN>(self, motion),
-            Some(pair) => pair.force::<JACOBIAN>(motion),
-        }
-    }
-
     fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic {
         match surfaces.journal.and_then(|journal| self.with_journal(journal)) {
             None => self.elastic_part(motion),
             Some(pair) => pair.elastic_part(motion),
-        }
-    }
-
-    fn approach(&self, surfaces: Surfaces, motion: &JointMotion) -> f64 {
-        match surfaces.journal.and_then(|journal| self.with_journal(journal)) {
-            None => Foundation::<f64, Arc>::approach(self, motion, 0.0),
-            Some(pair) => pair.approach(motion, 0.0),
         }
     }
 }

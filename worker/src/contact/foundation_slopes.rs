@@ -24,7 +24,7 @@ pub struct FoundationLoad<R = f64> {
 }
 
 /// Load of the foundation on a journal, whose angle alpha matters if it is worn.
-pub(super) struct TurnedLoad<R> {
+pub(super) struct RotatedLoad<R> {
     /// Potential, force and their derivatives to e.
     pub(super) to_e: FoundationLoad<R>,
     /// M = dU/dalpha [N m], and its derivatives to e `(2,)` [N] and alpha [N m]; zero for a round journal.
@@ -66,7 +66,7 @@ pub(super) struct Resultant<R> {
     pub(super) journal: Radius<R>,
 }
 
-impl<R: Real> TurnedLoad<R> {
+impl<R: Real> RotatedLoad<R> {
     /// Sets the derivatives to zero where there is no contact.
     #[inline(always)]
     pub(super) fn keep_where(&mut self, touches: R::Mask) {
@@ -85,7 +85,7 @@ impl<R: Real> Resultant<R> {
     /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j), and with a worn journal to alpha, in the axes (n, t);
     /// `damping` is D [s/m].
     #[inline(always)]
-    pub(super) fn slopes<A: Arcs<R>>(&self, load: &TurnedLoad<R>, damping: R) -> ForceSlopes<R> {
+    pub(super) fn slopes<A: Arcs<R>>(&self, load: &RotatedLoad<R>, damping: R) -> ForceSlopes<R> {
         let &Resultant { n, t, en, et, bn, bt, spin, omega_bushing, elastic, per_elastic, .. } = self;
         let &Resultant { lever, offset, factor, normal, mu, mu_v, friction, journal, .. } = self;
         let nothing = en.zero();

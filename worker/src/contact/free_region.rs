@@ -1,4 +1,4 @@
-//! Eccentricities at which a journal does not touch its bore: the play of a joint, and the places of a worn bore that the journal bridges.
+//! Eccentricities at which a journal does not touch its bore: the radial_gap of a joint, and the places of a worn bore that the journal bridges.
 //!
 //! The journal's circle is within the bore where the gap function of an elastic foundation is not above zero in any direction,
 //!
@@ -28,7 +28,7 @@ use std::f64::consts::TAU;
 
 /// Fewest angles at which the bore is tabulated: half a degree apart, so that the edges of a groove are found within that.
 const ANGLES: usize = 720;
-/// Smallest gap that counts, as a share of the journal's radius [1]: a bore whose worn surface crosses the journal leaves a play of nothing.
+/// Smallest gap that counts, as a share of the journal's radius [1]: a bore whose worn surface crosses the journal leaves a radial_gap of nothing.
 const LEAST_GAP: f64 = 1e-12;
 
 /// Eccentricities at which the surfaces of a joint do not touch.
@@ -198,7 +198,7 @@ mod tests {
     #[test]
     fn a_bore_worn_as_by_a_moved_circle_has_the_play_of_that_circle() {
         // The bore reaches as far as before and as a circle whose centre is displaced by s along x: R = R2 + s max(0, cos psi). Its region
-        // is the hull of both discs; across it the play is the old one, along it longer by s.
+        // is the hull of both discs; across it the radial_gap is the old one, along it longer by s.
         let s = 40e-6;
         let bore = bore(144, |psi| s * psi.cos().max(0.0));
         let region = region(&bore);

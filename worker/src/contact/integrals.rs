@@ -6,7 +6,7 @@
 //! # Source
 //! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
 
-use super::stretch::Quadratic;
+use super::segment::Quadratic;
 use crate::lanes::Real;
 use crate::plane::dot;
 
@@ -68,7 +68,7 @@ impl<R: Real> UnitIntegrals<R> {
 
 /// Integrals over the arc in contact with a turned journal.
 #[derive(Debug, Clone, Copy)]
-pub struct TurnedIntegrals<R = f64> {
+pub struct RotatedIntegrals<R = f64> {
     /// V and its derivatives to e.
     pub to_e: Integrals<R>,
     /// dV/dalpha: minus the integral of g dh/dalpha [m^2].
@@ -79,7 +79,7 @@ pub struct TurnedIntegrals<R = f64> {
     pub tt: R,
 }
 
-impl<R: Real> TurnedIntegrals<R> {
+impl<R: Real> RotatedIntegrals<R> {
     /// Zero integrals: no interval in contact.
     #[inline(always)]
     pub(super) fn none(nothing: R) -> Self {
@@ -90,12 +90,12 @@ impl<R: Real> TurnedIntegrals<R> {
     #[inline(always)]
     pub(super) fn round(to_e: Integrals<R>) -> Self {
         let nothing = to_e.v.zero();
-        TurnedIntegrals { to_e, t: nothing, et: [nothing; 2], tt: nothing }
+        RotatedIntegrals { to_e, t: nothing, et: [nothing; 2], tt: nothing }
     }
 
     /// Replaces the integrals of a lane.
     #[inline(always)]
-    pub(super) fn set_lane(&mut self, lane: usize, one: &TurnedIntegrals) {
+    pub(super) fn set_lane(&mut self, lane: usize, one: &RotatedIntegrals) {
         self.to_e.v.set_lane(lane, one.to_e.v);
         self.t.set_lane(lane, one.t);
         self.tt.set_lane(lane, one.tt);

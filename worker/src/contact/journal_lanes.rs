@@ -1,6 +1,6 @@
 //! Tabulated bores with a worn journal in each, one pair per lane.
 //!
-//! Arcs in contact are summed in cells (`turned_cells.rs`), free flight lane by lane.
+//! Arcs in contact are summed in cells (`rotated_cells.rs`), free flight lane by lane.
 //!
 //! # Source
 //! The law: see `foundation.rs`.
@@ -9,11 +9,11 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::arc::{Arc, Arcs};
-use super::integrals::TurnedIntegrals;
+use super::integrals::RotatedIntegrals;
 use super::journal::{Journal, worn_radius};
 use super::journal_table::JournalTable;
-use super::turned_arc::TurnedArc;
-use super::turned_cells::TurnedCells;
+use super::rotated_arc::RotatedArc;
+use super::rotated_cells::RotatedCells;
 use crate::bore::{Bore, Bores, Radius};
 use crate::lanes::Real;
 use std::cell::RefCell;
@@ -23,7 +23,7 @@ use std::cell::RefCell;
 pub struct JournalLanes<R> {
     /// Tabulated bore and journal of each lane `(lanes,)`, with the cells of states met last.
     pairs: Vec<(Arc, JournalTable)>,
-    cells: RefCell<TurnedCells<R>>,
+    cells: RefCell<RotatedCells<R>>,
     /// Unworn radius of the journals [m], and their depths.
     radius: R,
     depths: Bores,
@@ -33,7 +33,7 @@ impl<R: Real> JournalLanes<R> {
     /// This tabulated bore and journal in every lane; `journal` has the unworn radius `radius` [m].
     pub(super) fn new((arc, table): (&Arc, &JournalTable), journal: &Journal, radius: R) -> Self {
         JournalLanes {
-            cells: RefCell::new(TurnedCells::new(arc, radius)),
+            cells: RefCell::new(RotatedCells::new(arc, radius)),
             pairs: vec![(arc.clone(), table.clone()); R::LANES],
             radius,
             depths: Bores::new(journal.worn(), R::LANES),
@@ -64,7 +64,7 @@ impl<R: Real> Arcs<R> for JournalLanes<R> {
     const JOURNAL: bool = true;
 
     #[inline(always)]
-    fn integrate<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> TurnedIntegrals<R> {
+    fn integrate<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> RotatedIntegrals<R> {
         self.cells.borrow_mut().integrate::<SECOND>(&self.pairs, e, alpha)
     }
 
@@ -75,7 +75,7 @@ impl<R: Real> Arcs<R> for JournalLanes<R> {
             if touches.lane(lane) <= 0.0 {
                 let (arc, journal) = &self.pairs[lane];
                 let at = [e[0].lane(lane), e[1].lane(lane)];
-                out.set_lane(lane, TurnedArc { arc, journal }.free_penetration(at, alpha.lane(lane)));
+                out.set_lane(lane, RotatedArc { arc, journal }.free_penetration(at, alpha.lane(lane)));
             }
         }
         out
@@ -92,7 +92,7 @@ impl<R: Real> Arcs<R> for JournalLanes<R> {
                 continue;
             }
             let at = [e[0].lane(lane), e[1].lane(lane)];
-            let (one, slope) = TurnedArc { arc, journal }.nearest(at, alpha.lane(lane));
+            let (one, slope) = RotatedArc { arc, journal }.nearest(at, alpha.lane(lane));
             direction[0].set_lane(lane, one[0]);
             direction[1].set_lane(lane, one[1]);
             to_alpha.set_lane(lane, slope);

@@ -13,7 +13,7 @@
 // Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
 #![allow(clippy::needless_range_loop)]
 
-use super::stretch::STRETCH;
+use super::segment::SEGMENT;
 use crate::bore::Profile;
 use crate::interpolate::Cubic;
 use std::f64::consts::TAU;
@@ -25,22 +25,22 @@ pub struct JournalTable {
     intervals: usize,
     /// Spline through h - h'' s^2 / 12 at the control points.
     chords: Profile,
-    /// Coefficients of the cubics in the fraction of a table interval, over two turns and a stretch more
-    /// `(2 n + STRETCH + 1,)` each [m].
+    /// Coefficients of the cubics in the fraction of a table interval, over two turns and a segment more
+    /// `(2 n + SEGMENT + 1,)` each [m].
     cubic: [Vec<f64>; 4],
-    /// Lower bound of the depth over each [`STRETCH`] table intervals [m].
+    /// Lower bound of the depth over each [`SEGMENT`] table intervals [m].
     least: Vec<f64>,
 }
 
 /// Place of a turned journal on the foundation.
 #[derive(Debug, Clone, Copy)]
-pub struct Turned {
+pub struct Rotated {
     /// Table interval of the journal at the angle zero of the foundation, and the fraction there.
     base: usize,
     fraction: f64,
 }
 
-impl Turned {
+impl Rotated {
     /// The interval and the fraction.
     #[inline(always)]
     pub(super) fn place(self) -> (usize, f64) {
@@ -50,7 +50,7 @@ impl Turned {
 
 /// Depth at neighbouring angles of the foundation, with its derivatives to the angle alpha of the journal.
 #[derive(Debug, Clone, Copy)]
-pub struct TurnedDepth<const N: usize> {
+pub struct RotatedDepth<const N: usize> {
     /// Depth `(N,)` [m].
     pub depth: [f64; N],
     /// First derivative `(N,)` [m/rad].
@@ -63,12 +63,12 @@ impl JournalTable {
     /// An unworn journal with `points` control points, on a foundation of `intervals` intervals, a multiple
     /// of the points.
     pub(super) fn new(points: usize, intervals: usize) -> Self {
-        let length = 2 * intervals + STRETCH + 1;
+        let length = 2 * intervals + SEGMENT + 1;
         JournalTable {
             intervals,
             chords: Profile::round(0.0, points),
             cubic: std::array::from_fn(|_| vec![0.0; length]),
-            least: vec![0.0; length.div_ceil(STRETCH)],
+            least: vec![0.0; length.div_ceil(SEGMENT)],
         }
     }
 
@@ -97,52 +97,52 @@ impl JournalTable {
             a[j].min(a[j] + b[j] / 3.0).min(a[j] + (2.0 * b[j] + c[j]) / 3.0).min(a[j] + b[j] + c[j] + d[j])
         };
         for (block, least) in self.least.iter_mut().enumerate() {
-            let last = (block * STRETCH + STRETCH).min(a.len());
-            *least = (block * STRETCH..last).map(bound).fold(f64::INFINITY, f64::min);
+            let last = (block * SEGMENT + SEGMENT).min(a.len());
+            *least = (block * SEGMENT..last).map(bound).fold(f64::INFINITY, f64::min);
         }
     }
 
     /// Place of the journal turned by `alpha` [rad].
     #[inline(always)]
-    pub(super) fn turned(&self, alpha: f64) -> Turned {
+    pub(super) fn turned(&self, alpha: f64) -> Rotated {
         let n = self.intervals as f64;
         let place = (-alpha * (n / TAU)).rem_euclid(n);
         // A place just below zero is rounded to a whole turn.
         let place = if place < n { place } else { 0.0 };
         let base = place as usize;
-        Turned { base, fraction: place - base as f64 }
+        Rotated { base, fraction: place - base as f64 }
     }
 
     /// Place of the journal where the angle zero of the foundation is at the beginning of its interval `base`, a whole number counted on over
     /// full turns.
     #[inline(always)]
-    pub(super) fn in_interval(&self, base: f64) -> Turned {
-        Turned { base: base.rem_euclid(self.intervals as f64) as usize, fraction: 0.0 }
+    pub(super) fn in_interval(&self, base: f64) -> Rotated {
+        Rotated { base: base.rem_euclid(self.intervals as f64) as usize, fraction: 0.0 }
     }
 
     /// Coefficients in the fraction of the cubics of the depth at `count` angles of the foundation from the angle `first` on `(4, count)` [m].
     #[inline(always)]
-    pub(super) fn cubics(&self, at: Turned, first: usize, count: usize) -> [&[f64]; 4] {
+    pub(super) fn cubics(&self, at: Rotated, first: usize, count: usize) -> [&[f64]; 4] {
         let (from, [a, b, c, d]) = (at.base + first, &self.cubic);
         let to = from + count;
         [&a[from..to], &b[from..to], &c[from..to], &d[from..to]]
     }
 
-    /// Lower bound of the depth over the stretch that begins at the angle `first` of the foundation [m].
+    /// Lower bound of the depth over the segment that begins at the angle `first` of the foundation [m].
     #[inline(always)]
-    pub(super) fn least(&self, at: Turned, first: usize) -> f64 {
-        let block = (at.base + first) / STRETCH;
+    pub(super) fn least(&self, at: Rotated, first: usize) -> f64 {
+        let block = (at.base + first) / SEGMENT;
         self.least[block].min(self.least[block + 1])
     }
 
-    /// Depth at `N` angles of the foundation from the angle `first` on, at most the turn and a stretch.
+    /// Depth at `N` angles of the foundation from the angle `first` on, at most the turn and a segment.
     #[inline(always)]
-    pub(super) fn depths<const N: usize>(&self, at: Turned, first: usize) -> TurnedDepth<N> {
+    pub(super) fn depths<const N: usize>(&self, at: Rotated, first: usize) -> RotatedDepth<N> {
         let from = at.base + first;
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| &self.cubic[k][from..from + N]);
         let f = at.fraction;
         let per_angle = self.intervals as f64 / TAU;
-        let mut out = TurnedDepth { depth: [0.0; N], d1: [0.0; N], d2: [0.0; N] };
+        let mut out = RotatedDepth { depth: [0.0; N], d1: [0.0; N], d2: [0.0; N] };
         for i in 0..N {
             let fd = f * d[i];
             out.depth[i] = a[i] + f * (b[i] + f * (c[i] + fd));

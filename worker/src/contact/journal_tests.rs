@@ -3,7 +3,7 @@
 
 use super::energy::ContactEnergy;
 use super::tests::{SURFACE, laws, motions, worn};
-use super::{Contact, JointForce, JointMotion, Journal, Surface, Surfaces};
+use super::{Contact, JointForce, JointMotion, Journal, LawLanes, PolarEccentricity, Surface, Surfaces};
 use crate::bore::Profile;
 use std::f64::consts::TAU;
 
@@ -162,7 +162,7 @@ fn power_and_momentum_are_balanced() {
 
 #[test]
 fn a_scar_of_the_journal_acts_as_one_of_the_bore_turned_with_the_journal() {
-    // Turned by a whole number of control points the scars of a journal are those of a bore exactly.
+    // Rotated by a whole number of control points the scars of a journal are those of a bore exactly.
     let clearance = SURFACE.journal_radius + SURFACE.clearance;
     let still = Surface { friction: 0.0, damping: 0.0, film: 0.0, ..SURFACE };
     let round = Profile::round(clearance, 36);
@@ -222,7 +222,9 @@ fn a_contact_takes_the_speed_of_approach_of_a_turning_journal() {
                 }
             };
             let expected = (gap(1e-6) - gap(-1e-6)) / 2e-6;
-            let found = law.approach(surfaces, &motion);
+            let joint = LawLanes::new(&law, surfaces, 0.0);
+            let place = PolarEccentricity::new(e);
+            let found = joint.approach((&place, &joint.walls(&place, motion.turn)), &motion, 0.0);
             assert!((found - expected).abs() < 1e-3 * expected.abs() + 1e-5, "{found} against {expected}");
         }
     }

@@ -1,6 +1,6 @@
 //! What one contact law defines; everything else is shared by all laws.
 
-use super::joint_force::{ForceSlopes, JointForce, JointMotion};
+use super::joint_force::JointMotion;
 use super::journal::Surfaces;
 use super::surface::Surface;
 use crate::bore::Profile;
@@ -22,18 +22,8 @@ pub(super) trait Law {
     /// Distribution of the contact pressure, which decides where the bore wears.
     fn pressure(&self) -> Pressure;
 
-    /// Force at this motion; with `JACOBIAN` its exact derivative, else no slopes.
-    fn force<const JACOBIAN: bool>(
-        &self,
-        surfaces: Surfaces,
-        motion: &JointMotion,
-    ) -> (JointForce, ForceSlopes);
-
     /// Energy, force and rate of the elastic part of the contact; all zero in free flight.
     fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic;
-
-    /// Rate of the penetration, delta_dot, in free flight [m/s]; the speed in the middle of the bore.
-    fn approach(&self, surfaces: Surfaces, motion: &JointMotion) -> f64;
 }
 
 /// Distribution of the contact pressure along the bore, for wear.

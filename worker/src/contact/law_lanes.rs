@@ -6,7 +6,7 @@
 use super::arc::{Arc, Arcs};
 use super::arc_cells::ArcCells;
 use super::foundation::Foundation;
-use super::integrals::TurnedIntegrals;
+use super::integrals::RotatedIntegrals;
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::journal::{Surfaces, within_a_turn, worn_radius};
 use super::journal_lanes::JournalLanes;
@@ -56,7 +56,7 @@ impl<R: Real> ArcLanes<R> {
 
 impl<R: Real> LawLanes<R> {
     /// The law of a joint and its surfaces in every lane; `like` sets the number of lanes.
-    pub(crate) fn new(contact: &Contact, surfaces: Surfaces, like: R) -> Self {
+    pub fn new(contact: &Contact, surfaces: Surfaces, like: R) -> Self {
         let surface = contact.surface().in_lanes(like);
         let Surfaces { bore, journal } = surfaces;
         match contact {
@@ -90,6 +90,11 @@ impl<R: Real> LawLanes<R> {
         }
     }
 
+    /// Replaces the damping factor [s/m] in every lane.
+    pub(crate) fn set_damping(&mut self, damping: R) {
+        self.surface_mut().damping = damping;
+    }
+
     /// Constants of the joints.
     #[inline(always)]
     pub(crate) fn surface(&self) -> &Surface<R> {
@@ -112,12 +117,23 @@ impl<R: Real> LawLanes<R> {
         if self.surface().restitution.is_none() {
             return;
         }
-        let approach = match self {
+        let approach = self.approach((place, walls), motion, penetration);
+        self.surface_mut().follow_approach(approach, penetration);
+    }
+
+    /// Rate of the penetration, delta_dot, in lanes where the `penetration` [m] is not above zero [m/s]; the speed in the middle of the bore.
+    #[inline(always)]
+    pub(super) fn approach(
+        &self,
+        (place, walls): (&PolarEccentricity<R>, &Walls<R>),
+        motion: &JointMotion<R>,
+        penetration: R,
+    ) -> R {
+        match self {
             LawLanes::LocalHertz(law, ..) => law.approach(place, walls, motion),
             LawLanes::Foundation(law) => law.approach(motion, penetration),
             LawLanes::FoundationWithJournal(law) => law.approach(motion, penetration),
-        };
-        self.surface_mut().follow_approach(approach, penetration);
+        }
     }
 
     /// Replaces a lane by a joint with the same law and its surfaces, of which the same wear.
@@ -156,7 +172,7 @@ impl<R: Real> LawLanes<R> {
     /// Surfaces at the place of a contact, with the journal turned by `turn` [rad]; zeros under [`Foundation`], whose arcs look them up
     /// themselves.
     #[inline(always)]
-    pub(crate) fn walls(&self, place: &PolarEccentricity<R>, turn: R) -> Walls<R> {
+    pub fn walls(&self, place: &PolarEccentricity<R>, turn: R) -> Walls<R> {
         let LawLanes::LocalHertz(law, bores, journals) = self else {
             let nothing = place.psi.zero();
             return Walls { bore: Radius { r: nothing, d1: nothing, d2: nothing }, journal: None };
@@ -169,7 +185,7 @@ impl<R: Real> LawLanes<R> {
 
     /// Force on the journal at this place of the contact and these surfaces; with `JACOBIAN` its exact derivative, else no slopes.
     #[inline(always)]
-    pub(crate) fn force<const JACOBIAN: bool>(
+    pub fn force<const JACOBIAN: bool>(
         &self,
         (place, walls): (&PolarEccentricity<R>, &Walls<R>),
         motion: &JointMotion<R>,
@@ -187,9 +203,9 @@ impl<R: Real> Arcs<R> for ArcLanes<R> {
     const JOURNAL: bool = false;
 
     #[inline(always)]
-    fn integrate<const SECOND: bool>(&self, e: [R; 2], _alpha: R) -> TurnedIntegrals<R> {
+    fn integrate<const SECOND: bool>(&self, e: [R; 2], _alpha: R) -> RotatedIntegrals<R> {
         let sums = self.cells.borrow_mut().integrate::<SECOND>(&self.arcs, e);
-        TurnedIntegrals::round(sums.scaled(self.spacing))
+        RotatedIntegrals::round(sums.scaled(self.spacing))
     }
 
     #[inline(always)]

@@ -47,7 +47,7 @@ pub struct PolarEccentricity<R> {
 impl<R: Real> PolarEccentricity<R> {
     /// The eccentricity `e` `(2,)` [m]; at the centre of the bore, without contact, any direction serves.
     #[inline(always)]
-    pub(crate) fn new(e: [R; 2]) -> Self {
+    pub fn new(e: [R; 2]) -> Self {
         let nothing = e[0].zero();
         let one = nothing.like(1.0);
         let size = dot(e, e).sqrt();
@@ -285,19 +285,7 @@ impl Law for LocalHertz {
         Pressure::UniformOverArc
     }
 
-    #[inline(always)]
-    fn force<const JACOBIAN: bool>(
-        &self,
-        Surfaces { bore, journal }: Surfaces,
-        motion: &JointMotion,
-    ) -> (JointForce, ForceSlopes) {
-        let e = PolarEccentricity::new(motion.e);
-        let journal = journal.map(|journal| journal.radius_at(e.psi - motion.turn));
-        LocalHertz::force::<JACOBIAN, true>(self, &e, &Walls { bore: bore.radius_at(e.psi), journal }, motion)
-    }
-
-    fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic {
-        let Surfaces { bore, journal } = surfaces;
+    fn elastic(&self, Surfaces { bore, journal }: Surfaces, motion: &JointMotion) -> Elastic {
         let e = motion.e;
         let psi = libm::atan2(e[1], e[0]);
         let radius = journal.map_or(self.surface.journal_radius, |j| j.radius_at(psi - motion.turn).r);
@@ -306,12 +294,9 @@ impl Law for LocalHertz {
             return Elastic::default();
         }
         let force = self.surface.stiffness * delta * delta.sqrt();
-        Elastic { stored: 0.4 * force * delta, force, rate: Law::approach(self, surfaces, motion) }
-    }
-
-    fn approach(&self, Surfaces { bore, journal }: Surfaces, motion: &JointMotion) -> f64 {
-        let e = PolarEccentricity::new(motion.e);
-        let journal = journal.map(|journal| journal.radius_at(e.psi - motion.turn));
-        LocalHertz::approach(self, &e, &Walls { bore: bore.radius_at(e.psi), journal }, motion)
+        let place = PolarEccentricity::new(e);
+        let journal = journal.map(|journal| journal.radius_at(place.psi - motion.turn));
+        let walls = Walls { bore: bore.radius_at(place.psi), journal };
+        Elastic { stored: 0.4 * force * delta, force, rate: self.approach(&place, &walls, motion) }
     }
 }

@@ -13,6 +13,17 @@
 //!   the journal's surface over the bushing's, regularisation speed v_0 [m/s];
 //! - the film force -c_f w through the centres, film damping c_f [N s/m], in contact and in free flight.
 //!
+//! Which source computes the force (`law_lanes.rs`), for one island by itself (lanes of one number) and for several in SIMD lanes alike:
+//!
+//! | law, journal | force | integrals over the arc |
+//! |---|---|---|
+//! | `local-hertz` | `local_hertz.rs` | none: the profile in the direction of the eccentricity |
+//! | `foundation`, round | `foundation.rs` | `arc_cells.rs`; lane by lane where a cell holds too many intervals, in free flight and for energies: `arc.rs` |
+//! | `foundation`, worn | `foundation.rs` | `rotated_cells.rs`, `rotated_sums.rs`; likewise `rotated_arc.rs` |
+//!
+//! Wear finds the contacts again on the worn surfaces: `wear/local_arcs.rs` for `local-hertz`, `wear/conformal.rs` for `foundation`, with the
+//! integrals of `arc.rs` and `rotated_arc.rs`.
+//!
 //! Valid for penetrations up to a tenth of the journal radius (`Surface::deepest`). Below about v_0
 //! friction is viscous: the model has no state of sticking.
 //!
@@ -47,17 +58,17 @@ mod law_lanes;
 mod local_hertz;
 mod modulus;
 mod pad;
+mod rotated_arc;
+mod rotated_cells;
+#[cfg(test)]
+mod rotated_cells_tests;
+mod rotated_segment;
+mod rotated_sums;
+mod segment;
 mod stiffness;
-mod stretch;
 mod surface;
 #[cfg(test)]
 mod tests;
-mod turned_arc;
-mod turned_cells;
-#[cfg(test)]
-mod turned_cells_tests;
-mod turned_stretch;
-mod turned_sums;
 
 pub(crate) use arc::Arc;
 pub(crate) use arc_visitor::ArcVisitor;
@@ -72,13 +83,13 @@ pub use guide_reaction::{GuideReaction, PADS};
 pub use joint_force::{ForceSlopes, JointForce, JointMotion};
 pub use journal::{Journal, Surfaces};
 pub(crate) use law::Pressure;
-pub(crate) use law_lanes::LawLanes;
+pub use law_lanes::LawLanes;
 pub use local_hertz::{LocalHertz, PolarEccentricity, Walls};
 pub(crate) use pad::{PadForce, pad_force};
+pub(crate) use rotated_arc::SegmentParts;
 pub(crate) use stiffness::equivalent_penetration;
 pub use stiffness::hertz_stiffness;
 pub use surface::Surface;
-pub(crate) use turned_arc::StretchParts;
 
 use crate::bore::Profile;
 use common::scene::{Clearance, ContactLaw};
@@ -156,41 +167,9 @@ impl Contact {
         with_law!(self, law => law.pressure())
     }
 
-    /// Called after each accepted step with the motion reached and its force. In free flight the damping
-    /// factor follows the current speed of approach; in contact it keeps its value at impact. No effect for
-    /// constant D.
-    pub(crate) fn accepted<'a>(
-        &mut self,
-        surfaces: impl Into<Surfaces<'a>>,
-        motion: &JointMotion,
-        now: &JointForce,
-    ) {
-        let Some(restitution) = self.surface().restitution else { return };
-        if now.penetration > 0.0 {
-            return;
-        }
-        let approach = self.approach(surfaces.into(), motion);
-        self.restore_damping(restitution.damping(approach));
-    }
-
-    /// Rate of the penetration, also in free flight [m/s]. The eccentricity must not be zero.
-    fn approach(&self, surfaces: Surfaces, motion: &JointMotion) -> f64 {
-        with_law!(self, law => Law::approach(law, surfaces, motion))
-    }
-
-    /// Restores the damping factor [s/m] fixed at the last impact.
-    pub(crate) fn restore_damping(&mut self, damping: f64) {
+    /// Replaces the damping factor [s/m], as fixed at the last impact.
+    pub(crate) fn set_damping(&mut self, damping: f64) {
         with_law!(self, law => law.surface_mut()).damping = damping;
-    }
-
-    /// Force at this motion; with `JACOBIAN` its exact derivative, else no slopes.
-    #[inline(always)]
-    pub fn force<'a, const JACOBIAN: bool>(
-        &self,
-        surfaces: impl Into<Surfaces<'a>>,
-        motion: &JointMotion,
-    ) -> (JointForce, ForceSlopes) {
-        with_law!(self, law => Law::force::<JACOBIAN>(law, surfaces.into(), motion))
     }
 
     /// Energy, force and rate of the elastic part of the contact.

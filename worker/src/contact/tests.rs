@@ -1,6 +1,9 @@
 //! Both contact laws on a worn bore: exact derivatives, balances of power and momentum, conservation.
 
-use super::{Contact, Foundation, JointForce, JointMotion, LocalHertz, Surface};
+use super::{
+    Contact, ForceSlopes, Foundation, JointForce, JointMotion, LawLanes, LocalHertz, PolarEccentricity,
+    Surface, Surfaces,
+};
 use crate::bore::Profile;
 use std::f64::consts::TAU;
 
@@ -14,6 +17,34 @@ pub(super) const SURFACE: Surface = Surface {
     per_friction_speed: 1.0 / 2.4e-3,
     film: 7.0,
 };
+
+/// The law as a joint by itself uses it, made for one motion.
+impl Contact {
+    /// Force at this motion; with `JACOBIAN` its exact derivative, else no slopes.
+    pub(crate) fn force<'a, const JACOBIAN: bool>(
+        &self,
+        surfaces: impl Into<Surfaces<'a>>,
+        motion: &JointMotion,
+    ) -> (JointForce, ForceSlopes) {
+        let law = LawLanes::new(self, surfaces.into(), 0.0);
+        let place = PolarEccentricity::new(motion.e);
+        law.force::<JACOBIAN>((&place, &law.walls(&place, motion.turn)), motion)
+    }
+
+    /// Follows the speed of approach after an accepted step with this force.
+    pub(crate) fn accepted<'a>(
+        &mut self,
+        surfaces: impl Into<Surfaces<'a>>,
+        motion: &JointMotion,
+        now: &JointForce,
+    ) {
+        let mut law = LawLanes::new(self, surfaces.into(), 0.0);
+        let place = PolarEccentricity::new(motion.e);
+        let walls = law.walls(&place, motion.turn);
+        law.follow_approach((&place, &walls), motion, now.penetration);
+        self.set_damping(law.surface().damping);
+    }
+}
 
 pub(super) fn worn() -> Profile {
     let mut profile = Profile::round(SURFACE.journal_radius + SURFACE.clearance, 36);

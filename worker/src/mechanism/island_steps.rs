@@ -107,7 +107,7 @@ impl Island {
             let is_regular = if is_crossing {
                 passage.joints.largest_gap(at, self.size) <= CLOSED * self.size
             } else {
-                !passage.dips(at, self.size, &smaller)
+                !passage.has_minimum_between(at, self.size, &smaller)
             };
             if !is_regular {
                 return Passing::Unclear;
@@ -191,11 +191,9 @@ impl Stepped for Island {
     }
 
     fn on_accepted(&mut self, _q: &[f64], _v: &[f64], at: &Linearised) {
-        for index in 0..self.joints.len() {
-            if self.joints[index].contact.surface().restitution.is_some() {
-                let motion = self.joint_motion(index);
-                self.joints[index].accepted(&motion, &at.joints[index]);
-            }
+        let places = self.space.pairs.iter().zip(&self.space.walls);
+        for ((joint, (pair, wall)), now) in self.joints.iter_mut().zip(places).zip(&at.joints) {
+            joint.follow_approach((&pair.place, wall), &pair.motion, now.penetration);
         }
         self.guides.iter_mut().zip(&at.guides).for_each(|(guide, now)| guide.flat.follow_approach(now));
     }

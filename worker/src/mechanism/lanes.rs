@@ -185,7 +185,7 @@ impl<R: Real> IslandLanes<R> {
     /// Writes what the contact laws of a lane remember into its island.
     pub(crate) fn read_memory(&self, lane: usize, island: &mut Island) {
         for (from, to) in self.joints.iter().zip(&mut island.joints) {
-            to.contact.restore_damping(from.law.surface().damping.lane(lane));
+            to.set_damping(from.law.surface().damping.lane(lane));
         }
         for (from, to) in self.guides.iter().zip(&mut island.guides) {
             to.flat.damping = from.damping.map(|damping| damping.lane(lane));

@@ -4,7 +4,9 @@ use super::frame::End;
 use super::joint::Touching;
 use super::wearing_pair::WearingPair;
 use crate::bore::Profile;
-use crate::contact::{Contact, ForceSlopes, JointForce, JointMotion, Journal, Surfaces};
+use crate::contact::{
+    Contact, ForceSlopes, JointForce, JointMotion, Journal, LawLanes, PolarEccentricity, Surfaces, Walls,
+};
 use crate::wear::{BoreWearRate, ContactHistory, FinerBore, WearHistory, WearRate};
 use common::scene::Clearance;
 
@@ -17,6 +19,8 @@ pub struct WearingJoint {
     pub name: String,
     /// Contact law of the joint.
     pub contact: Contact,
+    /// The law on the surfaces as worn so far, whose forces are those of a joint in lanes to the last bit.
+    law: LawLanes<f64>,
     /// Profile of the bore, worn so far.
     pub profile: Profile,
     /// The journal, worn so far; `None` if it does not wear.
@@ -37,12 +41,15 @@ impl WearingJoint {
         let contact = Contact::new(clearance);
         let wear_coefficients = clearance.wear_coefficients();
         let points = clearance.control_points.number();
+        let profile = Profile::round(clearance.bushing_radius, points);
+        let journal = (wear_coefficients[1] > 0.0).then(|| contact.new_journal(points));
         WearingJoint {
             scene_joint,
             name: name.to_owned(),
-            journal: (wear_coefficients[1] > 0.0).then(|| contact.new_journal(points)),
+            law: LawLanes::new(&contact, Surfaces { bore: &profile, journal: journal.as_ref() }, 0.0),
             contact,
-            profile: Profile::round(clearance.bushing_radius, points),
+            profile,
+            journal,
             wear_coefficients,
             width: clearance.width,
             wall: clearance.wall,
@@ -56,10 +63,22 @@ impl WearingJoint {
         Surfaces { bore: &self.profile, journal: self.journal.as_ref() }
     }
 
-    /// Called after each accepted step, see [`Contact::accepted`].
-    pub(super) fn accepted(&mut self, motion: &JointMotion, now: &JointForce) {
-        let WearingJoint { contact, profile, journal, .. } = self;
-        contact.accepted(Surfaces { bore: profile, journal: journal.as_ref() }, motion, now);
+    /// Called after each accepted step with the joint's place and motion and its penetration [m] there: a law with memory takes the speed
+    /// of approach in free flight.
+    pub(super) fn follow_approach(
+        &mut self,
+        at: (&PolarEccentricity<f64>, &Walls<f64>),
+        motion: &JointMotion,
+        penetration: f64,
+    ) {
+        self.law.follow_approach(at, motion, penetration);
+        self.contact.set_damping(self.law.surface().damping);
+    }
+
+    /// Replaces the damping factor [s/m], as fixed at the last impact.
+    pub(crate) fn set_damping(&mut self, damping: f64) {
+        self.contact.set_damping(damping);
+        self.law.set_damping(damping);
     }
 }
 
@@ -91,6 +110,8 @@ impl WearingPair for WearingJoint {
         if let Some(journal) = &mut self.journal {
             journal.set_depth(of_journal);
         }
+        let WearingJoint { contact, profile, journal, law, .. } = self;
+        law.set(0, contact, Surfaces { bore: profile, journal: journal.as_ref() });
     }
 
     fn refine(&mut self, times: u32) -> bool {
@@ -98,6 +119,7 @@ impl WearingPair for WearingJoint {
         self.contact = self.contact.with_points(points);
         self.profile = Profile::round(self.profile.initial_radius(), points);
         self.journal = self.journal.is_some().then(|| self.contact.new_journal(points));
+        self.law = LawLanes::new(&self.contact, self.surfaces(), 0.0);
         true
     }
 
@@ -117,25 +139,29 @@ impl WearingPair for WearingJoint {
 }
 
 impl Touching<f64> for WearingJoint {
-    type Place = ();
-    type Wall = ();
+    type Place = PolarEccentricity<f64>;
+    type Wall = Walls<f64>;
 
     fn ends(&self) -> [End; 2] {
         self.ends
     }
 
     #[inline(always)]
-    fn place(&self, _e: [f64; 2]) {}
+    fn place(&self, e: [f64; 2]) -> PolarEccentricity<f64> {
+        PolarEccentricity::new(e)
+    }
 
     #[inline(always)]
-    fn wall(&self, _place: &(), _turn: f64) {}
+    fn wall(&self, place: &PolarEccentricity<f64>, turn: f64) -> Walls<f64> {
+        self.law.walls(place, turn)
+    }
 
     #[inline(always)]
     fn force<const JACOBIAN: bool>(
         &self,
-        _at: (&(), &()),
+        at: (&PolarEccentricity<f64>, &Walls<f64>),
         motion: &JointMotion,
     ) -> (JointForce, ForceSlopes) {
-        self.contact.force::<JACOBIAN>(self.surfaces(), motion)
+        self.law.force::<JACOBIAN>(at, motion)
     }
 }

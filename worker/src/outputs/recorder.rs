@@ -146,7 +146,7 @@ impl Recorder {
             self.push_contacts(half, &last);
             self.last = Some(last);
         }
-        self.histories.iter_mut().for_each(WearHistory::close_stretch);
+        self.histories.iter_mut().for_each(WearHistory::close_interval);
         self.full.iter_mut().for_each(FullRecording::finish);
     }
 }

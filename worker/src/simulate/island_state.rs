@@ -160,7 +160,7 @@ impl IslandState {
     pub(crate) fn restore(&mut self, snapshot: StateSnapshot) {
         let StateSnapshot { time, q, v, damping, pad_damping } = snapshot;
         for (damping, joint) in damping.iter().zip(&mut self.island.joints) {
-            joint.contact.restore_damping(*damping);
+            joint.set_damping(*damping);
         }
         for (damping, guide) in pad_damping.iter().zip(&mut self.island.guides) {
             guide.flat.damping = *damping;

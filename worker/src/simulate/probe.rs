@@ -187,7 +187,7 @@ impl Run<'_> {
         for joint in self.islands.iter_mut().flat_map(|state| &mut state.island.joints) {
             if joint.contact.surface().restitution.is_some() {
                 let damping = joint.contact.surface().damping;
-                joint.contact.restore_damping(factor * damping);
+                joint.set_damping(factor * damping);
             }
         }
         for guide in self.islands.iter_mut().flat_map(|state| &mut state.island.guides) {

@@ -42,7 +42,7 @@ const SHARES: usize = 512;
 pub(super) const WORD: usize = 64;
 
 /// How far a circle lies beyond a bore at the table angles of a word [m].
-pub type Beyond = [f64; WORD];
+pub type Overlaps = [f64; WORD];
 
 /// Table intervals per control point of a profile with `points` of them.
 pub(super) fn subdivision(points: usize) -> usize {
@@ -73,7 +73,7 @@ pub struct ArcEnds {
 
 /// Direction of a contact.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Spot {
+pub struct ContactDirection {
     /// Unit vector of the eccentricity `(2,)` [1].
     pub u: [f64; 2],
     /// Its angle in table intervals, in [0, n).
@@ -82,7 +82,7 @@ pub struct Spot {
     below: u32,
 }
 
-impl Spot {
+impl ContactDirection {
     /// Contact in the direction of `e` `(2,)` [m], on a table of `n` intervals.
     pub(crate) fn new(e: [f64; 2], n: usize) -> Self {
         let length = libm::hypot(e[0], e[1]);
@@ -90,7 +90,7 @@ impl Spot {
         let place = n as f64 * if turn < 0.0 { turn + 1.0 } else { turn };
         // A turn just below zero is rounded to a whole one.
         let place = if place < n as f64 { place } else { 0.0 };
-        Spot {
+        ContactDirection {
             u: if length > 0.0 { [e[0] / length, e[1] / length] } else { [1.0, 0.0] },
             place,
             below: place as u32,
@@ -99,7 +99,7 @@ impl Spot {
 
     /// Distance from the table angle below, in table intervals.
     #[inline(always)]
-    fn lead(&self) -> f64 {
+    fn offset(&self) -> f64 {
         self.place - f64::from(self.below)
     }
 
@@ -111,9 +111,9 @@ impl Spot {
 
 /// A journal pressed into a bore.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Pressed {
+pub struct ContactState {
     /// Direction of the eccentricity.
-    pub spot: Spot,
+    pub spot: ContactDirection,
     /// Penetration delta there [m].
     pub penetration: f64,
     /// Radius of the bore there [m], and its slope [m/rad]; of a worn journal those of the gap of both surfaces.
@@ -138,7 +138,7 @@ struct Side<'a> {
     /// Where these angles are on the journal, if that wears.
     journal: Option<OnJournal<'a>>,
     /// Distance from the direction of the contact to the first of them, in table intervals.
-    lead: f64,
+    offset: f64,
     /// Penetration in that direction [m], and the slope of p outwards there [m per interval].
     penetration: f64,
     slope: f64,
@@ -164,7 +164,7 @@ impl Side<'_> {
     /// How far the circle lies beyond the bore at the `count` angles from the `first`-th on, into `beyond` [m]; the bits of the numbers
     /// of those where it does. `like` sets the number of angles tried at once.
     #[inline(always)]
-    fn inside<R: Real>(&self, first: usize, count: usize, like: R, beyond: &mut Beyond) -> u64 {
+    fn inside<R: Real>(&self, first: usize, count: usize, like: R, beyond: &mut Overlaps) -> u64 {
         let mut inside = 0;
         for k in (0..count).step_by(R::LANES) {
             let p = self.beyond(first + k, like);
@@ -176,7 +176,7 @@ impl Side<'_> {
 
     /// Where the arc ends on this side, if that is the only change among the first `reach` table angles, at most [`WORD`].
     #[inline(always)]
-    fn only_end<R: Real>(&self, reach: usize, like: R, beyond: &mut Beyond) -> Option<Crossing> {
+    fn only_end<R: Real>(&self, reach: usize, like: R, beyond: &mut Overlaps) -> Option<Crossing> {
         let bits = self.inside(0, reach, like, beyond);
         let end = bits.trailing_ones() as usize;
         if end >= reach || bits >> end != 0 {
@@ -189,7 +189,7 @@ impl Side<'_> {
     /// Distance to a crossing on this side, in table intervals.
     #[inline(always)]
     fn distance(&self, to: &Crossing) -> f64 {
-        to.distance(self.penetration, self.slope, self.lead)
+        to.distance(self.penetration, self.slope, self.offset)
     }
 
     /// Distance to the end of the arc on this side of a table of `n` intervals. Calls `patch` with start and end of those behind it, among
@@ -200,7 +200,7 @@ impl Side<'_> {
         n: usize,
         reach: usize,
         like: R,
-        beyond: &mut Beyond,
+        beyond: &mut Overlaps,
         patch: &mut impl FnMut(f64, f64),
     ) -> f64 {
         let half = n / 2 + 1;
@@ -298,9 +298,9 @@ impl ArcEnds {
     #[inline(always)]
     pub(crate) fn only_ends<R: Real>(
         &self,
-        contact: &Pressed,
+        contact: &ContactState,
         like: R,
-        beyond: &mut Beyond,
+        beyond: &mut Overlaps,
     ) -> [Option<Crossing>; 2] {
         let ([down, up], reach) = self.sides(contact);
         if reach > WORD {
@@ -317,15 +317,19 @@ impl ArcEnds {
     #[inline(always)]
     pub(crate) fn find<R: Real>(
         &self,
-        contact: &Pressed,
+        contact: &ContactState,
         only: &[Option<Crossing>; 2],
         like: R,
-        beyond: &mut Beyond,
+        beyond: &mut Overlaps,
         mut patch: impl FnMut(f64, f64),
     ) -> (f64, f64) {
         if let [Some(down), Some(up)] = only {
-            let (lead, slope, penetration) = (contact.spot.lead(), self.slope(contact), contact.penetration);
-            return (down.distance(penetration, slope, lead), up.distance(penetration, -slope, 1.0 - lead));
+            let (offset, slope, penetration) =
+                (contact.spot.offset(), self.slope(contact), contact.penetration);
+            return (
+                down.distance(penetration, slope, offset),
+                up.distance(penetration, -slope, 1.0 - offset),
+            );
         }
         let n = self.intervals();
         let ([down, up], reach) = self.sides(contact);
@@ -343,24 +347,24 @@ impl ArcEnds {
 
     /// Slope of the gap where the `contact` is [m per interval].
     #[inline(always)]
-    fn slope(&self, contact: &Pressed) -> f64 {
+    fn slope(&self, contact: &ContactState) -> f64 {
         contact.slope * TAU / self.intervals() as f64
     }
 
     /// Both sides of a `contact`, and the number of table angles to be searched on each.
     #[inline(always)]
-    fn sides(&self, contact: &Pressed) -> ([Side<'_>; 2], usize) {
-        let Pressed { spot, penetration, radius, on_journal, .. } = *contact;
+    fn sides(&self, contact: &ContactState) -> ([Side<'_>; 2], usize) {
+        let ContactState { spot, penetration, radius, on_journal, .. } = *contact;
         let n = self.intervals();
         let size = penetration + radius - self.journal_radius;
         let e = [size * spot.u[0], size * spot.u[1]];
-        let (below, lead, slope) = (spot.below as usize, spot.lead(), self.slope(contact));
+        let (below, offset, slope) = (spot.below as usize, spot.offset(), self.slope(contact));
         // In the mirrored bore the first table angle is that of `below`, and slopes change sign.
-        let mut down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]], [lead, penetration, slope]);
-        let mut up = self.side(&self.gap, below + 1, e, [1.0 - lead, penetration, -slope]);
+        let mut down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]], [offset, penetration, slope]);
+        let mut up = self.side(&self.gap, below + 1, e, [1.0 - offset, penetration, -slope]);
         if let Some(place) = on_journal {
-            down.journal = Some(OnJournal::new(&self.depth[1], lead - place, n));
-            up.journal = Some(OnJournal::new(&self.depth[0], place + 1.0 - lead, n));
+            down.journal = Some(OnJournal::new(&self.depth[1], offset - place, n));
+            up.journal = Some(OnJournal::new(&self.depth[0], place + 1.0 - offset, n));
         }
         ([down, up], self.reach(size))
     }
@@ -381,7 +385,7 @@ impl ArcEnds {
     fn side<'a>(&'a self, gap: &'a [f64], first: usize, e: [f64; 2], near: [f64; 3]) -> Side<'a> {
         let curvature = 0.5 / self.journal_radius;
         let (gap, cos, sin) = (&gap[first..], &self.cos[first..], &self.sin[first..]);
-        let [lead, penetration, slope] = near;
-        Side { gap, cos, sin, e, curvature, journal: None, lead, penetration, slope }
+        let [offset, penetration, slope] = near;
+        Side { gap, cos, sin, e, curvature, journal: None, offset, penetration, slope }
     }
 }

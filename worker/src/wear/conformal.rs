@@ -13,11 +13,11 @@
 
 use super::condense::{Condenser, Touched};
 use super::equilibrium::{ElasticSurfaces, Equilibrium, NoEquilibrium, equilibrium};
-use super::fine_shares::FineShares;
-use super::hat_sums::{ArcShares, HatSums};
 use super::interval::ContactSample;
+use super::interval_loads::IntervalLoads;
+use super::nodal_loads::{ArcShares, NodalLoads};
 use crate::bore::Profile;
-use crate::contact::{Foundation, Journal, StretchParts, Surface, equivalent_penetration};
+use crate::contact::{Foundation, Journal, SegmentParts, Surface, equivalent_penetration};
 use crate::lanes::{Vectorised, fused};
 use crate::plane::length;
 
@@ -35,12 +35,12 @@ pub struct ConformalContacts {
     journal: Option<Journal>,
     condenser: Condenser,
     /// Sums for the shares on the tabulated bore, if the journal is round.
-    sums: HatSums,
+    sums: NodalLoads,
     /// Shares of the sample at hand on a bore with a round journal, and with a worn one what the angles of the table get.
     shares: ArcShares,
-    parts: Vec<StretchParts>,
+    parts: Vec<SegmentParts>,
     /// Sums of these over the samples.
-    fine: Box<FineShares>,
+    fine: Box<IntervalLoads>,
     /// Means of groups of samples.
     samples: Vec<ContactSample>,
     /// Evaluations of the foundation so far.
@@ -52,7 +52,7 @@ impl ConformalContacts {
     pub(crate) fn new(surface: Surface, points: usize, wears: bool) -> Self {
         let law = Foundation::with_intervals(surface, points, INTERVALS);
         ConformalContacts {
-            sums: HatSums::new(law.arc(), points),
+            sums: NodalLoads::new(law.arc(), points),
             shares: ArcShares::default(),
             parts: Vec::new(),
             fine: Box::default(),
@@ -164,7 +164,7 @@ impl ConformalContacts {
             let law = (law, sample.turn);
             let Some(found) = find_equilibrium(&law, sample)? else { continue };
             *evaluations += u64::from(found.evaluations);
-            let arc = law.0.turned_arc();
+            let arc = law.0.rotated_arc();
             let pressed = arc.weigh(found.e, sample.turn, parts);
             fine.add(parts, arc.place(sample.turn), work_per_pressure(sample, pressed)?);
         }

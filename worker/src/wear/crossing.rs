@@ -19,12 +19,12 @@ pub struct Crossing {
 
 impl Crossing {
     /// Distance from the direction of the contact, in table intervals: there the penetration is `penetration` [m], p has the `slope` [m per interval]
-    /// outwards, and the first table angle is at the distance `lead`.
+    /// outwards, and the first table angle is at the distance `offset`.
     #[inline(always)]
-    pub(super) fn distance(&self, penetration: f64, slope: f64, lead: f64) -> f64 {
+    pub(super) fn distance(&self, penetration: f64, slope: f64, offset: f64) -> f64 {
         match self.at {
-            0 => first_end(penetration, slope, lead, self.next),
-            m => lead + (m - 1) as f64 + self.before / (self.before - self.next),
+            0 => first_end(penetration, slope, offset, self.next),
+            m => offset + (m - 1) as f64 + self.before / (self.before - self.next),
         }
     }
 }

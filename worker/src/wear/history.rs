@@ -55,7 +55,7 @@ impl ContactHistory {
     }
 
     /// Ends the current interval; to be called at the end of the cycle.
-    pub(crate) fn close_stretch(&mut self) {
+    pub(crate) fn close_interval(&mut self) {
         self.samples.extend(self.interval.end(0));
     }
 

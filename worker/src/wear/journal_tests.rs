@@ -35,7 +35,7 @@ fn history(contacts: &[(f64, f64)]) -> ContactHistory {
             ..JointForce::default()
         };
         history.push(1.0 / contacts.len() as f64, &ContactInstant::new(e, &contact).turned(*turn));
-        history.close_stretch();
+        history.close_interval();
     }
     history
 }

@@ -17,7 +17,7 @@
 //! the arc AB wears evenly by K_H F S / (|AB| L), at the control points inside it. The shares by hat functions
 //! are chosen here: the published rule gives an arc between two points no wear at all.
 
-use super::arc_ends::{ArcEnds, Pressed, Spot, WORD};
+use super::arc_ends::{ArcEnds, ContactDirection, ContactState, WORD};
 use super::interval::ContactSample;
 use crate::bore::{Profile, Radius};
 use crate::contact::{Contact, Journal};
@@ -44,7 +44,7 @@ pub struct LocalArcs {
 /// The parts of a contact sample that the wear law uses.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
-    spot: Spot,
+    spot: ContactDirection,
     /// Interval between control points that contains the contact.
     interval: u32,
     /// Penetration delta [m].
@@ -74,7 +74,7 @@ impl LocalArcs {
         let points = self.unrolled.len() / if self.journal.is_some() { 6 } else { 3 };
         let per_point = points as f64 / n as f64;
         let sample = |s: &ContactSample| {
-            let spot = Spot::new(s.e, n);
+            let spot = ContactDirection::new(s.e, n);
             let interval = spot.interval(points, per_point);
             let on_journal = (spot.place - s.turn * (n as f64 / TAU)).rem_euclid(n as f64);
             // A place just below zero is rounded to a whole turn.
@@ -137,7 +137,7 @@ impl Sharing<'_> {
         };
         let mut beyond = [0.0; WORD];
         for samples in samples.chunks(AT_ONCE) {
-            let mut contacts = [Pressed::default(); AT_ONCE];
+            let mut contacts = [ContactState::default(); AT_ONCE];
             let mut bores = [0.0; AT_ONCE];
             for ((contact, bore), sample) in contacts.iter_mut().zip(&mut bores).zip(samples) {
                 let Sample { spot, interval, penetration, on_journal, .. } = *sample;
@@ -151,7 +151,7 @@ impl Sharing<'_> {
                 let (radius, slope) = depth.map_or((r, d1), |depth| (r + depth.r, d1 + depth.d1));
                 let on_journal = journal.map(|_| on_journal);
                 *bore = r;
-                *contact = Pressed { spot, penetration, radius, slope, on_journal };
+                *contact = ContactState { spot, penetration, radius, slope, on_journal };
             }
             let mut only_ends = [[None; 2]; AT_ONCE];
             for (only, contact) in only_ends.iter_mut().zip(&contacts[..samples.len()]) {

@@ -133,7 +133,7 @@ fn rates_are_those_of_the_walk_over_smooth_rough_and_grooved_bores() {
                     ..JointForce::default()
                 };
                 history.push(1.0, &ContactInstant::new([CLEARANCE * u[0], CLEARANCE * u[1]], &force));
-                history.close_stretch();
+                history.close_interval();
             }
             let mut law = BoreWearRate::new(COEFFICIENT, WIDTH, &contact, &profile);
             law.freeze(&history);

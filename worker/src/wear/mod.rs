@@ -3,7 +3,7 @@
 //!
 //! Order of use: `interval` and `history` record contact samples; `archard` turns them into a wear rate on the present
 //! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `condense`, `conformal`,
-//! `equilibrium`, `hat_sums` and `fine_shares`, for guides by `rail_history`, `rail_rate` and `rail_equilibrium`. `wear_law` is what these rates have in common, `wear_rate` any
+//! `equilibrium`, `nodal_loads` and `interval_loads`, for guides by `rail_history`, `rail_rate` and `rail_equilibrium`. `wear_law` is what these rates have in common, `wear_rate` any
 //! of them; `step` integrates that rate over a block; `finer_bore`
 //! shows what the spacing of the control points costs, `contact_arc` what it has to resolve, `amounts` what the depths come to.
 
@@ -17,16 +17,16 @@ mod crossing;
 mod equilibrium;
 #[cfg(test)]
 mod equilibrium_tests;
-mod fine_shares;
 mod finer_bore;
-mod hat_sums;
 mod history;
 mod interval;
+mod interval_loads;
 #[cfg(test)]
 mod journal_tests;
 mod local_arcs;
 #[cfg(test)]
 mod local_arcs_tests;
+mod nodal_loads;
 mod on_journal;
 mod rail_equilibrium;
 mod rail_history;

@@ -164,7 +164,7 @@ impl RailHistory {
     }
 
     /// Ends the current interval; to be called at the end of the cycle.
-    pub(crate) fn close_stretch(&mut self) {
+    pub(crate) fn close_interval(&mut self) {
         self.samples.extend(self.interval.end());
     }
 
@@ -217,7 +217,7 @@ mod tests {
             (0.1, pressed(-4.0, 0.015, 4e-3, 1.0)),
         ];
         instants.iter().for_each(|(duration, at)| history.push(*duration, at));
-        history.close_stretch();
+        history.close_interval();
         let works: Vec<f64> = history.samples().iter().map(|sample| sample.work).collect();
         assert_eq!(works.len(), 4);
         for (work, expected) in works.iter().zip([1.8, 0.4, 0.4, 0.4]) {

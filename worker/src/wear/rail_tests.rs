@@ -37,7 +37,7 @@ fn instant(normal: [f64; 2], arm: [f64; 2], s: f64, speed: f64) -> RailInstant {
 fn history(layout: &RailLayout, instants: &[(f64, RailInstant)]) -> RailHistory {
     let mut history = RailHistory::new(1.0, 300, layout);
     instants.iter().for_each(|(duration, at)| history.push(*duration, at));
-    history.close_stretch();
+    history.close_interval();
     history
 }
 

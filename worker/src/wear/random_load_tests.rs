@@ -70,7 +70,7 @@ fn history(case: &Case, life: f64) -> ContactHistory {
         let contact =
             JointForce { normal, direction: u, penetration, sliding: 9e-3, ..JointForce::default() };
         history.push(1.0 / SAMPLES as f64, &ContactInstant::new([reach * u[0], reach * u[1]], &contact));
-        history.close_stretch();
+        history.close_interval();
     }
     history
 }

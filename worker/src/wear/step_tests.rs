@@ -42,7 +42,7 @@ fn cycle() -> ContactHistory {
         let sliding = 9e-3 * (1.0 + 0.6 * (phase + 0.4).cos());
         let contact = JointForce { normal, direction: u, penetration, sliding, ..JointForce::default() };
         history.push(1.0 / f64::from(SAMPLES), &ContactInstant::new([reach * u[0], reach * u[1]], &contact));
-        history.close_stretch();
+        history.close_interval();
     }
     history
 }

@@ -41,7 +41,7 @@ fn history(directions: &[f64]) -> ContactHistory {
             1.0 / directions.len() as f64,
             &ContactInstant::new([reach * u[0], reach * u[1]], &contact),
         );
-        history.close_stretch();
+        history.close_interval();
     }
     history
 }

@@ -61,8 +61,8 @@ impl WearHistory {
     }
 
     /// Ends the current interval; to be called at the end of the cycle.
-    pub(crate) fn close_stretch(&mut self) {
-        with_history!(self, history => history.close_stretch());
+    pub(crate) fn close_interval(&mut self) {
+        with_history!(self, history => history.close_interval());
     }
 
     /// Appends the samples of a further cycle of the same joint.

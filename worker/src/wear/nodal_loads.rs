@@ -25,12 +25,12 @@ struct Moments {
     /// Integral of u u, entries xx, xy, yy [1].
     directions: [f64; 3],
     /// Integral of b phi_i and of b phi_(i+1) [m], and of b u, x and y [m].
-    play: [f64; 4],
+    radial_gap: [f64; 4],
 }
 
 /// Sums of a tabulated bore.
 #[derive(Debug, Clone)]
-pub struct HatSums {
+pub struct NodalLoads {
     /// Intervals between two control points.
     between: usize,
     /// Sums over none to all intervals behind each control point `(points, between + 1)`.
@@ -46,11 +46,11 @@ pub struct ArcShares {
     pub pressed: [f64; 2],
 }
 
-impl HatSums {
+impl NodalLoads {
     /// Sums of a bore with `points` control points, tabulated in `arc` at a multiple of them.
     pub(super) fn new(arc: &Arc, points: usize) -> Self {
         let between = arc.intervals() / points;
-        let mut of = HatSums { between, sums: vec![Moments::default(); points * (between + 1)] };
+        let mut of = NodalLoads { between, sums: vec![Moments::default(); points * (between + 1)] };
         for i in 0..points {
             for j in 0..between {
                 let ((u, _), (v, _)) = (arc.angle(i * between + j), arc.angle(i * between + j + 1));
@@ -76,16 +76,16 @@ impl HatSums {
     pub(super) fn tabulate(&mut self, arc: &Arc) {
         let points = self.sums.len() / (self.between + 1);
         for i in 0..points {
-            let mut play = [0.0; 4];
+            let mut radial_gap = [0.0; 4];
             let (mut u, mut a) = arc.angle(i * self.between);
             for j in 0..self.between {
                 let (v, b) = arc.angle(i * self.between + j + 1);
                 let hats = self.hats(j);
-                play[0] += linear(a, b, hats[0]);
-                play[1] += linear(a, b, hats[1]);
-                play[2] += linear(a, b, [u[0], v[0]]);
-                play[3] += linear(a, b, [u[1], v[1]]);
-                self.sums[i * (self.between + 1) + j + 1].play = play;
+                radial_gap[0] += linear(a, b, hats[0]);
+                radial_gap[1] += linear(a, b, hats[1]);
+                radial_gap[2] += linear(a, b, [u[0], v[0]]);
+                radial_gap[3] += linear(a, b, [u[1], v[1]]);
+                self.sums[i * (self.between + 1) + j + 1].radial_gap = radial_gap;
                 (u, a) = (v, b);
             }
         }
@@ -117,7 +117,7 @@ fn linear(a: f64, b: f64, c: [f64; 2]) -> f64 {
 
 /// Collects the shares of an arc.
 struct Collector<'a> {
-    sums: &'a HatSums,
+    sums: &'a NodalLoads,
     e: [f64; 2],
     shares: &'a mut ArcShares,
 }
@@ -133,18 +133,18 @@ impl ArcVisitor for Collector<'_> {
             let last = between.min(to - i * between);
             let at = i * (between + 1);
             let (a, b) = (&self.sums.sums[at + k - i * between], &self.sums.sums[at + last]);
-            let (mut hats, mut directions, mut play) = ([0.0; 4], [0.0; 3], [0.0; 4]);
+            let (mut hats, mut directions, mut radial_gap) = ([0.0; 4], [0.0; 3], [0.0; 4]);
             for n in 0..4 {
                 hats[n] = b.hats[n] - a.hats[n];
-                play[n] = b.play[n] - a.play[n];
+                radial_gap[n] = b.radial_gap[n] - a.radial_gap[n];
             }
             for n in 0..3 {
                 directions[n] = b.directions[n] - a.directions[n];
             }
-            let of = [x * hats[0] + y * hats[1] - play[0], x * hats[2] + y * hats[3] - play[1]];
+            let of = [x * hats[0] + y * hats[1] - radial_gap[0], x * hats[2] + y * hats[3] - radial_gap[1]];
             self.shares.each.push((i, of));
-            self.shares.pressed[0] += x * directions[0] + y * directions[1] - play[2];
-            self.shares.pressed[1] += x * directions[1] + y * directions[2] - play[3];
+            self.shares.pressed[0] += x * directions[0] + y * directions[1] - radial_gap[2];
+            self.shares.pressed[1] += x * directions[1] + y * directions[2] - radial_gap[3];
             k = i * between + last;
         }
     }
@@ -180,7 +180,7 @@ mod tests {
             };
             profile.set_depth(&(0..points).map(depth).collect::<Vec<f64>>());
             let mut arc = Arc::new(journal, clearance, points, intervals);
-            let mut sums = HatSums::new(&arc, points);
+            let mut sums = NodalLoads::new(&arc, points);
             arc.profile_changed(&profile);
             sums.tabulate(&arc);
             let mut shares = ArcShares::default();

@@ -9,23 +9,23 @@
 // Compiled for the instructions of the processor, where closures of iterators are not: plain loops.
 #![allow(clippy::needless_range_loop)]
 
-use crate::contact::StretchParts;
+use crate::contact::SegmentParts;
 
 /// Sums over samples, per angle of the table.
 #[derive(Debug, Clone, Default)]
-pub struct FineShares {
+pub struct IntervalLoads {
     /// Number of intervals of a turn.
     intervals: usize,
-    /// Angles of the bore counted over one turn and a stretch more, of the journal over two [N m].
+    /// Angles of the bore counted over one turn and a segment more, of the journal over two [N m].
     bore: Vec<f64>,
     journal: Vec<f64>,
 }
 
-impl FineShares {
+impl IntervalLoads {
     /// Empties the sums, for tables with `intervals` in a turn.
     pub(super) fn clear(&mut self, intervals: usize) {
         self.intervals = intervals;
-        let more = StretchParts::ANGLES + 1;
+        let more = SegmentParts::ANGLES + 1;
         for (sums, turns) in [(&mut self.bore, 1), (&mut self.journal, 2)] {
             sums.clear();
             sums.resize(turns * intervals + more, 0.0);
@@ -34,19 +34,19 @@ impl FineShares {
 
     /// Adds `scale` times these parts, with the journal's interval `base` at the first angle of the bore and the fraction `f` there.
     #[inline(always)]
-    pub(super) fn add(&mut self, parts: &[StretchParts], (base, f): (usize, f64), scale: f64) {
+    pub(super) fn add(&mut self, parts: &[SegmentParts], (base, f): (usize, f64), scale: f64) {
         let (here, next) = (scale * (1.0 - f), scale * f);
         for of in parts {
-            let bore = &mut self.bore[of.first..of.first + StretchParts::ANGLES];
-            for i in 0..StretchParts::ANGLES {
+            let bore = &mut self.bore[of.first..of.first + SegmentParts::ANGLES];
+            for i in 0..SegmentParts::ANGLES {
                 bore[i] += scale * of.part[i];
             }
             let first = base + of.first;
-            let journal = &mut self.journal[first..first + StretchParts::ANGLES + 1];
-            for i in 0..StretchParts::ANGLES {
+            let journal = &mut self.journal[first..first + SegmentParts::ANGLES + 1];
+            for i in 0..SegmentParts::ANGLES {
                 journal[i] += here * of.part[i];
             }
-            for i in 0..StretchParts::ANGLES {
+            for i in 0..SegmentParts::ANGLES {
                 journal[i + 1] += next * of.part[i];
             }
         }

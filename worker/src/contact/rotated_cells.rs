@@ -2,9 +2,9 @@
 //! bore and journal in each lane.
 //!
 //! A cell (`cells.rs`) holds eccentricities about e_0 [m] and angles of the journal for which its table of depths (`journal_table.rs`) stays in one
-//! interval, or in a part of it. Intervals in contact all over the cell add up to a polynomial (`turned_sums.rs`); only the few
+//! interval, or in a part of it. Intervals in contact all over the cell add up to a polynomial (`rotated_sums.rs`); only the few
 //! intervals about the ends of an arc are looked at for each state, interval by interval in all lanes at once. The integrals are those
-//! of `turned_arc.rs`, but for rounding; they depend on the state alone, not on the cells met before or on other lanes.
+//! of `rotated_arc.rs`, but for rounding; they depend on the state alone, not on the cells met before or on other lanes.
 //!
 //! # Source
 //! Derived here.
@@ -14,12 +14,12 @@
 
 use super::arc::Arc;
 use super::cells::{CellContents, Cells, MOST, SIDE, change_of_gaps};
-use super::integrals::{Integrals, TurnedIntegrals, UnitIntegrals};
+use super::integrals::{Integrals, RotatedIntegrals, UnitIntegrals};
 use super::journal_table::JournalTable;
-use super::stretch::STRETCH;
-use super::turned_arc::TurnedArc;
-use super::turned_stretch::TurnedStretch;
-use super::turned_sums::{TurnedEnd, Whole};
+use super::rotated_arc::RotatedArc;
+use super::rotated_segment::RotatedSegment;
+use super::rotated_sums::{RotatedEnd, Whole};
+use super::segment::SEGMENT;
 use crate::lanes::Real;
 use std::f64::consts::TAU;
 
@@ -33,9 +33,9 @@ const SIZES: usize = 5;
 
 /// Bores with worn journals and the cells met last, one per lane.
 #[derive(Debug, Clone)]
-pub struct TurnedCells<R> {
+pub struct RotatedCells<R> {
     cells: Cells<R, 3>,
-    contents: TurnedContents<R>,
+    contents: RotatedContents<R>,
     /// Spacing s of the tables [rad].
     spacing: R,
     /// Derivative of the place in the journal's table to alpha, minus the number of its intervals in a radian [1/rad].
@@ -44,24 +44,24 @@ pub struct TurnedCells<R> {
 
 /// What is prepared for the cells of bores with worn journals.
 #[derive(Debug, Clone)]
-struct TurnedContents<R> {
+struct RotatedContents<R> {
     whole: Whole<R>,
     /// The other intervals that may touch.
-    ends: Vec<TurnedEnd<R>>,
-    /// Stretches of each lane with the journal as it was turned when they were met last `(lanes, stretches)`.
-    stretches: Vec<Vec<TurnedStretch>>,
+    ends: Vec<RotatedEnd<R>>,
+    /// Segmentes of each lane with the journal as it was turned when they were met last `(lanes, segmentes)`.
+    segmentes: Vec<Vec<RotatedSegment>>,
 }
 
-impl<R: Real> TurnedCells<R> {
+impl<R: Real> RotatedCells<R> {
     /// Cells of the bore `arc` in every lane; `like` sets the number of lanes.
     pub(super) fn new(arc: &Arc, like: R) -> Self {
         let zero = like.zero();
-        let contents = TurnedContents {
+        let contents = RotatedContents {
             whole: Whole { d: [zero; 3], p: [[zero; 4]; 2], c: [zero; 7] },
-            ends: vec![TurnedEnd::none(like); MOST],
-            stretches: vec![vec![]; R::LANES],
+            ends: vec![RotatedEnd::none(like); MOST],
+            segmentes: vec![vec![]; R::LANES],
         };
-        let mut all = TurnedCells {
+        let mut all = RotatedCells {
             cells: Cells::new((ENOUGH, SIZES), [SMALLER; 3], like),
             contents,
             spacing: zero,
@@ -80,8 +80,8 @@ impl<R: Real> TurnedCells<R> {
     /// Forgets the cells of a lane, whose bore is `arc` from now on and whose journal is another one.
     pub(super) fn set(&mut self, lane: usize, arc: &Arc) {
         self.contents.set_whole(lane, &Whole::default());
-        self.contents.stretches[lane].clear();
-        self.contents.stretches[lane].resize(arc.stretches().each.len(), TurnedStretch::NONE);
+        self.contents.segmentes[lane].clear();
+        self.contents.segmentes[lane].resize(arc.segmentes().each.len(), RotatedSegment::NONE);
         self.spacing.set_lane(lane, arc.spacing());
         self.slope.set_lane(lane, -(arc.intervals() as f64) / TAU);
         let side = SIDE * arc.scale();
@@ -97,11 +97,11 @@ impl<R: Real> TurnedCells<R> {
         pairs: &[(Arc, JournalTable)],
         e: [R; 2],
         alpha: R,
-    ) -> TurnedIntegrals<R> {
+    ) -> RotatedIntegrals<R> {
         let zero = alpha.zero();
         let touches = self.cells.touches(e);
         if !R::any(touches) {
-            return TurnedIntegrals::none(zero);
+            return RotatedIntegrals::none(zero);
         }
         // Intervals of the journal's table, counted on over full turns, are the largest cells about whole numbers of this coordinate.
         let place = alpha * self.slope - 0.5;
@@ -125,7 +125,7 @@ impl<R: Real> TurnedCells<R> {
             },
             extent: only(extent),
         };
-        let mut all = TurnedIntegrals {
+        let mut all = RotatedIntegrals {
             to_e: to_e.scaled(self.spacing),
             t: only(sums.t * to_alpha),
             et: [only(sums.et[0] * to_alpha), only(sums.et[1] * to_alpha)],
@@ -136,7 +136,7 @@ impl<R: Real> TurnedCells<R> {
                 let at = [e[0].lane(lane), e[1].lane(lane)];
                 if self.cells.is_lane_overfull(lane, at) {
                     let (arc, journal) = &pairs[lane];
-                    all.set_lane(lane, &TurnedArc { arc, journal }.integrate::<true>(at, alpha.lane(lane)));
+                    all.set_lane(lane, &RotatedArc { arc, journal }.integrate::<true>(at, alpha.lane(lane)));
                 }
             }
         }
@@ -144,7 +144,7 @@ impl<R: Real> TurnedCells<R> {
     }
 }
 
-impl<R: Real> TurnedContents<R> {
+impl<R: Real> RotatedContents<R> {
     #[inline(always)]
     fn set_whole(&mut self, lane: usize, whole: &Whole<f64>) {
         for k in 0..3 {
@@ -163,7 +163,7 @@ impl<R: Real> TurnedContents<R> {
 /// The contents with the bores and journals from which they are prepared, one per lane `(lanes,)`.
 struct OfPairs<'a, R> {
     pairs: &'a [(Arc, JournalTable)],
-    contents: &'a mut TurnedContents<R>,
+    contents: &'a mut RotatedContents<R>,
 }
 
 impl<R: Real> CellContents<R, 3> for OfPairs<'_, R> {
@@ -171,32 +171,32 @@ impl<R: Real> CellContents<R, 3> for OfPairs<'_, R> {
     fn fill(&mut self, lane: usize, [x, y, place]: [f64; 3], half: [f64; 3]) -> usize {
         let (centre, margin) = ([x, y], change_of_gaps(half[0]));
         let (arc, journal) = &self.pairs[lane];
-        let turned = TurnedArc { arc, journal };
+        let turned = RotatedArc { arc, journal };
         let base = Real::round(place);
         let (f, turned_by) = (place - base + 0.5, half[2] * 1.000_001);
         let at = journal.in_interval(base);
         let mut whole = Whole::default();
         let mut found = 0;
-        for g in 0..arc.stretches().groups.len() {
+        for g in 0..arc.segmentes().groups.len() {
             let mut any = turned.touching(centre, at, g, margin);
             while any != 0 {
-                let (s, of_bore) = turned.next_stretch(g, &mut any);
-                let stretch = &mut self.contents.stretches[lane][s];
-                if stretch.base != base {
-                    stretch.base = base;
-                    stretch.prepare(of_bore, journal, at, s * STRETCH);
+                let (s, of_bore) = turned.next_segment(g, &mut any);
+                let segment = &mut self.contents.segmentes[lane][s];
+                if segment.base != base {
+                    segment.base = base;
+                    segment.prepare(of_bore, journal, at, s * SEGMENT);
                 }
-                let [inside, reached] = stretch.bounds(centre, margin, (f, turned_by));
+                let [inside, reached] = segment.bounds(centre, margin, (f, turned_by));
                 let both = inside & (inside >> 1) & of_bore.all();
                 if both != 0 {
-                    whole.add_moved(&stretch.of(both), of_bore.relative_to_centre(centre));
+                    whole.add_moved(&segment.of(both), of_bore.relative_to_centre(centre));
                 }
                 let mut ends = (reached | (reached >> 1)) & of_bore.all() & !both;
                 while ends != 0 {
                     let k = ends.trailing_zeros() as usize;
                     ends &= ends - 1;
                     if found < MOST {
-                        self.contents.ends[found].set_lane(lane, stretch, k, centre);
+                        self.contents.ends[found].set_lane(lane, segment, k, centre);
                     }
                     found += 1;
                 }
@@ -208,6 +208,6 @@ impl<R: Real> CellContents<R, 3> for OfPairs<'_, R> {
 
     #[inline(always)]
     fn leave_free(&mut self, lane: usize, k: usize) {
-        self.contents.ends[k].set_lane(lane, &TurnedStretch::NONE, 0, [0.0; 2]);
+        self.contents.ends[k].set_lane(lane, &RotatedSegment::NONE, 0, [0.0; 2]);
     }
 }

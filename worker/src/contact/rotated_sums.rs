@@ -14,13 +14,13 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::integrals::{Integrals, UnitIntegrals, weights_in_lanes};
-use super::turned_stretch::{SUMS, TurnedStretch};
+use super::rotated_segment::{RotatedSegment, SUMS};
 use crate::lanes::Real;
 use crate::plane::fused_dot;
 
 /// An interval about the end of an arc; in lanes where there is none it touches nothing.
 #[derive(Debug, Clone, Copy)]
-pub struct TurnedEnd<R> {
+pub struct RotatedEnd<R> {
     /// Unit vectors at both ends of the interval `(2,)` each [1].
     u: [R; 2],
     v: [R; 2],
@@ -29,18 +29,18 @@ pub struct TurnedEnd<R> {
     b: [R; 4],
 }
 
-impl<R: Real> TurnedEnd<R> {
+impl<R: Real> RotatedEnd<R> {
     /// No interval in any lane.
     pub(super) fn none(like: R) -> Self {
         let zero = like.zero();
         let free = [like.like(-1.0), zero, zero, zero];
-        TurnedEnd { u: [zero; 2], v: [zero; 2], a: free, b: free }
+        RotatedEnd { u: [zero; 2], v: [zero; 2], a: free, b: free }
     }
 
-    /// Replaces the interval of a lane by interval `i` of a stretch, with the cell's centre `e` [m].
+    /// Replaces the interval of a lane by interval `i` of a segment, with the cell's centre `e` [m].
     #[inline(always)]
-    pub(super) fn set_lane(&mut self, lane: usize, stretch: &TurnedStretch, i: usize, e: [f64; 2]) {
-        let TurnedStretch { x, y, gaps, .. } = stretch;
+    pub(super) fn set_lane(&mut self, lane: usize, segment: &RotatedSegment, i: usize, e: [f64; 2]) {
+        let RotatedSegment { x, y, gaps, .. } = segment;
         self.a[0].set_lane(lane, gaps[0][i] + (e[0] * x[i] + e[1] * y[i]));
         self.b[0].set_lane(lane, gaps[0][i + 1] + (e[0] * x[i + 1] + e[1] * y[i + 1]));
         for k in 1..4 {
@@ -66,7 +66,7 @@ pub struct Whole<R> {
 }
 
 impl Whole<f64> {
-    /// Adds these sums of a stretch at the eccentricity `x`, counted from its own [m].
+    /// Adds these sums of a segment at the eccentricity `x`, counted from its own [m].
     #[inline(always)]
     pub(super) fn add_moved(&mut self, of: &[f64; SUMS], x: [f64; 2]) {
         let moved = [of[0] * x[0] + of[1] * x[1], of[1] * x[0] + of[2] * x[1]];
@@ -88,7 +88,7 @@ impl Whole<f64> {
 }
 
 /// Sums over intervals of length one; the derivatives to alpha are those to f.
-pub struct TurnedSums<R> {
+pub struct RotatedSums<R> {
     /// V and its derivatives to e.
     pub to_e: UnitIntegrals<R>,
     /// dV/df, d2V/(de df) `(2,)` and d2V/df2.
@@ -100,7 +100,7 @@ pub struct TurnedSums<R> {
 impl<R: Real> Whole<R> {
     /// Sums at the eccentricity `x` from the centre of the cell [m] and the fraction `f`; zeros for second derivatives unless `SECOND`.
     #[inline(always)]
-    pub(super) fn at<const SECOND: bool>(&self, x: [R; 2], f: R) -> TurnedSums<R> {
+    pub(super) fn at<const SECOND: bool>(&self, x: [R; 2], f: R) -> RotatedSums<R> {
         let zero = f.zero();
         let Whole { d, p: [px, py], c } = self;
         let (p, slope) = ([cubic(px, f), cubic(py, f)], [cubic_slope(px, f), cubic_slope(py, f)]);
@@ -123,14 +123,14 @@ impl<R: Real> Whole<R> {
         };
         let t = (growth * 0.5) + fused_dot(slope, x);
         if !SECOND {
-            return TurnedSums { to_e, t, et: [zero; 2], tt: zero };
+            return RotatedSums { to_e, t, et: [zero; 2], tt: zero };
         }
         let mut bend = c[6] * 15.0;
         for k in (2..6).rev() {
             bend = (c[k] * (0.5 * (k * (k - 1)) as f64)).plus_product(bend, f);
         }
         let tt = bend + fused_dot([cubic_bend(px, f), cubic_bend(py, f)], x);
-        TurnedSums { to_e, t, et: slope, tt }
+        RotatedSums { to_e, t, et: slope, tt }
     }
 }
 
@@ -152,11 +152,11 @@ fn cubic_bend<R: Real>(of: &[R; 4], f: R) -> R {
     (of[2] * 2.0).plus_product(of[3] * 6.0, f)
 }
 
-impl<R: Real> TurnedSums<R> {
+impl<R: Real> RotatedSums<R> {
     /// Adds this interval at the eccentricity `x` from the centre of the cell [m] and the fraction `f`, without second derivatives unless
     /// `SECOND`.
     #[inline(always)]
-    pub(super) fn add_end<const SECOND: bool>(&mut self, end: &TurnedEnd<R>, x: [R; 2], f: R) {
+    pub(super) fn add_end<const SECOND: bool>(&mut self, end: &RotatedEnd<R>, x: [R; 2], f: R) {
         let ([ux, uy], [vx, vy]) = (end.u, end.v);
         let a = cubic(&end.a, f).plus_product(x[0], ux).plus_product(x[1], uy);
         let b = cubic(&end.b, f).plus_product(x[0], vx).plus_product(x[1], vy);

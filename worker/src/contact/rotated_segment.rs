@@ -1,24 +1,24 @@
-//! A stretch of a bore with a worn journal in one interval of its table: gaps and sums as functions of the fraction f of that interval.
+//! A segment of a bore with a worn journal in one interval of its table: gaps and sums as functions of the fraction f of that interval.
 //!
 //! Every gap is linear in the eccentricity and cubic in f. Over intervals in contact from end to end the integral of its square is a
-//! polynomial, whose coefficients summed over the first intervals of the stretch give those of any number of its intervals.
+//! polynomial, whose coefficients summed over the first intervals of the segment give those of any number of its intervals.
 //!
 //! # Source
-//! Derived here, as `stretch.rs` for a round journal.
+//! Derived here, as `segment.rs` for a round journal.
 
 // Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
 #![allow(clippy::needless_range_loop)]
 
-use super::journal_table::{JournalTable, Turned};
-use super::stretch::{STRETCH, Stretch, positive};
-use super::turned_arc::ANGLES;
+use super::journal_table::{JournalTable, Rotated};
+use super::rotated_arc::ANGLES;
+use super::segment::{SEGMENT, Segment, positive};
 
-/// Number of sums over the intervals of a stretch: 3 of D, 8 of P, 7 of C.
+/// Number of sums over the intervals of a segment: 3 of D, 8 of P, 7 of C.
 pub(super) const SUMS: usize = 18;
 
-/// A stretch of a bore with the journal in one interval of its table; angles beyond its end are out of reach.
+/// A segment of a bore with the journal in one interval of its table; angles beyond its end are out of reach.
 #[derive(Debug, Clone)]
-pub struct TurnedStretch {
+pub struct RotatedSegment {
     /// That interval, infinite if none is prepared.
     pub base: f64,
     /// Unit vectors at its angles `(angles,)` each [1].
@@ -28,14 +28,14 @@ pub struct TurnedStretch {
     /// `(angles,)` [m].
     pub gaps: [[f64; ANGLES]; 4],
     steepest: [f64; ANGLES],
-    /// Sums over its first 0 to [`STRETCH`] intervals at the eccentricity from which the stretch of the bore counts others: of D, then the
+    /// Sums over its first 0 to [`SEGMENT`] intervals at the eccentricity from which the segment of the bore counts others: of D, then the
     /// coefficients of P and of C.
     sums: [[f64; SUMS]; ANGLES],
 }
 
-impl TurnedStretch {
+impl RotatedSegment {
     /// Nothing prepared, and nothing in reach.
-    pub(super) const NONE: Self = TurnedStretch {
+    pub(super) const NONE: Self = RotatedSegment {
         base: f64::INFINITY,
         x: [0.0; ANGLES],
         y: [0.0; ANGLES],
@@ -44,15 +44,15 @@ impl TurnedStretch {
         sums: [[0.0; SUMS]; ANGLES],
     };
 
-    /// Prepares the stretch `of` a bore that begins at the table angle `first`, with the journal `at` the beginning of an interval.
+    /// Prepares the segment `of` a bore that begins at the table angle `first`, with the journal `at` the beginning of an interval.
     #[inline(always)]
-    pub(super) fn prepare(&mut self, of: &Stretch, journal: &JournalTable, at: Turned, first: usize) {
+    pub(super) fn prepare(&mut self, of: &Segment, journal: &JournalTable, at: Rotated, first: usize) {
         let last = of.intervals;
-        for i in 0..STRETCH {
-            (self.x[i], self.y[i], self.gaps[0][i]) = (of.begin.x[i], of.begin.y[i], -of.begin.play[i]);
+        for i in 0..SEGMENT {
+            (self.x[i], self.y[i], self.gaps[0][i]) = (of.begin.x[i], of.begin.y[i], -of.begin.radial_gap[i]);
         }
-        let (end, play) = of.angle(last);
-        (self.x[last], self.y[last], self.gaps[0][last]) = (end[0], end[1], -play);
+        let (end, radial_gap) = of.angle(last);
+        (self.x[last], self.y[last], self.gaps[0][last]) = (end[0], end[1], -radial_gap);
         let depth = journal.cubics(at, first, ANGLES);
         for i in 0..ANGLES {
             self.gaps[0][i] -= depth[0][i];
@@ -95,14 +95,14 @@ impl TurnedStretch {
     fn add_up(&mut self, e: [f64; 2], last: usize) {
         const THIRD: f64 = 1.0 / 3.0;
         const SIXTH: f64 = 1.0 / 6.0;
-        let TurnedStretch { x, y, gaps, .. } = self;
+        let RotatedSegment { x, y, gaps, .. } = self;
         let mut gap = [0.0; ANGLES];
         for i in 0..ANGLES {
             gap[i] = gaps[0][i] + (e[0] * x[i] + e[1] * y[i]);
         }
         // Of each interval.
-        let mut of = [[0.0; STRETCH]; SUMS];
-        for i in 0..STRETCH {
+        let mut of = [[0.0; SEGMENT]; SUMS];
+        for i in 0..SEGMENT {
             let (ux, uy, vx, vy) = (x[i], y[i], x[i + 1], y[i + 1]);
             of[0][i] = THIRD * (ux * ux + ux * vx + vx * vx);
             of[1][i] = THIRD * (ux * uy + vx * vy) + SIXTH * (ux * vy + vx * uy);
@@ -110,7 +110,7 @@ impl TurnedStretch {
         }
         for j in 0..4 {
             let coefficient = if j == 0 { &gap } else { &gaps[j] };
-            for i in 0..STRETCH {
+            for i in 0..SEGMENT {
                 let to_a = THIRD * coefficient[i] + SIXTH * coefficient[i + 1];
                 let to_b = SIXTH * coefficient[i] + THIRD * coefficient[i + 1];
                 of[3 + j][i] = to_a * x[i] + to_b * x[i + 1];

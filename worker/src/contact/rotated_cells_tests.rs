@@ -4,10 +4,10 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::arc::Arc;
-use super::integrals::TurnedIntegrals;
+use super::integrals::RotatedIntegrals;
 use super::journal_table::JournalTable;
-use super::turned_arc::TurnedArc;
-use super::turned_cells::TurnedCells;
+use super::rotated_arc::RotatedArc;
+use super::rotated_cells::RotatedCells;
 use crate::bore::Profile;
 use crate::lanes::{InLanes, Real, in_widest_lanes};
 use crate::plane::{dot, length};
@@ -54,20 +54,20 @@ fn walk((arc, journal): &(Arc, JournalTable), step: f64, state: &mut u64) -> Vec
         alpha += (random(state) - 0.55) * 0.1 * step / CLEARANCE;
         let u = [angle.cos(), angle.sin()];
         let reach =
-            CLEARANCE - TurnedArc { arc, journal }.gap_along([CLEARANCE * u[0], CLEARANCE * u[1]], alpha);
+            CLEARANCE - RotatedArc { arc, journal }.gap_along([CLEARANCE * u[0], CLEARANCE * u[1]], alpha);
         let r = reach - 1e-7 + 10f64.powf(-8.0 + 3.0 * random(state));
         ([r * u[0], r * u[1]], alpha)
     });
     states.collect()
 }
 
-fn numbers<R: Copy>(of: &TurnedIntegrals<R>) -> [R; 10] {
-    let TurnedIntegrals { to_e, t, et, tt } = of;
+fn numbers<R: Copy>(of: &RotatedIntegrals<R>) -> [R; 10] {
+    let RotatedIntegrals { to_e, t, et, tt } = of;
     let (p, d) = (to_e.p, to_e.d);
     [to_e.v, p[0], p[1], d[0], d[1], d[2], *t, et[0], et[1], *tt]
 }
 
-fn bits(of: &TurnedIntegrals) -> [u64; 10] {
+fn bits(of: &RotatedIntegrals) -> [u64; 10] {
     numbers(of).map(f64::to_bits)
 }
 
@@ -79,7 +79,7 @@ fn cells_give_the_integrals_of_the_turned_arc_whatever_cells_were_met_before() {
         let pairs = [worn(depth, rough, &mut state)];
         let [(arc, journal)] = &pairs;
         for step in [1e-9, 3e-8, 1e-5] {
-            let mut cells = TurnedCells::new(arc, 0.0);
+            let mut cells = RotatedCells::new(arc, 0.0);
             for (e, alpha) in walk(&pairs[0], step, &mut state) {
                 let found = cells.integrate::<true>(&pairs, e, alpha);
                 let first = cells.integrate::<false>(&pairs, e, alpha);
@@ -88,10 +88,10 @@ fn cells_give_the_integrals_of_the_turned_arc_whatever_cells_were_met_before() {
                     assert_eq!(of_first, [found.to_e.v, found.to_e.p[0], found.to_e.p[1], found.t]);
                     assert_eq!((first.to_e.d, first.et, first.tt), ([0.0; 3], [0.0; 2], 0.0));
                 }
-                let anew = TurnedCells::new(arc, 0.0).integrate::<true>(&pairs, e, alpha);
+                let anew = RotatedCells::new(arc, 0.0).integrate::<true>(&pairs, e, alpha);
                 assert_eq!(bits(&found), bits(&anew), "{e:?}, {alpha}");
                 too_many += usize::from(cells.is_overfull());
-                let exact = TurnedArc { arc, journal }.integrate::<true>(e, alpha);
+                let exact = RotatedArc { arc, journal }.integrate::<true>(e, alpha);
                 let (size, extent) = (length(exact.to_e.p), exact.to_e.d[0] + exact.to_e.d[2]);
                 // Lighter contacts lose digits to rounding: 1e-9 m of 2e-5 m leaves eleven.
                 if size < 1e-9 * 0.01 {
@@ -125,11 +125,11 @@ fn force_and_moment_are_the_gradient_of_the_potential_across_cells() {
     let mut state = 3;
     let pairs = [worn(10e-6, 3e-7, &mut state)];
     let (arc, journal) = &pairs[0];
-    let mut cells = TurnedCells::new(arc, 0.0);
+    let mut cells = RotatedCells::new(arc, 0.0);
     for (direction, turn) in [(0.3_f64, 0.0), (1.2, 0.02), (2.2, -0.07), (1.0, 0.3)] {
         let u = [0.4_f64.cos(), 0.4_f64.sin()];
         let at_bore = [CLEARANCE * u[0], CLEARANCE * u[1]];
-        let reach = CLEARANCE - TurnedArc { arc, journal }.gap_along(at_bore, 0.2);
+        let reach = CLEARANCE - RotatedArc { arc, journal }.gap_along(at_bore, 0.2);
         let (t, length) = ([direction.cos(), direction.sin()], 4e-7);
         let mut at = |s: f64| {
             let e = [0, 1].map(|k| (reach + 4e-6) * u[k] + s * length * t[k]);
@@ -157,7 +157,7 @@ impl InLanes for InEveryLane {
     fn run<R: Real>(self, like: R) {
         let mut state = 11;
         let out_of_reach = || (Arc::out_of_reach(), worn(0.0, 0.0, &mut 1).1);
-        let mut cells = TurnedCells::new(&Arc::out_of_reach(), like);
+        let mut cells = RotatedCells::new(&Arc::out_of_reach(), like);
         for (depth, rough) in [(3e-6, 0.0), (12e-6, 0.0), (8e-6, 1e-6)] {
             // The last of several lanes stays idle.
             let pairs: Vec<_> = (0..R::LANES)
@@ -183,8 +183,8 @@ impl InLanes for InEveryLane {
                     }
                 })
                 .collect();
-            let mut alone: Vec<TurnedCells<f64>> =
-                pairs.iter().map(|(arc, _)| TurnedCells::new(arc, 0.0)).collect();
+            let mut alone: Vec<RotatedCells<f64>> =
+                pairs.iter().map(|(arc, _)| RotatedCells::new(arc, 0.0)).collect();
             for k in 0..2000 {
                 let e = [0, 1].map(|i| like.each(|lane| walks[lane][k].0[i]));
                 let alpha = like.each(|lane| walks[lane][k].1);

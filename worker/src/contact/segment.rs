@@ -1,11 +1,11 @@
-//! Stretches of a tabulated bore: sums over their intervals, and whether they touch as a whole.
+//! Segmentes of a tabulated bore: sums over their intervals, and whether they touch as a whole.
 //!
 //! Over an interval with g > 0 at both ends the integral of g^2 of `arc.rs` is quadratic in the eccentricity e, so that
-//! sums of its coefficients over the first intervals of a stretch give the integrals over any number of its intervals
-//! at once. Eccentricities are counted from the one at which the journal touches both ends of the stretch: the
+//! sums of its coefficients over the first intervals of a segment give the integrals over any number of its intervals
+//! at once. Eccentricities are counted from the one at which the journal touches both ends of the segment: the
 //! coefficients are then as small as the bore is uneven, and little is lost in rounding.
 //!
-//! Whether stretches touch is decided for a group of them at once, in loops that become vector instructions.
+//! Whether segmentes touch is decided for a group of them at once, in loops that become vector instructions.
 //!
 //! # Source
 //! Derived here.
@@ -16,44 +16,44 @@
 use crate::plane::{cross, dot};
 use std::f64::consts::TAU;
 
-/// Intervals of a stretch, over which sums are kept and which is judged as a whole; few enough for a bore to be nearly an
+/// Intervals of a segment, over which sums are kept and which is judged as a whole; few enough for a bore to be nearly an
 /// arc about one point there.
-pub(super) const STRETCH: usize = 16;
-/// Stretches of a group, as many numbers as the widest vectors hold.
+pub(super) const SEGMENT: usize = 16;
+/// Segmentes of a group, as many numbers as the widest vectors hold.
 pub(super) const GROUP: usize = 8;
 
-/// Stretches of a group that touch, and those in contact from end to end; bit i stands for stretch i of the group.
+/// Segmentes of a group that touch, and those in contact from end to end; bit i stands for segment i of the group.
 #[derive(Clone, Copy)]
-pub struct StretchContact {
-    /// Stretches that may be in contact.
+pub struct SegmentContact {
+    /// Segmentes that may be in contact.
     pub any: u32,
     /// Those of them whose intervals are all in contact.
     pub whole: u32,
 }
 
-/// What decides whether the stretches of a group touch; stretches beyond the end of the bore never do.
+/// What decides whether the segmentes of a group touch; segmentes beyond the end of the bore never do.
 #[derive(Debug, Clone, PartialEq)]
-pub struct StretchGroup {
-    /// First and last angle of the stretches.
+pub struct SegmentGroup {
+    /// First and last angle of the segmentes.
     ends: [Angles<GROUP>; 2],
-    /// Least and largest gap, with the other sign, of the angles of each stretch at the eccentricity at which the journal touches both
+    /// Least and largest gap, with the other sign, of the angles of each segment at the eccentricity at which the journal touches both
     /// its ends `(GROUP,)` [m].
     least: [f64; GROUP],
     most: [f64; GROUP],
 }
 
-impl StretchGroup {
-    /// A group without stretches.
-    const EMPTY: Self = StretchGroup {
-        ends: [Angles { x: [0.0; GROUP], y: [0.0; GROUP], play: [0.0; GROUP] }; 2],
+impl SegmentGroup {
+    /// A group without segmentes.
+    const EMPTY: Self = SegmentGroup {
+        ends: [Angles { x: [0.0; GROUP], y: [0.0; GROUP], radial_gap: [0.0; GROUP] }; 2],
         least: [f64::INFINITY; GROUP],
         most: [f64::INFINITY; GROUP],
     };
 
-    /// Stretches that touch at the eccentricity `e` [m], or at any within `margin` of it [m]. A wave e.u between the gaps a and b at the ends is at least the smaller of two
+    /// Segmentes that touch at the eccentricity `e` [m], or at any within `margin` of it [m]. A wave e.u between the gaps a and b at the ends is at least the smaller of two
     /// positive ones, and at most the larger times `widening`, one over the cosine of half the angle between the ends.
     #[inline(always)]
-    pub(super) fn touched(&self, e: [f64; 2], widening: f64, margin: f64) -> StretchContact {
+    pub(super) fn touched(&self, e: [f64; 2], widening: f64, margin: f64) -> SegmentContact {
         let (a, b) = (self.ends[0].gaps(e), self.ends[1].gaps(e));
         let (mut above, mut within) = ([0.0; GROUP], [0.0; GROUP]);
         for i in 0..GROUP {
@@ -63,10 +63,10 @@ impl StretchGroup {
             above[i] = widest - self.least[i] + margin;
             within[i] = low - most - margin;
         }
-        StretchContact { any: positive(&above), whole: positive(&within) }
+        SegmentContact { any: positive(&above), whole: positive(&within) }
     }
 
-    /// Stretches that may touch at the eccentricity `e` [m] a journal that is worn by at least `worn` `(GROUP,)` [m] along each.
+    /// Segmentes that may touch at the eccentricity `e` [m] a journal that is worn by at least `worn` `(GROUP,)` [m] along each.
     #[inline(always)]
     pub(super) fn touched_beyond(&self, e: [f64; 2], widening: f64, worn: &[f64; GROUP]) -> u32 {
         let (a, b) = (self.ends[0].gaps(e), self.ends[1].gaps(e));
@@ -87,7 +87,7 @@ pub struct Angles<const N: usize> {
     pub x: [f64; N],
     pub y: [f64; N],
     /// R - R1 there `(N,)` [m].
-    pub play: [f64; N],
+    pub radial_gap: [f64; N],
 }
 
 impl<const N: usize> Angles<N> {
@@ -96,7 +96,7 @@ impl<const N: usize> Angles<N> {
     pub(super) fn gaps(&self, e: [f64; 2]) -> [f64; N] {
         let mut gap = [0.0; N];
         for i in 0..N {
-            gap[i] = e[0] * self.x[i] + e[1] * self.y[i] - self.play[i];
+            gap[i] = e[0] * self.x[i] + e[1] * self.y[i] - self.radial_gap[i];
         }
         gap
     }
@@ -115,21 +115,21 @@ pub(super) fn positive<const N: usize>(x: &[f64; N]) -> u32 {
 
 /// Intervals next to each other.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Stretch {
-    /// Number of its intervals, at most [`STRETCH`].
+pub struct Segment {
+    /// Number of its intervals, at most [`SEGMENT`].
     pub intervals: usize,
     /// Angles at which its intervals begin; beyond its end the bore is out of reach.
-    pub begin: Angles<STRETCH>,
+    pub begin: Angles<SEGMENT>,
     /// Angle at which the last one ends.
     pub end: Angles<1>,
-    /// Eccentricity at which the journal touches the bore at both ends of the stretch `(2,)` [m]: eccentricities are
+    /// Eccentricity at which the journal touches the bore at both ends of the segment `(2,)` [m]: eccentricities are
     /// counted from there, so that the coefficients are as small as the bore is uneven.
     centre: [f64; 2],
-    /// Sums over its first 0 to [`STRETCH`] intervals.
-    pub sums: [Quadratic; STRETCH + 1],
+    /// Sums over its first 0 to [`SEGMENT`] intervals.
+    pub sums: [Quadratic; SEGMENT + 1],
 }
 
-impl Stretch {
+impl Segment {
     /// The intervals from `first` to before `end` of a bore with these tabulated radii [m] and unit vectors, with the least and the
     /// largest gap of its angles, with the other sign, at the eccentricity from which others are counted [m].
     #[inline(always)]
@@ -142,33 +142,33 @@ impl Stretch {
     ) -> (Self, [f64; 2]) {
         let n = radius.len();
         let at = |k: usize| if k == n { 0 } else { k };
-        let play = |k: usize| radius[at(k)] - journal_radius;
+        let radial_gap = |k: usize| radius[at(k)] - journal_radius;
         let (u, v) = (direction[first], direction[at(end)]);
-        let (a, b, det) = (play(first), play(end), cross(u, v));
+        let (a, b, det) = (radial_gap(first), radial_gap(end), cross(u, v));
         let centre = [(a * v[1] - b * u[1]) / det, (b * u[0] - a * v[0]) / det];
-        let mut begin = Angles { x: [0.0; STRETCH], y: [0.0; STRETCH], play: [f64::INFINITY; STRETCH] };
+        let mut begin = Angles { x: [0.0; SEGMENT], y: [0.0; SEGMENT], radial_gap: [f64::INFINITY; SEGMENT] };
         for (i, k) in (first..end).enumerate() {
-            ([begin.x[i], begin.y[i]], begin.play[i]) = (direction[k], play(k));
+            ([begin.x[i], begin.y[i]], begin.radial_gap[i]) = (direction[k], radial_gap(k));
         }
-        let mut stretch = Stretch {
+        let mut segment = Segment {
             intervals: end - first,
             begin,
-            end: Angles { x: [v[0]], y: [v[1]], play: [b] },
+            end: Angles { x: [v[0]], y: [v[1]], radial_gap: [b] },
             centre,
-            sums: [Quadratic::default(); STRETCH + 1],
+            sums: [Quadratic::default(); SEGMENT + 1],
         };
-        let uneven = |k: usize| play(k) - dot(centre, direction[at(k)]);
+        let uneven = |k: usize| radial_gap(k) - dot(centre, direction[at(k)]);
         let (mut least, mut most) = (uneven(first), uneven(first));
         for (i, k) in (first..end).enumerate() {
             let (here, there) = (uneven(k), uneven(k + 1));
             (least, most) = (least.min(there), most.max(there));
             let interval = Quadratic::of_interval(direction[k], direction[at(k + 1)], here, there);
-            stretch.sums[i + 1] = stretch.sums[i].plus(&interval);
+            segment.sums[i + 1] = segment.sums[i].plus(&interval);
         }
-        (stretch, [least, most])
+        (segment, [least, most])
     }
 
-    /// The eccentricity `e`, counted from the stretch's own [m].
+    /// The eccentricity `e`, counted from the segment's own [m].
     #[inline(always)]
     pub(super) fn relative_to_centre(&self, e: [f64; 2]) -> [f64; 2] {
         [e[0] - self.centre[0], e[1] - self.centre[1]]
@@ -179,7 +179,7 @@ impl Stretch {
     #[inline(always)]
     pub(super) fn positive(&self, e: [f64; 2], least: f64) -> u32 {
         let mut above = self.begin.gaps(e);
-        for i in 0..STRETCH {
+        for i in 0..SEGMENT {
             above[i] -= least;
         }
         positive(&above) | (u32::from(self.end.gaps(e)[0] > least) << self.intervals)
@@ -195,9 +195,9 @@ impl Stretch {
     #[inline(always)]
     pub(super) fn angle(&self, i: usize) -> ([f64; 2], f64) {
         if i < self.intervals {
-            ([self.begin.x[i], self.begin.y[i]], self.begin.play[i])
+            ([self.begin.x[i], self.begin.y[i]], self.begin.radial_gap[i])
         } else {
-            ([self.end.x[0], self.end.y[0]], self.end.play[0])
+            ([self.end.x[0], self.end.y[0]], self.end.radial_gap[0])
         }
     }
 
@@ -261,40 +261,40 @@ impl Quadratic {
     }
 }
 
-/// All stretches of a tabulated bore.
+/// All segmentes of a tabulated bore.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Stretches {
-    /// The stretches in order.
-    pub each: Vec<Stretch>,
-    /// Groups of [`GROUP`] stretches, which decide whether these touch.
-    pub groups: Vec<StretchGroup>,
-    /// One over the cosine of half the angle that the ends of a stretch enclose [1].
+pub struct Segmentes {
+    /// The segmentes in order.
+    pub each: Vec<Segment>,
+    /// Groups of [`GROUP`] segmentes, which decide whether these touch.
+    pub groups: Vec<SegmentGroup>,
+    /// One over the cosine of half the angle that the ends of a segment enclose [1].
     pub widening: f64,
-    /// Sums over the first 0 to all stretches, for eccentricities counted from zero.
+    /// Sums over the first 0 to all segmentes, for eccentricities counted from zero.
     pub across: Vec<Quadratic>,
 }
 
-impl Stretches {
+impl Segmentes {
     /// Tabulates a bore with these radii [m] and unit vectors.
     #[inline(always)]
     pub(super) fn tabulate(&mut self, journal_radius: f64, radius: &[f64], direction: &[[f64; 2]]) {
         let n = radius.len();
-        self.widening = 1.0 / libm::cos(0.5 * STRETCH as f64 * TAU / n as f64);
+        self.widening = 1.0 / libm::cos(0.5 * SEGMENT as f64 * TAU / n as f64);
         self.each.clear();
         self.across.clear();
         self.across.push(Quadratic::default());
         self.groups.clear();
-        self.groups.resize(n.div_ceil(STRETCH * GROUP), StretchGroup::EMPTY);
-        for (s, first) in (0..n).step_by(STRETCH).enumerate() {
-            let end = n.min(first + STRETCH);
-            let (stretch, [least, most]) = Stretch::new(first, end, journal_radius, radius, direction);
+        self.groups.resize(n.div_ceil(SEGMENT * GROUP), SegmentGroup::EMPTY);
+        for (s, first) in (0..n).step_by(SEGMENT).enumerate() {
+            let end = n.min(first + SEGMENT);
+            let (segment, [least, most]) = Segment::new(first, end, journal_radius, radius, direction);
             let (group, i) = (&mut self.groups[s / GROUP], s % GROUP);
-            for (ends, angle) in group.ends.iter_mut().zip([0, stretch.intervals]) {
-                ([ends.x[i], ends.y[i]], ends.play[i]) = stretch.angle(angle);
+            for (ends, angle) in group.ends.iter_mut().zip([0, segment.intervals]) {
+                ([ends.x[i], ends.y[i]], ends.radial_gap[i]) = segment.angle(angle);
             }
             (group.least[i], group.most[i]) = (least, most);
-            self.across.push(self.across[s].plus(&stretch.counted_from_zero()));
-            self.each.push(stretch);
+            self.across.push(self.across[s].plus(&segment.counted_from_zero()));
+            self.each.push(segment);
         }
     }
 }

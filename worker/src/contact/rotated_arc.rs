@@ -4,8 +4,8 @@
 //! angle psi, the unworn radius R1 of the journal, the worn bore R, the wear depth h of the journal and the
 //! angle alpha [rad] of the journal's body from that of the bushing. V = integral of g^2 / 2 over g > 0 [m^2
 //! rad], with g piecewise linear between the angles of the table, is a function of e and alpha; all
-//! derivatives are exact. Which intervals touch is found stretch by stretch as for the bore alone
-//! (`stretch.rs`), less the least depth of the journal there; they are then evaluated one by one, without
+//! derivatives are exact. Which intervals touch is found segment by segment as for the bore alone
+//! (`segment.rs`), less the least depth of the journal there; they are then evaluated one by one, without
 //! branches, since the coefficients of an interval change with alpha.
 //!
 //! # Source
@@ -15,20 +15,20 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::arc::{Arc, Arcs};
-use super::integrals::{Integrals, TurnedIntegrals, UnitIntegrals};
+use super::integrals::{Integrals, RotatedIntegrals, UnitIntegrals};
 use super::journal::Journal;
-use super::journal_table::{JournalTable, Turned};
-use super::stretch::{GROUP, STRETCH, Stretch};
+use super::journal_table::{JournalTable, Rotated};
+use super::segment::{GROUP, SEGMENT, Segment};
 use crate::bore::Radius;
 use crate::plane::{dot, length};
 use std::f64::consts::TAU;
 
-/// Angles at which the intervals of a stretch begin or end.
-pub(super) const ANGLES: usize = STRETCH + 1;
+/// Angles at which the intervals of a segment begin or end.
+pub(super) const ANGLES: usize = SEGMENT + 1;
 
 /// A tabulated bore with a worn journal in it.
 #[derive(Debug, Clone, Copy)]
-pub struct TurnedArc<'a> {
+pub struct RotatedArc<'a> {
     /// The tabulated bore.
     pub arc: &'a Arc,
     /// The tabulated journal.
@@ -39,7 +39,7 @@ pub struct TurnedArc<'a> {
 #[derive(Debug, Clone, Copy)]
 pub struct Pair<'a> {
     /// The tables of both.
-    pub turned: TurnedArc<'a>,
+    pub turned: RotatedArc<'a>,
     /// The journal.
     pub journal: &'a Journal,
 }
@@ -48,7 +48,7 @@ impl Arcs<f64> for Pair<'_> {
     const JOURNAL: bool = true;
 
     #[inline(always)]
-    fn integrate<const SECOND: bool>(&self, e: [f64; 2], alpha: f64) -> TurnedIntegrals {
+    fn integrate<const SECOND: bool>(&self, e: [f64; 2], alpha: f64) -> RotatedIntegrals {
         self.turned.integrate::<true>(e, alpha)
     }
 
@@ -68,36 +68,36 @@ impl Arcs<f64> for Pair<'_> {
     }
 }
 
-/// Gaps at the angles of a stretch, with their derivatives to alpha.
-struct TurnedGaps {
+/// Gaps at the angles of a segment, with their derivatives to alpha.
+struct RotatedGaps {
     gap: [f64; ANGLES],
     d1: [f64; ANGLES],
     d2: [f64; ANGLES],
 }
 
-impl TurnedArc<'_> {
+impl RotatedArc<'_> {
     /// Integrals over the arc in contact at the eccentricity `e` [m] with the journal turned by `alpha` [rad]; zeros for the derivatives to
     /// alpha unless `ALPHA`.
     #[inline(always)]
-    pub(super) fn integrate<const ALPHA: bool>(&self, e: [f64; 2], alpha: f64) -> TurnedIntegrals {
-        let mut sums = [[0.0; STRETCH]; 10];
+    pub(super) fn integrate<const ALPHA: bool>(&self, e: [f64; 2], alpha: f64) -> RotatedIntegrals {
+        let mut sums = [[0.0; SEGMENT]; 10];
         let mut touched = false;
         let at = self.journal.turned(alpha);
         for g in 0..self.groups(e) {
             let mut any = self.touching(e, at, g, 0.0);
             touched |= any != 0;
             while any != 0 {
-                let (s, stretch) = self.next_stretch(g, &mut any);
-                add_stretch::<ALPHA>(&mut sums, stretch, &self.gaps::<ALPHA>(e, at, s, stretch));
+                let (s, segment) = self.next_segment(g, &mut any);
+                add_segment::<ALPHA>(&mut sums, segment, &self.gaps::<ALPHA>(e, at, s, segment));
             }
         }
         if !touched {
-            return TurnedIntegrals::none(0.0);
+            return RotatedIntegrals::none(0.0);
         }
         let sum = sums.map(|of| of.iter().sum::<f64>());
         let to_e = Integrals { v: sum[0], p: [sum[1], sum[2]], d: [sum[3], sum[4], sum[5]] };
         let spacing = self.arc.spacing();
-        TurnedIntegrals {
+        RotatedIntegrals {
             to_e: UnitIntegrals { sums: to_e, extent: to_e.d[0] + to_e.d[2] }.scaled(spacing),
             t: sum[6] * spacing,
             et: [sum[7] * spacing, sum[8] * spacing],
@@ -105,45 +105,45 @@ impl TurnedArc<'_> {
         }
     }
 
-    /// Number of groups of stretches that may touch.
+    /// Number of groups of segmentes that may touch.
     #[inline(always)]
     fn groups(&self, e: [f64; 2]) -> usize {
-        if length(e) <= self.arc.reach() { 0 } else { self.arc.stretches().groups.len() }
+        if length(e) <= self.arc.reach() { 0 } else { self.arc.segmentes().groups.len() }
     }
 
-    /// The stretches of group `g` that may touch within `margin` of `e` [m], one bit each.
+    /// The segmentes of group `g` that may touch within `margin` of `e` [m], one bit each.
     #[inline(always)]
-    pub(super) fn touching(&self, e: [f64; 2], at: Turned, g: usize, margin: f64) -> u32 {
-        let stretches = self.arc.stretches();
+    pub(super) fn touching(&self, e: [f64; 2], at: Rotated, g: usize, margin: f64) -> u32 {
+        let segmentes = self.arc.segmentes();
         let mut least = [0.0; GROUP];
-        let rest = GROUP.min(stretches.each.len() - g * GROUP);
+        let rest = GROUP.min(segmentes.each.len() - g * GROUP);
         for i in 0..rest {
-            least[i] = self.journal.least(at, (g * GROUP + i) * STRETCH) - margin;
+            least[i] = self.journal.least(at, (g * GROUP + i) * SEGMENT) - margin;
         }
-        stretches.groups[g].touched_beyond(e, stretches.widening, &least)
+        segmentes.groups[g].touched_beyond(e, segmentes.widening, &least)
     }
 
-    /// Takes the first stretch of group `g` from the bits `any`: its number and itself. (Not a closure called for each stretch: that
+    /// Takes the first segment of group `g` from the bits `any`: its number and itself. (Not a closure called for each segment: that
     /// would be compiled for the least processor.)
     #[inline(always)]
-    pub(super) fn next_stretch(&self, g: usize, any: &mut u32) -> (usize, &Stretch) {
+    pub(super) fn next_segment(&self, g: usize, any: &mut u32) -> (usize, &Segment) {
         let s = g * GROUP + any.trailing_zeros() as usize;
         *any &= *any - 1;
-        (s, &self.arc.stretches().each[s])
+        (s, &self.arc.segmentes().each[s])
     }
 
-    /// Gaps at the angles of stretch `s`; beyond its end they are not positive.
+    /// Gaps at the angles of segment `s`; beyond its end they are not positive.
     #[inline(always)]
-    fn gaps<const ALPHA: bool>(&self, e: [f64; 2], at: Turned, s: usize, stretch: &Stretch) -> TurnedGaps {
-        let depth = self.journal.depths::<ANGLES>(at, s * STRETCH);
-        let mut gaps = TurnedGaps { gap: [0.0; ANGLES], d1: [0.0; ANGLES], d2: [0.0; ANGLES] };
-        for i in 0..STRETCH {
-            let bore = e[0] * stretch.begin.x[i] + e[1] * stretch.begin.y[i] - stretch.begin.play[i];
+    fn gaps<const ALPHA: bool>(&self, e: [f64; 2], at: Rotated, s: usize, segment: &Segment) -> RotatedGaps {
+        let depth = self.journal.depths::<ANGLES>(at, s * SEGMENT);
+        let mut gaps = RotatedGaps { gap: [0.0; ANGLES], d1: [0.0; ANGLES], d2: [0.0; ANGLES] };
+        for i in 0..SEGMENT {
+            let bore = e[0] * segment.begin.x[i] + e[1] * segment.begin.y[i] - segment.begin.radial_gap[i];
             gaps.gap[i] = bore - depth.depth[i];
         }
-        let last = stretch.intervals;
-        let (v, play) = stretch.angle(last);
-        gaps.gap[last] = dot(e, v) - play - depth.depth[last];
+        let last = segment.intervals;
+        let (v, radial_gap) = segment.angle(last);
+        gaps.gap[last] = dot(e, v) - radial_gap - depth.depth[last];
         if ALPHA {
             for i in 0..ANGLES {
                 (gaps.d1[i], gaps.d2[i]) = (-depth.d1[i], -depth.d2[i]);
@@ -182,43 +182,43 @@ impl TurnedArc<'_> {
         ([c, s], -self.journal.depths::<1>(turned, nearest).d1[0])
     }
 
-    /// Parts of the integral of g that belong to the angles of each stretch in contact, for intervals of length one, into `parts`, and the integral of g
-    /// u `(2,)` [m]; the angle between two stretches gets a part from either.
+    /// Parts of the integral of g that belong to the angles of each segment in contact, for intervals of length one, into `parts`, and the integral of g
+    /// u `(2,)` [m]; the angle between two segmentes gets a part from either.
     #[inline(always)]
-    pub(crate) fn weigh(&self, e: [f64; 2], alpha: f64, parts: &mut Vec<StretchParts>) -> [f64; 2] {
+    pub(crate) fn weigh(&self, e: [f64; 2], alpha: f64, parts: &mut Vec<SegmentParts>) -> [f64; 2] {
         parts.clear();
         let at = self.journal.turned(alpha);
-        let (mut x, mut y) = ([0.0; STRETCH], [0.0; STRETCH]);
+        let (mut x, mut y) = ([0.0; SEGMENT], [0.0; SEGMENT]);
         for g in 0..self.groups(e) {
             let mut any = self.touching(e, at, g, 0.0);
             while any != 0 {
-                let (s, stretch) = self.next_stretch(g, &mut any);
-                let gaps = self.gaps::<false>(e, at, s, stretch).gap;
-                let (mut to_a, mut to_b) = ([0.0; STRETCH], [0.0; STRETCH]);
-                for i in 0..STRETCH {
+                let (s, segment) = self.next_segment(g, &mut any);
+                let gaps = self.gaps::<false>(e, at, s, segment).gap;
+                let (mut to_a, mut to_b) = ([0.0; SEGMENT], [0.0; SEGMENT]);
+                for i in 0..SEGMENT {
                     [to_a[i], to_b[i]] = IntervalWeights::new(gaps[i], gaps[i + 1]).first;
                 }
-                let mut of = StretchParts { first: s * STRETCH, part: [0.0; ANGLES] };
-                of.part[..STRETCH].copy_from_slice(&to_a);
-                for i in 0..STRETCH {
-                    x[i] += to_a[i] * stretch.begin.x[i];
-                    y[i] += to_a[i] * stretch.begin.y[i];
+                let mut of = SegmentParts { first: s * SEGMENT, part: [0.0; ANGLES] };
+                of.part[..SEGMENT].copy_from_slice(&to_a);
+                for i in 0..SEGMENT {
+                    x[i] += to_a[i] * segment.begin.x[i];
+                    y[i] += to_a[i] * segment.begin.y[i];
                 }
-                for i in 0..STRETCH {
+                for i in 0..SEGMENT {
                     of.part[i + 1] += to_b[i];
                 }
-                for i in 0..STRETCH - 1 {
-                    x[i] += to_b[i] * stretch.begin.x[i + 1];
-                    y[i] += to_b[i] * stretch.begin.y[i + 1];
+                for i in 0..SEGMENT - 1 {
+                    x[i] += to_b[i] * segment.begin.x[i + 1];
+                    y[i] += to_b[i] * segment.begin.y[i + 1];
                 }
-                let (end, _) = stretch.angle(stretch.intervals);
-                x[0] += to_b[stretch.intervals - 1] * end[0];
-                y[0] += to_b[stretch.intervals - 1] * end[1];
+                let (end, _) = segment.angle(segment.intervals);
+                x[0] += to_b[segment.intervals - 1] * end[0];
+                y[0] += to_b[segment.intervals - 1] * end[1];
                 parts.push(of);
             }
         }
         let (mut all_x, mut all_y) = (0.0, 0.0);
-        for i in 0..STRETCH {
+        for i in 0..SEGMENT {
             (all_x, all_y) = (all_x + x[i], all_y + y[i]);
         }
         [all_x, all_y]
@@ -231,17 +231,17 @@ impl TurnedArc<'_> {
     }
 }
 
-/// What the angles of a stretch get of an integral.
+/// What the angles of a segment get of an integral.
 #[derive(Debug, Clone, Copy)]
-pub struct StretchParts {
+pub struct SegmentParts {
     /// Its first angle.
     pub first: usize,
     /// Parts of its angles; beyond its end zero.
     pub part: [f64; ANGLES],
 }
 
-impl StretchParts {
-    /// Number of angles of the longest stretch.
+impl SegmentParts {
+    /// Number of angles of the longest segment.
     pub(crate) const ANGLES: usize = ANGLES;
 }
 
@@ -275,11 +275,11 @@ impl IntervalWeights {
 /// Adds twice the potential, its gradient x, y, its second derivative xx, xy, yy and, if `ALPHA`, its derivative to alpha and the mixed and second
 /// ones, for intervals of length one.
 #[inline(always)]
-fn add_stretch<const ALPHA: bool>(sums: &mut [[f64; STRETCH]; 10], stretch: &Stretch, gaps: &TurnedGaps) {
-    let (last, [end]) = (stretch.intervals, [stretch.angle(stretch.intervals).0]);
+fn add_segment<const ALPHA: bool>(sums: &mut [[f64; SEGMENT]; 10], segment: &Segment, gaps: &RotatedGaps) {
+    let (last, [end]) = (segment.intervals, [segment.angle(segment.intervals).0]);
     let (mut x, mut y) = ([0.0; ANGLES], [0.0; ANGLES]);
-    x[..STRETCH].copy_from_slice(&stretch.begin.x);
-    y[..STRETCH].copy_from_slice(&stretch.begin.y);
+    x[..SEGMENT].copy_from_slice(&segment.begin.x);
+    y[..SEGMENT].copy_from_slice(&segment.begin.y);
     (x[last], y[last]) = (end[0], end[1]);
     for i in 0..last {
         let (ux, uy, vx, vy) = (x[i], y[i], x[i + 1], y[i + 1]);
