@@ -2,11 +2,11 @@
 //! differences.
 
 use super::frame::End;
-use super::joint::{Blocks, PairForce, PairMotion, Touching, pair_force};
+use super::joint::{Blocks, PairForce, PairMotion, pair_force};
 use super::wearing_pair::WearingPair;
 use super::{Frame, Island, ideal_cycle, islands};
 use crate::bore::Profile;
-use crate::contact::{Contact, ForceSlopes, JointForce, JointMotion, Journal, Surfaces};
+use crate::contact::{Contact, Journal, LawLanes, Surfaces};
 use crate::integrate::{Dynamics, StepControl, StepCounts, Stepped, Stepper};
 use common::scene::*;
 use std::f64::consts::TAU;
@@ -64,29 +64,14 @@ struct Alone {
     journal: Option<Journal>,
 }
 
-impl Touching<f64> for Alone {
-    type Place = ();
-    type Wall = ();
-
-    fn ends(&self) -> [End; 2] {
-        [End { frame: 0, arm: ARM_I }, End { frame: 1, arm: ARM_J }]
-    }
-    fn place(&self, _e: [f64; 2]) {}
-    fn wall(&self, _place: &(), _turn: f64) {}
-    fn force<const JACOBIAN: bool>(
-        &self,
-        _at: (&(), &()),
-        motion: &JointMotion,
-    ) -> (JointForce, ForceSlopes) {
-        let surfaces = Surfaces { bore: &self.profile, journal: self.journal.as_ref() };
-        self.contact.force::<JACOBIAN>(surfaces, motion)
-    }
-}
-
 impl Alone {
     /// Generalised forces on bodies in these frames.
     fn pair_force<const JACOBIAN: bool>(&self, i: &Frame, j: &Frame) -> PairForce {
-        pair_force::<f64, Self, JACOBIAN>(self, &PairMotion::new(self, i, j), &(), i, j)
+        let surfaces = Surfaces { bore: &self.profile, journal: self.journal.as_ref() };
+        let law = LawLanes::new(&self.contact, surfaces, 0.0);
+        let ends = [End { frame: 0, arm: ARM_I }, End { frame: 1, arm: ARM_J }];
+        let pair = PairMotion::new(ends, i, j);
+        pair_force::<f64, JACOBIAN>(&law, &pair, &law.walls(&pair.place, pair.motion.turn), i, j)
     }
 }
 

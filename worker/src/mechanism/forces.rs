@@ -10,6 +10,7 @@ use super::joint::{Blocks, PairMotion, Touching, pair_force};
 use super::load::{IslandLoad, NO_FRAME};
 use super::piecewise_cubic::Jet;
 use super::written_blocks::WrittenBlocks;
+use crate::contact::Walls;
 use crate::integrate::Linearised;
 use crate::lanes::Real;
 
@@ -26,36 +27,33 @@ pub(super) struct Acting<'a, R, J, G> {
     pub jets: &'a [Jet<R>],
 }
 
-/// Space for what is computed of all joints before their forces.
-#[derive(Debug)]
-pub(super) struct JointSpace<R: Real, J: Touching<R>> {
+/// Space for what is computed of all joints before the next step is done of any: all are long chains of operations, and those of several
+/// joints side by side fill the time that one alone waits.
+#[derive(Debug, Clone)]
+pub(super) struct JointSpace<R> {
     /// Motion of each joint `(joints,)`.
-    pub(super) pairs: Vec<PairMotion<R, J::Place>>,
+    pub(super) pairs: Vec<PairMotion<R>>,
     /// Surfaces at the contact of each joint `(joints,)`.
-    pub(super) walls: Vec<J::Wall>,
+    pub(super) walls: Vec<Walls<R>>,
 }
 
-impl<R: Real, J: Touching<R>> JointSpace<R, J> {
+impl<R: Real> JointSpace<R> {
     /// Space for these joints, filled with bodies at rest; `like` sets the number of lanes.
-    pub(super) fn new(joints: &[J], like: R) -> Self {
+    pub(super) fn new(joints: &[impl Touching<R>], like: R) -> Self {
         let zero = like.zero();
         let at_rest = Frame { x: [zero; 2], angle: zero, cs: [zero; 2], v: [zero; 2], omega: zero };
-        let pair = |joint: &J| PairMotion::new(joint, &at_rest, &at_rest);
+        let pair = |joint: &_| PairMotion::new(Touching::ends(joint), &at_rest, &at_rest);
         let pairs: Vec<_> = joints.iter().map(pair).collect();
-        let walls = joints.iter().zip(&pairs).map(|(joint, pair)| pair.wall(joint)).collect();
+        let wall =
+            |(joint, pair): (&_, &PairMotion<R>)| Touching::law(joint).walls(&pair.place, pair.motion.turn);
+        let walls = joints.iter().zip(&pairs).map(wall).collect();
         JointSpace { pairs, walls }
     }
 }
 
-impl<R: Real, J: Touching<R>> Default for JointSpace<R, J> {
+impl<R> Default for JointSpace<R> {
     fn default() -> Self {
         JointSpace { pairs: vec![], walls: vec![] }
-    }
-}
-
-impl<R: Real, J: Touching<R>> Clone for JointSpace<R, J> {
-    fn clone(&self) -> Self {
-        JointSpace { pairs: self.pairs.clone(), walls: self.walls.clone() }
     }
 }
 
@@ -66,7 +64,7 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
     pub(crate) fn applied<const JACOBIAN: bool>(
         &self,
         t: R,
-        space: &mut JointSpace<R, J>,
+        space: &mut JointSpace<R>,
         f: &mut [R],
         at: &mut Linearised<R>,
     ) {
@@ -82,15 +80,15 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         let JointSpace { pairs, walls } = space;
         for (joint, pair) in self.joints.iter().zip(&mut *pairs) {
             let [i, j] = joint.ends();
-            *pair = PairMotion::new(joint, &self.frames[i.frame], &self.frames[j.frame]);
+            *pair = PairMotion::new([i, j], &self.frames[i.frame], &self.frames[j.frame]);
         }
         for (joint, (pair, wall)) in self.joints.iter().zip(pairs.iter().zip(&mut *walls)) {
-            *wall = pair.wall(joint);
+            *wall = joint.law().walls(&pair.place, pair.motion.turn);
         }
         for (index, (joint, (pair, wall))) in self.joints.iter().zip(pairs.iter().zip(&*walls)).enumerate() {
             let [i, j] = joint.ends();
             let (fi, fj) = (&self.frames[i.frame], &self.frames[j.frame]);
-            let pair = pair_force::<R, J, JACOBIAN>(joint, pair, wall, fi, fj);
+            let pair = pair_force::<R, JACOBIAN>(joint.law(), pair, wall, fi, fj);
             self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.slopes, f, (at, &mut written));
             if JACOBIAN {
                 at.joints[index] = pair.joint;

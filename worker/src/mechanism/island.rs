@@ -60,7 +60,7 @@ pub struct Island {
     pub(super) frames: Vec<Frame>,
     /// Angles of the prescribed bodies with their derivatives, at the state last set.
     pub(super) jets: Vec<Jet>,
-    pub(super) space: JointSpace<f64, WearingJoint>,
+    pub(super) space: JointSpace<f64>,
 }
 
 /// Constituents of an island; see the fields of [`Island`].

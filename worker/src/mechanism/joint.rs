@@ -14,10 +14,9 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::frame::{End, Frame};
-use crate::contact::{ForceSlopes, JointForce, JointMotion};
+use crate::contact::{JointForce, JointMotion, LawLanes, PolarEccentricity, Walls};
 use crate::lanes::Real;
 use crate::plane::{fused_cross as cross, fused_dot as dot, left};
-use std::fmt::Debug;
 
 /// Derivatives of a force `(3,)` to three coordinates and to their rates `(3, 3)`.
 pub type Block<R> = [[[R; 3]; 3]; 2];
@@ -107,71 +106,51 @@ pub(crate) fn joint_motion<R: Real>(
     JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal, omega_bushing, turn }
 }
 
-/// A joint with clearance as a source of force in an island.
-pub trait Touching<R: Real> {
-    /// Where the contact is, and the surfaces there. Each is computed of all joints before the next step is done of any: all are long
-    /// chains of operations, and those of several joints side by side fill the time that one alone waits.
-    type Place: Debug + Copy;
-    /// Surfaces at the contact.
-    type Wall: Debug + Copy;
+/// A joint with clearance as a source of force in an island, or one per lane.
+pub trait Touching<R> {
     /// Ends of the joint: journal, bushing.
     fn ends(&self) -> [End<R>; 2];
-    /// Place of the contact at the eccentricity `e` `(2,)` [m].
-    fn place(&self, e: [R; 2]) -> Self::Place;
-    /// Surfaces at this place, with the journal's body turned by `turn` from the bushing's [rad].
-    fn wall(&self, place: &Self::Place, turn: R) -> Self::Wall;
-    /// Force of the joint at this place and motion; with `JACOBIAN` its exact derivative, else no slopes.
-    fn force<const JACOBIAN: bool>(
-        &self,
-        at: (&Self::Place, &Self::Wall),
-        motion: &JointMotion<R>,
-    ) -> (JointForce<R>, ForceSlopes<R>);
+    /// Its contact law on the surfaces as worn so far.
+    fn law(&self) -> &LawLanes<R>;
 }
 
 /// Motion of a joint, with what else its generalised forces need.
 #[derive(Debug, Clone, Copy)]
-pub struct PairMotion<R, P> {
+pub struct PairMotion<R> {
     /// Arms of journal and bushing `(2, 2)` [m], e [m] and w [m/s], all in global axes.
     arms: [[R; 2]; 2],
     separation: [[R; 2]; 2],
     /// Motion in the bushing's frame, and the place of the contact there.
     pub motion: JointMotion<R>,
-    pub place: P,
+    pub place: PolarEccentricity<R>,
 }
 
-impl<R: Real, P> PairMotion<R, P> {
-    /// Motion of the joint `touching` with its journal on the body in frame `fi` and its bushing on that in `fj`.
+impl<R: Real> PairMotion<R> {
+    /// Motion of the joint with these `ends`, its journal on the body in frame `fi` and its bushing on that in `fj`.
     #[inline(always)]
-    pub(crate) fn new(touching: &impl Touching<R, Place = P>, fi: &Frame<R>, fj: &Frame<R>) -> Self {
-        let [i, j] = touching.ends();
+    pub(crate) fn new([i, j]: [End<R>; 2], fi: &Frame<R>, fj: &Frame<R>) -> Self {
         let arms = [fi.turn(i.arm), fj.turn(j.arm)];
         let (e, w) = separation(fi, arms[0], fj, arms[1]);
         let (omega_journal, omega_bushing) = (fi.omega, fj.omega);
         let turn = fi.angle - fj.angle;
         let motion =
             JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal, omega_bushing, turn };
-        PairMotion { arms, separation: [e, w], place: touching.place(motion.e), motion }
-    }
-
-    /// Surfaces at the contact.
-    #[inline(always)]
-    pub(crate) fn wall<J: Touching<R, Place = P>>(&self, touching: &J) -> J::Wall {
-        touching.wall(&self.place, self.motion.turn)
+        PairMotion { arms, separation: [e, w], place: PolarEccentricity::new(motion.e), motion }
     }
 }
 
-/// Generalised forces of a joint at the motion `pair` and the surfaces `wall`, with its journal on the body in frame `fi` and its bushing on that in `fj`;
+/// Generalised forces of a joint with this `law` at the motion `pair` and the surfaces `wall`, with its journal on the body in frame `fi` and its bushing on that in `fj`;
 /// with `JACOBIAN` their exact derivatives.
 #[inline(always)]
-pub(crate) fn pair_force<R: Real, J: Touching<R>, const JACOBIAN: bool>(
-    touching: &J,
-    pair: &PairMotion<R, J::Place>,
-    wall: &J::Wall,
+pub(crate) fn pair_force<R: Real, const JACOBIAN: bool>(
+    law: &LawLanes<R>,
+    pair: &PairMotion<R>,
+    wall: &Walls<R>,
     fi: &Frame<R>,
     fj: &Frame<R>,
 ) -> PairForce<R> {
     let PairMotion { arms: [ai, aj], separation: [e, w], motion, place } = *pair;
-    let (joint, slopes) = touching.force::<JACOBIAN>((&place, wall), &motion);
+    let (joint, slopes) = law.force::<JACOBIAN>((&place, wall), &motion);
     let force = fj.turn(joint.force);
     let pair = if JACOBIAN {
         let axis = fj.turn(slopes.u);

@@ -14,9 +14,7 @@ use super::piecewise_cubic::Jet;
 use super::placed::Placed;
 use super::prescribed::Prescribed;
 use super::wearing_joint::WearingJoint;
-use crate::contact::{
-    ForceSlopes, GuideReaction, JointForce, JointMotion, LawLanes, PolarEccentricity, Walls,
-};
+use crate::contact::{GuideReaction, LawLanes};
 use crate::integrate::{Band, Closed, Dynamics, Linearised, SteppedLanes};
 use crate::lanes::{Lanewise, Real};
 
@@ -62,7 +60,7 @@ pub struct IslandLanes<R: Real> {
     inverse: Vec<(R, R)>,
     frames: Vec<Frame<R>>,
     jets: Vec<Jet<R>>,
-    space: JointSpace<R, JointLanes<R>>,
+    space: JointSpace<R>,
     /// In the place of a linearisation where none is computed.
     no_linearisation: Linearised<R>,
     band: Band,
@@ -237,10 +235,7 @@ impl<R: Real> IslandLanes<R> {
     /// Joints and loads of the islands at the state last set, the space that their forces take, and what takes the place of a linearisation
     /// where none is computed.
     #[inline(always)]
-    #[expect(clippy::type_complexity, reason = "parts of one value, taken apart where they are used")]
-    fn acting(
-        &mut self,
-    ) -> (Acting<'_, R, JointLanes<R>, Guide<R>>, &mut JointSpace<R, JointLanes<R>>, &mut Linearised<R>) {
+    fn acting(&mut self) -> (Acting<'_, R, JointLanes<R>, Guide<R>>, &mut JointSpace<R>, &mut Linearised<R>) {
         let IslandLanes { joints, guides, loads, weight, frames, jets, .. } = self;
         let acting = Acting { joints, guides, loads, weight, frames, jets };
         (acting, &mut self.space, &mut self.no_linearisation)
@@ -254,31 +249,14 @@ fn even_rotation<R: Real>(motions: &[Prescribed], like: R) -> Option<[R; 2]> {
 }
 
 impl<R: Real> Touching<R> for JointLanes<R> {
-    type Place = PolarEccentricity<R>;
-    type Wall = Walls<R>;
-
     #[inline(always)]
     fn ends(&self) -> [End<R>; 2] {
         self.ends
     }
 
     #[inline(always)]
-    fn place(&self, e: [R; 2]) -> PolarEccentricity<R> {
-        PolarEccentricity::new(e)
-    }
-
-    #[inline(always)]
-    fn wall(&self, place: &PolarEccentricity<R>, turn: R) -> Walls<R> {
-        self.law.walls(place, turn)
-    }
-
-    #[inline(always)]
-    fn force<const JACOBIAN: bool>(
-        &self,
-        at: (&PolarEccentricity<R>, &Walls<R>),
-        motion: &JointMotion<R>,
-    ) -> (JointForce<R>, ForceSlopes<R>) {
-        self.law.force::<JACOBIAN>(at, motion)
+    fn law(&self) -> &LawLanes<R> {
+        &self.law
     }
 }
 

@@ -4,9 +4,7 @@ use super::frame::End;
 use super::joint::Touching;
 use super::wearing_pair::WearingPair;
 use crate::bore::Profile;
-use crate::contact::{
-    Contact, ForceSlopes, JointForce, JointMotion, Journal, LawLanes, PolarEccentricity, Surfaces, Walls,
-};
+use crate::contact::{Contact, JointMotion, Journal, LawLanes, PolarEccentricity, Surfaces, Walls};
 use crate::wear::{BoreWearRate, ContactHistory, FinerBore, WearHistory, WearRate};
 use common::scene::Clearance;
 
@@ -139,29 +137,11 @@ impl WearingPair for WearingJoint {
 }
 
 impl Touching<f64> for WearingJoint {
-    type Place = PolarEccentricity<f64>;
-    type Wall = Walls<f64>;
-
     fn ends(&self) -> [End; 2] {
         self.ends
     }
 
-    #[inline(always)]
-    fn place(&self, e: [f64; 2]) -> PolarEccentricity<f64> {
-        PolarEccentricity::new(e)
-    }
-
-    #[inline(always)]
-    fn wall(&self, place: &PolarEccentricity<f64>, turn: f64) -> Walls<f64> {
-        self.law.walls(place, turn)
-    }
-
-    #[inline(always)]
-    fn force<const JACOBIAN: bool>(
-        &self,
-        at: (&PolarEccentricity<f64>, &Walls<f64>),
-        motion: &JointMotion,
-    ) -> (JointForce, ForceSlopes) {
-        self.law.force::<JACOBIAN>(at, motion)
+    fn law(&self) -> &LawLanes<f64> {
+        &self.law
     }
 }
