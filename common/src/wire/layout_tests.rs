@@ -174,6 +174,15 @@ fn frames() -> Vec<Vec<u8>> {
                 rate: 15.0,
             }],
         },
+        scale: Some(ScaleStatus {
+            system: "slurm".into(),
+            most: 16,
+            asked: 17,
+            waiting: 18,
+            running: 19,
+            failed: 20,
+            last_failure: "none".into(),
+        }),
     };
     let mut frames = vec![encode(&claim).unwrap(), encode(&status).unwrap()];
     frames.extend(

@@ -33,10 +33,10 @@ pub use message::{
 };
 pub use numbers::{NonFinite, failure_is_finite, find_non_finite};
 pub use reason::reason;
-pub use status::{FarmStatus, Phase, ReliabilitySoFar, Status, StudyStatus, WorkerStatus};
+pub use status::{FarmStatus, Phase, ReliabilitySoFar, ScaleStatus, Status, StudyStatus, WorkerStatus};
 
 /// Version of the messages. It changes with every change of their layout or meaning; there is no negotiation.
-pub const PROTOCOL_VERSION: u16 = 9;
+pub const PROTOCOL_VERSION: u16 = 10;
 
 /// Sessions that a coordinator accepts unless its configuration sets another number: one for each directly connected
 /// worker, router, or command that queries the status. See `cargo run --release -p tests --example many_sessions`.

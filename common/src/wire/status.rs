@@ -19,6 +19,8 @@ pub struct Status {
     pub study: StudyStatus,
     /// Workers and queue.
     pub farm: FarmStatus,
+    /// Jobs asked for of a batch system, if the coordinator asks for any.
+    pub scale: Option<ScaleStatus>,
 }
 
 /// Phase of a coordinator.
@@ -103,6 +105,25 @@ impl FarmStatus {
     pub fn slots(&self) -> u64 {
         self.workers.iter().map(|worker| u64::from(worker.slots)).sum()
     }
+}
+
+/// Jobs of a batch system that a coordinator asked for, each with one worker.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ScaleStatus {
+    /// The batch system, or the command for a job.
+    pub system: String,
+    /// Most jobs at once.
+    pub most: u64,
+    /// Jobs asked for so far.
+    pub asked: u64,
+    /// Jobs whose workers have not connected yet.
+    pub waiting: u64,
+    /// Jobs whose workers are connected.
+    pub running: u64,
+    /// Jobs that ended before their workers connected.
+    pub failed: u64,
+    /// Why the last one of these failed; empty if none has.
+    pub last_failure: String,
 }
 
 /// One connected worker.

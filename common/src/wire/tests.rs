@@ -172,8 +172,26 @@ fn status() -> impl Strategy<Value = Status> {
         Just(Phase::Learning),
         Just(Phase::Ending)
     ];
-    ("[0-9.]{0,9}", any::<u64>(), number(), phase, study, farm).prop_map(
-        |(program, clock_ms, up, phase, study, farm)| Status { program, clock_ms, up, phase, study, farm },
+    let scale = ("[a-z]{0,9}", any::<(u64, u64, u64)>(), ".{0,9}").prop_map(
+        |(system, (asked, waiting, failed), last_failure)| ScaleStatus {
+            system,
+            asked,
+            waiting,
+            failed,
+            last_failure,
+            ..ScaleStatus::default()
+        },
+    );
+    ("[0-9.]{0,9}", any::<u64>(), number(), phase, study, farm, proptest::option::of(scale)).prop_map(
+        |(program, clock_ms, up, phase, study, farm, scale)| Status {
+            program,
+            clock_ms,
+            up,
+            phase,
+            study,
+            farm,
+            scale,
+        },
     )
 }
 

@@ -243,6 +243,9 @@ pub enum CommandError {
     /// The operating system refused a signal handler.
     #[error("signals: {0}")]
     Signals(#[source] std::io::Error),
+    /// The thread that asks a batch system for workers could not be started.
+    #[error("workers cannot be asked for")]
+    Scale(#[source] std::io::Error),
     /// Options of a study before a command.
     #[error("options of a study go after `run`: coordinator run --workers ...")]
     MisplacedOptions,

@@ -60,9 +60,8 @@ pub fn check_accuracy(origin: &str, accuracy: &AccuracyArguments) -> Result<(), 
 
 /// True if the options ask for remote workers; otherwise this process runs the simulator without messages.
 pub fn has_remote_workers(farm: &FarmArguments) -> bool {
-    let FarmArguments { workers, listen, config, insecure, licences: _, mixed_builds: _, cross_check: _ } =
-        farm;
-    listen.is_some() || config.is_some() || *insecure || *workers == Some(Slots::Count(0))
+    let FarmArguments { workers, listen, config, insecure, scale, .. } = farm;
+    listen.is_some() || config.is_some() || *insecure || scale.is_some() || *workers == Some(Slots::Count(0))
 }
 
 /// The simulator of local workers next to remote ones; without local slots it is not used, and not opened.

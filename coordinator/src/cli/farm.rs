@@ -7,6 +7,7 @@ use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;
 use common::panics::end_process;
 use common::scene::SceneSource;
+use coordinator::farm::allocation::{BatchSystem, ScaleSettings, Scaling};
 use coordinator::farm::dispatch::{
     CampaignSpec, CrossCheck, Listen, StatusBoard, Watch, Watched, ZenohEvaluator, watch,
 };
@@ -14,13 +15,19 @@ use coordinator::farm::evaluate::Evaluator;
 use coordinator::presentation::monitor::StatusSource;
 use coordinator::presentation::terminal::print_message;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use worker::service::{self, ServiceConfig, Simulator, WorkerHandle};
 use worker::simulator::simulator;
 
 /// Said when the coordinator does not answer its own questions.
 const SILENT: &str = "the coordinator no longer answers its own questions: its messaging has failed. Every evaluation recorded so \
                       far is saved: continue a study with `coordinator resume DIR`.";
+
+/// How the arguments ask a batch system for workers.
+fn scale_settings(arguments: &FarmArguments) -> Option<ScaleSettings> {
+    let (system, most) = (arguments.scale.clone()?, arguments.most?);
+    Some(ScaleSettings { system, most, idle: arguments.idle.unwrap_or(Duration::from_secs(60)) })
+}
 
 /// Number of local slots that the arguments ask for.
 pub fn local_slots(arguments: &FarmArguments) -> usize {
@@ -126,6 +133,10 @@ pub struct WorkerFarm {
     /// Whether workers have to have the simulator of the scene themselves.
     is_external: bool,
     local: Option<WorkerHandle>,
+    /// Number of the campaign.
+    campaign: u64,
+    /// Asks a batch system for workers.
+    scaling: Option<Scaling>,
     _watched: Option<Watched>,
 }
 
@@ -159,16 +170,26 @@ impl WorkerFarm {
         campaign.cross_check = share.map(|share| CrossCheck { share, is_exact });
         let listen = Listen { endpoint: listen, config, insecure };
         let interrupted = interruption().map_err(CommandError::Signals)?;
+        let number = campaign.id;
         let evaluator = ZenohEvaluator::open(campaign, &listen, interrupted)?;
         let (arguments, simulator) = (arguments.clone(), simulator());
         let watched = |endpoint: &String| {
             watch(endpoint.clone(), arguments.config.clone(), Watch::default(), || end_process(SILENT))
         };
         let _watched = evaluator.endpoints().first().map(watched).transpose()?;
-        Ok(Self { evaluator, arguments, simulator, is_external, local: None, _watched })
+        Ok(Self {
+            evaluator,
+            arguments,
+            simulator,
+            is_external,
+            local: None,
+            campaign: number,
+            scaling: None,
+            _watched,
+        })
     }
 
-    /// Starts the local workers, if the arguments ask for any.
+    /// Starts the local workers, and asks a batch system for others, if the arguments ask for any.
     ///
     /// # Errors
     /// [`CommandError::Worker`].
@@ -183,12 +204,23 @@ impl WorkerFarm {
             service::spawn(config, Arc::clone(&self.simulator))
         };
         self.local = endpoint.map(spawn).transpose()?;
+        let endpoint = self.evaluator.endpoints().first().cloned();
+        if let (Some(settings), Some(endpoint)) = (scale_settings(&self.arguments), endpoint) {
+            if !matches!(settings.system, BatchSystem::Command(_)) && endpoint.contains("/127.0.0.1:") {
+                tracing::warn!(
+                    "jobs on other machines cannot reach {endpoint}: --listen or --config sets another address"
+                );
+            }
+            let (status, board) = (self.evaluator.status_handle(), self.evaluator.status_board());
+            let scaling = Scaling::start(settings, (endpoint, self.campaign), status, board);
+            self.scaling = Some(scaling.map_err(CommandError::Scale)?);
+        }
         Ok(())
     }
 
     /// Prints the addresses for remote workers if there are no local ones.
     pub fn print_endpoints(&self) {
-        if self.local.is_none() {
+        if self.local.is_none() && self.scaling.is_none() {
             let more = if self.is_external { " --simulator FILE-OF-THIS-SCENE" } else { "" };
             for endpoint in self.evaluator.endpoints() {
                 print_message(format_args!("waiting for workers: worker --connect {endpoint}{more}"));
@@ -199,6 +231,7 @@ impl WorkerFarm {
     /// Disconnects the workers and waits for the local ones to end.
     pub fn close(self) {
         self.evaluator.finish();
+        self.scaling.into_iter().for_each(Scaling::close);
         if let Some(Err(error)) = self.local.map(WorkerHandle::join) {
             // The command has its results; the end of a local worker only matters for diagnosis.
             tracing::warn!("local worker: {error}");

@@ -2,10 +2,12 @@
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use coordinator::farm::allocation::BatchSystem;
 use coordinator::statistics::named::{AUTO, parse_or_auto};
 use std::error::Error;
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::time::Duration;
 
 /// The scene of a command that names none.
 pub const DEFAULT_SCENE: &str = "flapping-wing";
@@ -56,6 +58,34 @@ pub struct FarmArguments {
     /// alone; none with --mixed-builds or a simulator of the scene]
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub cross_check: Option<f64>,
+    /// Ask a batch system for workers as the backlog demands: slurm, hyperqueue, or a shell command that runs one worker (see deploy/README.md)
+    #[arg(long, value_name = "slurm|hyperqueue|COMMAND", requires = "most")]
+    pub scale: Option<BatchSystem>,
+    /// Most jobs of --scale at once
+    #[arg(long, value_name = "N", requires = "scale", value_parser = positive)]
+    pub most: Option<usize>,
+    /// Time after which a worker of --scale without tasks leaves [default: 60s]
+    #[arg(long, value_name = "TIME", requires = "scale", value_parser = time)]
+    pub idle: Option<Duration>,
+}
+
+/// Reads a time: `60s`, `10min`, `1h`, or a number of seconds.
+///
+/// # Errors
+/// The allowed values, in words.
+pub fn time(text: &str) -> Result<Duration, String> {
+    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match &text[number.len()..] {
+        "" | "s" => 1,
+        "min" => 60,
+        "h" => 3600,
+        _ => 0,
+    };
+    let seconds = number.trim().parse::<u64>().ok().and_then(|number| number.checked_mul(unit));
+    let seconds = seconds.filter(|seconds| *seconds > 0);
+    seconds
+        .map(Duration::from_secs)
+        .ok_or_else(|| "allowed: a time above zero, e.g. 60s, 10min or 1h".to_owned())
 }
 
 /// Number of local worker slots.
@@ -137,7 +167,21 @@ fn slots(text: &str) -> Result<Slots, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::share;
+    use super::{share, time};
+    use std::time::Duration;
+
+    #[test]
+    fn times_have_a_unit_or_are_seconds() {
+        let seconds = |text: &str| time(text).map(|time| time.as_secs());
+        assert_eq!(
+            [seconds("60s"), seconds("2min"), seconds("1 h"), seconds("5")],
+            [Ok(60), Ok(120), Ok(3600), Ok(5)]
+        );
+        assert_eq!(time("10min"), Ok(Duration::from_secs(600)));
+        for wrong in ["", "0", "-1s", "1d", "s", "1.5s"] {
+            assert!(time(wrong).is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn shares_are_percent_or_plain() {

@@ -20,5 +20,6 @@
 //! attempt, so that a worker needs no memory of the coordinator; a job adds the scene and the coordinator that wants
 //! the outcome, so that a slot needs no memory of the worker.
 
+pub mod allocation;
 pub mod dispatch;
 pub mod evaluate;

@@ -1,6 +1,6 @@
 //! Progress of the study, written by the study and read by status queries.
 
-use common::wire::{FarmStatus, Phase, Status, StudyStatus};
+use common::wire::{FarmStatus, Phase, ScaleStatus, Status, StudyStatus};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 
@@ -12,6 +12,7 @@ pub struct StatusBoard(Arc<Mutex<Posted>>);
 struct Posted {
     study: StudyStatus,
     ending: bool,
+    scale: Option<ScaleStatus>,
 }
 
 impl StatusBoard {
@@ -27,6 +28,11 @@ impl StatusBoard {
     /// Posts that all evaluations have ended.
     pub fn post_ending(&self) {
         self.posted().ending = true;
+    }
+
+    /// Posts the jobs asked for of a batch system.
+    pub fn post_scale(&self, scale: ScaleStatus) {
+        self.posted().scale = Some(scale);
     }
 
     /// The status with the workers of `farm`; `up` is the time since the coordinator started.
@@ -45,6 +51,7 @@ impl StatusBoard {
             phase,
             study: posted.study.clone(),
             farm,
+            scale: posted.scale.clone(),
         }
     }
 }

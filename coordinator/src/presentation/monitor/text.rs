@@ -1,5 +1,6 @@
 //! The status of a running study as text.
 
+use crate::farm::allocation::scale_sentence;
 use crate::presentation::remaining::EvaluationProgress;
 use crate::presentation::report::format::{count, duration, fixed, share};
 use crate::statistics::reliability::REACH;
@@ -62,6 +63,9 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
             share(so_far.total, (so_far.total - reach).max(0.0), (so_far.total + reach).min(1.0)),
             count(study.rounds)
         )?;
+    }
+    if let Some(scale) = &status.scale {
+        writeln!(text, "{}", printable(&scale_sentence(scale)))?;
     }
     if farm.workers.is_empty() {
         return writeln!(text, "no worker is connected");

@@ -1,0 +1,296 @@
+//! The jobs asked for, as processes of ours that live as long as the jobs do.
+
+use super::ScaleSettings;
+use common::wire::ScaleStatus;
+use rustix::process::{Pid, Signal, kill_process_group};
+use std::io::{BufRead, BufReader, Write};
+use std::os::unix::process::CommandExt;
+use std::process::{Child, Command, Stdio};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Beginning of the names of the jobs' workers.
+const NAME: &str = "job-";
+/// Time until the next job is asked for after the first failure in a row, and its upper bound.
+const PAUSE: Duration = Duration::from_secs(10);
+const LONGEST_PAUSE: Duration = Duration::from_secs(600);
+/// Time for a process to end after SIGTERM.
+const GRACE: Duration = Duration::from_secs(2);
+
+/// Whether a worker of this name is a job.
+pub(super) fn is_job(worker: &str) -> bool {
+    worker.starts_with(NAME)
+}
+
+/// One job.
+#[derive(Debug)]
+struct Job {
+    worker: String,
+    process: Child,
+    /// The last line that the process wrote to standard error.
+    complaint: JoinHandle<String>,
+    asked: Instant,
+    connected: bool,
+}
+
+/// All jobs of a campaign.
+#[derive(Debug)]
+pub(super) struct Jobs {
+    settings: ScaleSettings,
+    endpoint: String,
+    name: String,
+    jobs: Vec<Job>,
+    slots_per_job: Option<u64>,
+    /// Workers of jobs that an earlier coordinator asked for.
+    inherited: usize,
+    failures_in_a_row: u32,
+    next: Option<Instant>,
+    asked: u64,
+    failed: u64,
+    last_failure: String,
+}
+
+impl Jobs {
+    /// No jobs yet of the campaign whose jobs are called `name`; their workers connect to `endpoint`.
+    pub(super) fn new(settings: ScaleSettings, endpoint: String, name: String) -> Self {
+        Jobs {
+            settings,
+            endpoint,
+            name,
+            jobs: vec![],
+            slots_per_job: None,
+            inherited: 0,
+            failures_in_a_row: 0,
+            next: None,
+            asked: 0,
+            failed: 0,
+            last_failure: String::new(),
+        }
+    }
+
+    /// Most jobs at once.
+    pub(super) fn most(&self) -> usize {
+        self.settings.most
+    }
+
+    /// Slots of the largest job that has connected.
+    pub(super) fn slots_per_job(&self) -> Option<u64> {
+        self.slots_per_job
+    }
+
+    /// Longest time that a job has been waiting for its worker.
+    pub(super) fn longest_wait(&self, now: Instant) -> Duration {
+        let waiting = self.jobs.iter().filter(|job| !job.connected);
+        waiting.map(|job| now - job.asked).max().unwrap_or_default()
+    }
+
+    /// Takes note of the connected workers (name and slots) and of jobs that have ended.
+    pub(super) fn observe<'a>(&mut self, now: Instant, workers: impl Iterator<Item = (&'a str, u32)>) {
+        self.inherited = 0;
+        for (name, slots) in workers.filter(|(name, _)| is_job(name)) {
+            let slots = Some(u64::from(slots)).filter(|slots| *slots > 0);
+            self.slots_per_job = self.slots_per_job.max(slots);
+            match self.jobs.iter_mut().find(|job| job.worker == name) {
+                Some(job) => job.connected = true,
+                None => self.inherited += 1,
+            }
+        }
+        for index in (0..self.jobs.len()).rev() {
+            if let Ok(None) = self.jobs[index].process.try_wait() {
+                continue;
+            }
+            let job = self.jobs.swap_remove(index);
+            if job.connected {
+                self.failures_in_a_row = 0;
+            } else {
+                self.fail(now, job.complaint.join().unwrap_or_default());
+            }
+        }
+    }
+
+    fn fail(&mut self, now: Instant, reason: String) {
+        let pause = PAUSE * 2_u32.saturating_pow(self.failures_in_a_row.min(16));
+        self.next = Some(now + pause.min(LONGEST_PAUSE));
+        self.failures_in_a_row += 1;
+        self.failed += 1;
+        self.last_failure =
+            if reason.is_empty() { "ended before its worker connected".to_owned() } else { reason };
+        if self.failures_in_a_row == 1 {
+            tracing::warn!("a job of {} failed: {}", self.settings.system, self.last_failure);
+        }
+    }
+
+    /// Asks for jobs until there are `wanted`, one of them at a time after a failure.
+    pub(super) fn ask(&mut self, now: Instant, wanted: usize) {
+        let wanted = wanted.min(self.settings.most);
+        if self.jobs.len() + self.inherited >= wanted || self.next.is_some_and(|next| now < next) {
+            return;
+        }
+        let present = (self.jobs.len() + self.inherited).max(self.listed());
+        let missing = wanted.saturating_sub(present);
+        let missing = if self.failures_in_a_row > 0 { missing.min(1) } else { missing };
+        for _ in 0..missing {
+            if let Err(error) = self.submit(now) {
+                self.fail(now, error.to_string());
+                break;
+            }
+        }
+    }
+
+    /// Jobs of the campaign that the batch system lists; zero where it cannot be asked.
+    fn listed(&self) -> usize {
+        let Some(list) = self.settings.system.list() else { return 0 };
+        let output = self.shell(list).stderr(Stdio::null()).output();
+        output
+            .map_or(0, |output| output.stdout.split(|byte| *byte == b'\n').filter(|l| !l.is_empty()).count())
+    }
+
+    fn submit(&mut self, now: Instant) -> std::io::Result<()> {
+        self.asked += 1;
+        let worker = format!("{NAME}{}", self.asked);
+        let mut process = self
+            .shell(self.settings.system.submit())
+            .env("WORKER_NAME", &worker)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .process_group(0)
+            .spawn()?;
+        // A command that does not read its input has ended, or needs none.
+        let _ =
+            process.stdin.take().map(|mut input| input.write_all(self.settings.system.script().as_bytes()));
+        let stderr = process.stderr.take();
+        let complaint = std::thread::spawn(move || {
+            let lines =
+                stderr.into_iter().flat_map(|stderr| BufReader::new(stderr).lines().map_while(Result::ok));
+            lines.filter(|line| !line.trim().is_empty()).last().unwrap_or_default()
+        });
+        tracing::info!("job {worker} asked for");
+        self.jobs.push(Job { worker, process, complaint, asked: now, connected: false });
+        Ok(())
+    }
+
+    fn shell(&self, command: &str) -> Command {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", command]);
+        shell.env("CONNECT", &self.endpoint).env("JOB_NAME", &self.name);
+        shell.env("IDLE_TIMEOUT", self.settings.idle.as_secs().max(1).to_string());
+        shell
+    }
+
+    /// What was asked for so far.
+    pub(super) fn status(&self) -> ScaleStatus {
+        let running = self.jobs.iter().filter(|job| job.connected).count();
+        ScaleStatus {
+            system: self.settings.system.to_string(),
+            most: self.settings.most as u64,
+            asked: self.asked,
+            waiting: (self.jobs.len() - running) as u64,
+            running: (running + self.inherited) as u64,
+            failed: self.failed,
+            last_failure: self.last_failure.clone(),
+        }
+    }
+
+    /// Withdraws the jobs that wait, and ends the processes of all.
+    pub(super) fn close(mut self) {
+        if let Some(withdraw) = self.settings.system.withdraw()
+            && !self.jobs.is_empty()
+            && let Err(error) = self.shell(withdraw).output()
+        {
+            tracing::warn!("waiting jobs could not be withdrawn: {error}");
+        }
+        self.signal(Signal::TERM);
+        let begun = Instant::now();
+        while begun.elapsed() < GRACE
+            && self.jobs.iter_mut().any(|job| matches!(job.process.try_wait(), Ok(None)))
+        {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        self.signal(Signal::KILL);
+        self.jobs.iter_mut().for_each(|job| _ = job.process.wait());
+    }
+
+    /// Sends a signal to the jobs' processes that run.
+    fn signal(&mut self, signal: Signal) {
+        for job in &mut self.jobs {
+            if let Ok(None) = job.process.try_wait()
+                && let Some(group) = i32::try_from(job.process.id()).ok().and_then(Pid::from_raw)
+            {
+                // It may have ended in between.
+                let _ = kill_process_group(group, signal);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::BatchSystem;
+    use super::*;
+
+    fn jobs(command: &str, most: usize) -> Jobs {
+        let system = BatchSystem::Command(command.to_owned());
+        let settings = ScaleSettings { system, most, idle: Duration::from_secs(60) };
+        Jobs::new(settings, "tcp/127.0.0.1:1".into(), "hingewise-1".into())
+    }
+
+    /// Observes without workers until a job has ended.
+    fn until_one_ended(jobs: &mut Jobs, workers: &[(&str, u32)]) {
+        let (begun, before) = (Instant::now(), jobs.jobs.len());
+        while jobs.jobs.len() == before {
+            assert!(begun.elapsed() < Duration::from_secs(20), "no job has ended");
+            jobs.observe(Instant::now(), workers.iter().copied());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    #[test]
+    fn never_more_jobs_than_allowed_and_all_end_at_the_end() {
+        let mut jobs = jobs("exec sleep 600", 3);
+        let now = Instant::now();
+        jobs.ask(now, 50);
+        jobs.ask(now, 50);
+        let ids: Vec<u32> = jobs.jobs.iter().map(|job| job.process.id()).collect();
+        jobs.observe(now, [("job-1", 16), ("job-9", 4), ("host", 8)].into_iter());
+        let ScaleStatus { asked, waiting, running, failed, .. } = jobs.status();
+        // One of them runs, as does one that an earlier coordinator asked for, which takes the place of another.
+        assert_eq!((asked, waiting, running, failed, jobs.slots_per_job()), (3, 2, 2, 0, Some(16)));
+        jobs.close();
+        for id in ids {
+            let group = Pid::from_raw(i32::try_from(id).unwrap()).unwrap();
+            assert!(rustix::process::test_kill_process(group).is_err(), "process {id} still runs");
+        }
+    }
+
+    #[test]
+    fn rejected_jobs_are_named_and_asked_for_more_and_more_seldom() {
+        let mut jobs = jobs("echo 'no such partition' >&2; exit 1", 5);
+        let mut now = Instant::now();
+        jobs.ask(now, 2);
+        until_one_ended(&mut jobs, &[]);
+        until_one_ended(&mut jobs, &[]);
+        assert_eq!((jobs.failed, jobs.last_failure.as_str()), (2, "no such partition"));
+        jobs.ask(now, 2);
+        assert_eq!(jobs.jobs.len(), 0, "not at once");
+        for pause in [25, 45, 85] {
+            now = Instant::now() + Duration::from_secs(pause);
+            jobs.ask(now, 2);
+            assert_eq!(jobs.jobs.len(), 1, "one at a time");
+            until_one_ended(&mut jobs, &[]);
+        }
+        jobs.close();
+    }
+
+    #[test]
+    fn jobs_that_are_cancelled_are_replaced() {
+        let mut jobs = jobs("exec sleep 0.3", 1);
+        jobs.ask(Instant::now(), 1);
+        jobs.observe(Instant::now(), [("job-1", 2)].into_iter());
+        until_one_ended(&mut jobs, &[("job-1", 2)]);
+        jobs.observe(Instant::now(), std::iter::empty());
+        jobs.ask(Instant::now(), 1);
+        assert_eq!((jobs.asked, jobs.failed), (2, 0));
+        jobs.close();
+    }
+}

@@ -1,0 +1,160 @@
+#!/bin/bash
+# Workers asked for by `coordinator run --scale slurm` of a real Slurm with two nodes: munge, controller and two node daemons of Debian's
+# packages run on this machine, on loopback. From zero workers: time to the first result, number of jobs, nodes back after the study, all jobs
+# cancelled in the middle, and the bits of a local study.
+#   tests/examples/real/slurm_scale.sh [FOLDER OF THE PROGRAMS]
+# About three minutes. Needs no root, systemd or cgroups. Exit code 77 if Slurm is not installed.
+set -euo pipefail
+top=$(realpath "$(dirname "$0")/../../..")
+programs=$(realpath "${1:-$top/target/release}")
+: "${EVALUATIONS:=400}" "${MOST:=2}"
+
+for need in slurmctld slurmd sbatch squeue scancel munged python3; do
+    if ! PATH=$PATH:/usr/sbin type -P "$need" >/dev/null; then
+        echo "not run: $need is not installed (Debian: slurmctld slurmd slurm-client munge python3)" >&2
+        exit 77
+    fi
+done
+PATH=$programs:$PATH:/usr/sbin
+coordinator --version
+slurmctld -V
+
+work=$(mktemp -d)
+chmod 711 "$work"
+started=()
+finish() {
+    squeue --noheader --format %A 2>/dev/null | sort -u | xargs --no-run-if-empty scancel || true
+    sleep 2
+    for ((k = ${#started[@]} - 1; k >= 0; k--)); do
+        kill "${started[k]}" 2>/dev/null || true
+        wait "${started[k]}" 2>/dev/null || true
+    done
+    if [ -n "${KEEP:-}" ]; then echo "kept: $work"; else rm -rf "$work"; fi
+}
+trap finish EXIT
+
+fail() {
+    echo "failed: $*" >&2
+    tail -n 10 "$work"/*.log "$work"/job/*.log >&2 || true
+    exit 1
+}
+
+# Waits until a command succeeds, at most so many seconds.
+within() {
+    local end=$((SECONDS + $1))
+    shift
+    until "$@" >/dev/null 2>&1; do
+        ((SECONDS < end)) || fail "still not true: $*"
+        sleep 0.2
+    done
+}
+
+free_port() {
+    local port
+    while port=$((20000 + RANDOM % 10000)) && (exec 3<>"/dev/tcp/127.0.0.1/$port") 2>/dev/null; do :; done
+    echo "$port"
+}
+
+dd if=/dev/urandom of="$work/munge.key" bs=128 count=1 status=none
+chmod 400 "$work/munge.key"
+munged --foreground --socket="$work/munge.socket" --key-file="$work/munge.key" --pid-file="$work/munge.pid" \
+    --log-file="$work/munged.log" --seed-file="$work/munge.seed" 2>"$work/munged.err.log" &
+started+=($!)
+within 20 test -S "$work/munge.socket"
+
+host=$(hostname -s)
+cat >"$work/slurm.conf" <<CONF
+ClusterName=trial
+SlurmctldHost=$host(127.0.0.1)
+SlurmctldPort=$(free_port)
+SlurmUser=$(id -un)
+SlurmdUser=$(id -un)
+AuthType=auth/munge
+CredType=cred/munge
+AuthInfo=socket=$work/munge.socket,cred_expire=10
+CommunicationParameters=NoInAddrAny,NoCtldInAddrAny
+StateSaveLocation=$work/state
+SlurmdSpoolDir=$work/spool-%n
+SlurmctldPidFile=$work/slurmctld.pid
+SlurmdPidFile=$work/slurmd-%n.pid
+SlurmctldLogFile=$work/slurmctld.log
+SlurmdLogFile=$work/slurmd-%n.log
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SwitchType=switch/none
+MpiDefault=none
+JobAcctGatherType=jobacct_gather/none
+AccountingStorageType=accounting_storage/none
+JobCompType=jobcomp/filetxt
+JobCompLoc=$work/jobs.txt
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core_Memory
+SchedulerParameters=sched_interval=2,bf_interval=2
+SlurmdParameters=config_overrides
+ReturnToService=2
+KillWait=5
+NodeName=node1 NodeHostname=$host NodeAddr=127.0.0.1 Port=$(free_port) CPUs=16 RealMemory=16384 State=UNKNOWN
+NodeName=node2 NodeHostname=$host NodeAddr=127.0.0.1 Port=$(free_port) CPUs=16 RealMemory=16384 State=UNKNOWN
+PartitionName=trial Nodes=node1,node2 Default=YES MaxTime=INFINITE State=UP
+CONF
+export SLURM_CONF=$work/slurm.conf
+mkdir "$work/state" "$work/spool-node1" "$work/spool-node2"
+slurmctld -D -f "$SLURM_CONF" 2>"$work/slurmctld.err.log" &
+started+=($!)
+for node in node1 node2; do
+    slurmd -D -N "$node" -f "$SLURM_CONF" 2>"$work/slurmd-$node.err.log" &
+    started+=($!)
+done
+within 60 scontrol ping
+nodes_are_idle() { [[ $(sinfo --noheader --Node --format %t | sort -u) == idle ]]; }
+within 60 nodes_are_idle
+
+export HOME=$work/home
+mkdir -p "$HOME" "$work/job"
+cd "$work/job"
+sed -e "s/^initial = .*/initial = $EVALUATIONS/" -e "s/^max_evaluations = .*/max_evaluations = $EVALUATIONS/" \
+    "$top/common/scenes/four-bar.toml" >scene.toml
+
+most_seen=0
+watch_jobs() {
+    local now
+    now=$(squeue --noheader --format %i | wc -l)
+    ((now > most_seen)) && most_seen=$now
+    true
+}
+
+began=$SECONDS
+coordinator run --scene scene.toml --accuracy reference --out scaled --workers 0 --scale slurm --most "$MOST" --idle 10s -v \
+    >scaled.out 2>scaled.log &
+study=$!
+has_first_result() { [ -n "$(python3 -c 'import sqlite3
+print(sqlite3.connect("file:scaled/campaign.db?mode=ro", uri=True).execute("select 1 from evaluation limit 1").fetchone() or "")')" ]; }
+within 120 has_first_result
+echo "first result after $((SECONDS - began)) s, from zero workers"
+while kill -0 "$study" 2>/dev/null; do
+    watch_jobs
+    if [ -z "${cancelled:-}" ] && ((SECONDS - began > 20)); then
+        cancelled=$(squeue --noheader --format %i | wc -l)
+        squeue --noheader --format %i | xargs --no-run-if-empty scancel
+        echo "all $cancelled jobs cancelled after $((SECONDS - began)) s"
+    fi
+    sleep 0.5
+done
+wait "$study" || fail "the study ended with an error: $(tail -n 3 scaled.log)"
+ended=$SECONDS
+echo "study of $EVALUATIONS evaluations: $((ended - began)) s"
+within 60 nodes_are_idle
+echo "both nodes back $((SECONDS - ended)) s after the end; at most $most_seen jobs at once"
+((most_seen <= MOST)) || fail "$most_seen jobs at once"
+[ -n "${cancelled:-}" ] || fail "the study ended before its jobs were cancelled: set EVALUATIONS higher"
+echo "jobs, by state of their end:"
+sed -E 's/^JobId=([0-9]+).* JobState=([A-Z]+).*/\2/' "$work/jobs.txt" | sort | uniq -c
+
+coordinator run --quiet --scene scene.toml --accuracy reference --out alone --workers auto >/dev/null
+for file in reliability.csv samples.csv; do
+    # The last columns of the samples are worker, wall time and time of the end.
+    columns='s/$//'
+    [ "$file" = samples.csv ] && columns='s/(,[^,]*){3}$//'
+    cmp <(sed -E "$columns" "scaled/$file") <(sed -E "$columns" "alone/$file") || fail "$file differs"
+done
+echo "ok: the bytes of a local study"
