@@ -48,6 +48,8 @@ pub struct Recorder {
     start_end: f64,
     /// Contacts of the last state.
     pub(super) last: Option<LastContacts>,
+    /// Time of the state whose motion was recorded last [s]; in lanes a state whose contacts are may turn out to have no force.
+    recorded: Option<f64>,
 }
 
 impl Recorder {
@@ -75,6 +77,7 @@ impl Recorder {
             peak_forces: requested.peak_forces.then(|| vec![Largest::default(); joints]),
             start_end: START * scene.life.period,
             last: None,
+            recorded: None,
         }
     }
 
@@ -125,7 +128,7 @@ impl Recorder {
             peaks.fill(Largest::default());
         }
         self.peaks.clear();
-        self.last = None;
+        (self.last, self.recorded) = (None, None);
     }
 
     /// The recording of the motion without the start of the cycle.
@@ -152,10 +155,10 @@ impl Recorder {
 }
 
 impl Recorder {
-    /// True if a state at this time [s] was the last one recorded: the second half of a cycle begins at the end of the first, and that
-    /// instant is observed twice.
+    /// True if the motion of a state at this time [s] was the last one recorded: the second half of a cycle begins at the end of the first,
+    /// and that instant is observed twice.
     pub(crate) fn has_recorded(&self, t: f64) -> bool {
-        self.last.as_ref().is_some_and(|last| last.time == t)
+        self.recorded == Some(t)
     }
 
     /// True if [`Self::record_motion`] reads the forces of the joints and those on prescribed bodies.
@@ -168,6 +171,7 @@ impl Recorder {
 
     /// Records everything of a state but the contacts.
     pub(crate) fn record_motion(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
+        self.recorded = Some(t);
         let later = t > self.start_end;
         for (slot, inertia, track) in &mut self.bodies {
             let k = 3 * *slot + 2;
@@ -202,7 +206,7 @@ impl Recorder {
         rows: &LaneRows<R>,
         space: (&mut [f64], &mut [f64], &mut Linearised),
     ) {
-        let recorded = self.last.as_ref().map(|last| last.time);
+        let recorded = self.recorded;
         if self.points.is_empty() && !self.peaks.any() {
             for (slot, inertia, track) in &mut self.bodies {
                 rows.each_new(|row, t| {
@@ -212,6 +216,7 @@ impl Recorder {
                     }
                 });
             }
+            rows.each_new(|_, t| self.recorded = Some(t));
             return;
         }
         let (q, v, at) = space;
@@ -259,6 +264,8 @@ impl StateObserver<Island> for Recorder {
     fn observe(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
         if !self.has_recorded(t) {
             self.record_motion(island, t, q, v, at);
+        }
+        if self.last.as_ref().is_none_or(|last| last.time != t) {
             self.record_contacts(island, t, at);
         }
     }
