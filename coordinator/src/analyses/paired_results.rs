@@ -15,30 +15,7 @@ pub struct ReliabilityChange {
     pub cycles: u32,
     /// Change of R per curve.
     #[serde(flatten)]
-    pub change: BTreeMap<String, ChangeRow>,
-}
-
-/// A change with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ChangeRow {
-    /// After minus before.
-    pub value: f64,
-    /// Lower limit; absent where it is not known.
-    pub lower: Option<f64>,
-    /// Upper limit; absent where it is not known.
-    pub upper: Option<f64>,
-}
-
-impl From<Change> for ChangeRow {
-    fn from(Change { value, lower, upper }: Change) -> Self {
-        Self { value, lower, upper }
-    }
-}
-
-impl From<ChangeRow> for Change {
-    fn from(ChangeRow { value, lower, upper }: ChangeRow) -> Self {
-        Self { value, lower, upper }
-    }
+    pub change: BTreeMap<String, Change>,
 }
 
 /// Change of the life at which a reliability falls to a level.
@@ -49,7 +26,7 @@ pub struct ChangeOfLife {
     /// Level of the reliability [1].
     pub reliability: f64,
     /// Change of the life with its 95 % interval [cycles]; absent where one of the lives is not known.
-    pub cycles: Option<ChangeRow>,
+    pub cycles: Option<Change>,
 }
 
 /// The points of both populations, which are made from the same uniform numbers.
@@ -95,7 +72,7 @@ impl PairedResults {
             let of_curve = |(c, name): (usize, &String)| {
                 let r = self.correlation(c, (n, n));
                 let found = change(interval(before, name)?, interval(after, name)?, r);
-                Some((name.clone(), found.into()))
+                Some((name.clone(), found))
             };
             let change = names.iter().enumerate().filter_map(of_curve).collect();
             ReliabilityChange { cycles: before.cycles, change }
@@ -123,7 +100,7 @@ impl PairedResults {
                     upper: row.interval.upper,
                     sampling: self.sampling_of_life(summary, row),
                 };
-                Some(change(interval(b, life_before, before), interval(a, life_after, after), r).into())
+                Some(change(interval(b, life_before, before), interval(a, life_after, after), r))
             });
             ChangeOfLife { limit_state: b.limit_state.clone(), reliability: b.reliability, cycles: both }
         })

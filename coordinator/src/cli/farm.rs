@@ -130,27 +130,37 @@ pub struct WorkerFarm {
 }
 
 impl WorkerFarm {
-    /// Listens for workers of a campaign and starts the local ones.
+    /// Listens for workers of a campaign and starts the local ones; unless `quiet`, prints the addresses for remote ones.
     ///
     /// # Errors
     /// Those of [`WorkerFarm::listen`] and [`WorkerFarm::start_workers`].
-    pub fn start(campaign: CampaignSpec, arguments: &FarmArguments) -> Result<Self, CommandError> {
+    pub fn start(
+        campaign: CampaignSpec,
+        arguments: &FarmArguments,
+        quiet: bool,
+    ) -> Result<Self, CommandError> {
         let mut farm = Self::listen(campaign, arguments)?;
         farm.start_workers()?;
+        if !quiet {
+            farm.print_endpoints();
+        }
         Ok(farm)
     }
 
     /// Listens for workers of a campaign; Ctrl-C and SIGTERM end its batches.
     ///
     /// # Errors
-    /// [`CommandError::Signals`], [`CommandError::Dispatch`], [`CommandError::NoLicences`].
+    /// [`CommandError::Signals`], [`CommandError::Dispatch`], [`CommandError::Refused`].
     pub fn listen(mut campaign: CampaignSpec, arguments: &FarmArguments) -> Result<Self, CommandError> {
         let FarmArguments { listen, config, insecure, licences, mixed_builds, cross_check, .. } =
             arguments.clone();
         campaign.build = campaign.build.filter(|_| !mixed_builds);
         match &mut campaign.simulator {
             Some(simulator) => simulator.licences = licences,
-            None if licences.is_some() => return Err(CommandError::NoLicences),
+            None if licences.is_some() => {
+                let fault = "for scenes that name their own simulator, not for mechanisms";
+                return Err(CommandError::refused("--licences", fault));
+            }
             None => {}
         }
         let is_external = campaign.simulator.is_some();

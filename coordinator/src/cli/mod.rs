@@ -7,7 +7,6 @@ mod calibrate;
 mod check;
 mod command;
 mod compare;
-mod decision_error;
 mod designs;
 mod distributions;
 mod doctor;
@@ -18,7 +17,6 @@ mod explain;
 mod external;
 mod extremes;
 mod farm;
-mod foreign_study;
 mod init;
 mod limit_text;
 mod measured;
@@ -97,7 +95,10 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
     let json = verbosity.json;
     let Some(command) = command else { return run::run(&options, verbosity) };
     if options != RunArguments::default() {
-        return Err(CommandError::MisplacedOptions);
+        return Err(CommandError::refused(
+            "options of a study go after `run`",
+            "coordinator run --workers ...",
+        ));
     }
     match command {
         CommandArguments::Run(options) => run::run(&options, verbosity),
