@@ -1,7 +1,7 @@
 //! The changes of reliabilities and lives between two results from the same simulations, over populations of common random
 //! numbers.
 
-use crate::results::life_summary::{LifeCurveRow, LifeRow};
+use crate::results::life_summary::LifeRow;
 use crate::results::summary::{ReliabilityRow, StudySummary};
 use crate::statistics::reliability::REACH;
 use crate::statistics::reliability::paired::{Change, IntervalEstimate, change, sampling_correlation};
@@ -113,7 +113,9 @@ impl PairedResults {
         let Some(curve) = summary.curves.iter().find(|curve| curve.limit_state == row.limit_state) else {
             return 0.0;
         };
-        let lives = [row.reliability + reach, row.reliability - reach].map(|level| life_at(curve, level));
+        let lives = [row.reliability + reach, row.reliability - reach].map(|level| {
+            reached(&curve.cycles, &curve.reliability, level).filter(|_| curve.reliability[0] > level)
+        });
         match lives {
             [Some(first), Some(last)] => 0.5 * (last - first),
             _ => 0.0,
@@ -126,11 +128,10 @@ pub fn curve_names(summary: &StudySummary) -> Vec<String> {
     summary.limit_states.iter().cloned().chain(["total".to_owned()]).collect()
 }
 
-/// The time at which a curve falls to a level, between its points [cycles].
-fn life_at(curve: &LifeCurveRow, level: f64) -> Option<f64> {
-    let next = curve.reliability.iter().position(|r| *r <= level)?;
-    let before = next.checked_sub(1)?;
-    let (r0, r1) = (curve.reliability[before], curve.reliability[next]);
-    let share = if r0 > r1 { (r0 - level) / (r0 - r1) } else { 1.0 };
-    Some(curve.cycles[before] + share * (curve.cycles[next] - curve.cycles[before]))
+/// The time at which straight lines between `values` `(g,)` [1] at `cycles` `(g,)` first fall to a level [cycles].
+pub fn reached(cycles: &[f64], values: &[f64], level: f64) -> Option<f64> {
+    let next = values.iter().position(|r| *r <= level)?;
+    let Some(before) = next.checked_sub(1) else { return Some(cycles[0]) };
+    let (r0, r1) = (values[before], values[next]);
+    Some(cycles[before] + (r0 - level) / (r0 - r1) * (cycles[next] - cycles[before]))
 }

@@ -1,9 +1,8 @@
 //! `coordinator calibrate`: fits free parameters of a scene to measured or published targets, with the workers of a study.
 
 use super::accuracy::AccuracyArguments;
-use super::announced::of_mechanism;
 use super::error::CommandError;
-use super::farm::WorkerFarm;
+use super::farm::{WorkerFarm, of_mechanism};
 use super::output::{answer_with, check_answer_destination};
 use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive, seed, whole};

@@ -59,11 +59,6 @@ impl CommandLine {
         let matches = accept_negative_numbers(grouped()).get_matches();
         Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
     }
-
-    /// The command line with a first help page on one screen: the commands in groups, and none of the options of `run`.
-    pub fn grouped() -> clap::Command {
-        grouped()
-    }
 }
 
 /// Reads `-1` after an option as its value, so that the message says what is allowed.
@@ -76,7 +71,7 @@ fn accept_negative_numbers(command: clap::Command) -> clap::Command {
 }
 
 /// The command line, with a first help page on one screen: the commands in groups, and none of the options of `run`.
-fn grouped() -> clap::Command {
+pub fn grouped() -> clap::Command {
     let command = CommandLine::command();
     let own = Verbosity::augment_args(clap::Command::new("own"));
     let is_own = |argument: &clap::Arg| own.get_arguments().any(|own| own.get_id() == argument.get_id());

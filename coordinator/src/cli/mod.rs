@@ -2,7 +2,6 @@
 //! error; a command ends with at most one error message and an exit code.
 
 mod accuracy;
-mod announced;
 mod calibrate;
 mod check;
 mod command;
@@ -37,7 +36,6 @@ mod signals;
 mod simulate;
 mod simulated;
 mod status;
-mod stored_status;
 mod stored_study;
 mod study_options;
 mod tradeoff;

@@ -2,12 +2,11 @@
 //!
 //! scene -> checks -> listen -> folder -> local workers -> study -> result files -> report
 
-use super::announced::announced;
 use super::designs::{Machines, after_study};
 use super::distributions::for_report;
 use super::error::CommandError;
 use super::external;
-use super::farm::{CommandEvaluator, cores, local_slots};
+use super::farm::{CommandEvaluator, announced, cores, local_slots};
 use super::monitor::{Monitor, StayingPage, WatchedStudy};
 use super::output::{print, to_json};
 use super::results::write_results;

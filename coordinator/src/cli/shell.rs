@@ -1,6 +1,6 @@
 //! `coordinator completions` and `coordinator man`: the command line for shells and for `man`.
 
-use super::command::CommandLine;
+use super::command::{CommandLine, grouped};
 use super::error::CommandError;
 use super::output::print;
 use clap::CommandFactory;
@@ -26,7 +26,7 @@ pub fn completions(shell: Shell) -> Result<(), CommandError> {
 /// # Errors
 /// [`CommandError::ResultFile`] or [`CommandError::Output`].
 pub fn man(out: Option<&Path>) -> Result<(), CommandError> {
-    let mut whole = CommandLine::grouped();
+    let mut whole = grouped();
     whole.build();
     if let Some(folder) = out {
         create_folder(folder)?;

@@ -1,9 +1,8 @@
 //! A study in its folder, finished or not, with its scene, settings and evaluations; and a finished one that answers questions, with
 //! workers for the simulations that a question needs.
 
-use super::announced::announced;
 use super::error::CommandError;
-use super::farm::CommandEvaluator;
+use super::farm::{CommandEvaluator, announced};
 use super::shared::FarmArguments;
 use common::scene::{Scene, SceneSource};
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace, StoredSpace};

@@ -1,8 +1,7 @@
 //! `coordinator tradeoff`: time against error of the accuracy settings of a scene, with the workers of a study.
 
-use super::announced::of_mechanism;
 use super::error::CommandError;
-use super::farm::WorkerFarm;
+use super::farm::{WorkerFarm, of_mechanism};
 use super::output::print;
 use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive};

@@ -2,7 +2,7 @@
 
 use super::CalibrationError;
 use super::least_squares::{Fit, LeastSquares};
-use super::report::{CalibrationResult, Counts, result};
+use super::report::{CalibrationResult, result};
 use super::responses::{CalibrationPoint, POPULATION, ResponseSurrogates};
 use super::space::{ParameterKind, Space};
 use super::targets::CalibrationTargets;
@@ -86,7 +86,7 @@ pub fn calibrate(
         let problem = LeastSquares { residuals, weights: vec![1.0; targets.len()] };
         let fit = problem.fit(&starts(space));
         if round == settings.rounds {
-            let counts = Counts { simulations: requested, failed: requested - simulated.len() };
+            let counts = (requested, requested - simulated.len());
             return Ok(result(space, targets, &responses, &problem, &fit, counts));
         }
         window = window_around(&fit);

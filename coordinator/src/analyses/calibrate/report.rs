@@ -94,23 +94,14 @@ pub struct CalibrationResult {
     pub conflicts: Vec<Conflict>,
 }
 
-/// Numbers of simulations.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Counts {
-    /// Number of all simulations.
-    pub simulations: usize,
-    /// Number of simulations without a result.
-    pub failed: usize,
-}
-
-/// The result of the last round.
+/// The result of the last round, with the numbers of all simulations and of those without a result.
 pub(super) fn result<R: Fn(&[f64]) -> Vec<f64>>(
     space: &Space,
     targets: &[Target],
     responses: &ResponseSurrogates<'_>,
     problem: &LeastSquares<R>,
     fit: &Fit,
-    counts: Counts,
+    (simulations, failed): (usize, usize),
 ) -> CalibrationResult {
     let best = fit.best.as_slice();
     let residuals = (problem.residuals)(best);
@@ -144,8 +135,8 @@ pub(super) fn result<R: Fn(&[f64]) -> Vec<f64>>(
         unit_si: target.unit.si,
     };
     CalibrationResult {
-        simulations: counts.simulations,
-        failed: counts.failed,
+        simulations,
+        failed,
         parameters: space.free.iter().enumerate().map(parameter).collect(),
         correlation: (0..p).map(|i| (0..p).map(|j| fit.correlation(i, j)).collect()).collect(),
         targets: targets.iter().zip(&residuals).map(target).collect(),
