@@ -99,15 +99,10 @@ pub fn simulate(
     let scene = source.nominal();
     let sample = source.sample_with(settings)?;
     let request = Request { id: 0, sample, with_first_cycle: false, accuracy: None };
-    let mut found = None;
-    open_simulator(simulator, scene, 1)?
-        .evaluate(&[request], &mut |finished| {
-            found = Some(finished);
-            Ok(())
-        })
-        .map_err(CommandError::Evaluate)?;
+    let (mut found, end) = open_simulator(simulator, scene, 1)?.outcomes(&[request], &mut |_| ());
+    end.map_err(CommandError::Evaluate)?;
     let lost = || CommandError::Evaluate(EvaluateError::NoOutcome { id: 0 });
-    let Finished { outcome, wall, .. } = found.ok_or_else(lost)?;
+    let Finished { outcome, wall, .. } = found.pop().flatten().ok_or_else(lost)?;
     let evaluation = outcome.map_err(|failure| CommandError::failed_simulation(source.origin(), &failure))?;
     let printed = PrintedReply {
         scene: &scene.name,
