@@ -57,7 +57,7 @@ pub enum CommandError {
     Simulation {
         /// File or name of the scene.
         origin: String,
-        /// The failure.
+        /// The failure or disagreement in words.
         what: String,
     },
     /// A setting of the study that is out of range.

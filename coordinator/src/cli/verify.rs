@@ -179,7 +179,9 @@ fn verification(found: &Verification) -> Answer {
 fn replayed(found: &Replayed) -> Answer {
     let meaning = "stated error: largest error of any R(n) that the surrogates state; true error: largest difference of any R(n) from that of \
          all samples; ratio: root mean square of true over stated; uncertain: share of the samples with U < 2";
-    let head = "evaluations | stated error | true error | ratio | uncertain | surrogates: kernel, trend, leave-one-out Q2, cross-validated Q2, factor on variances".split(" | ");
+    let head = "evaluations | stated error | true error | ratio | uncertain | \
+                surrogates: kernel, trend, leave-one-out Q2, cross-validated Q2, factor on variances"
+        .split(" | ");
     let rows = found.rounds.iter().map(|round| {
         vec![
             round.evaluations.to_string(),

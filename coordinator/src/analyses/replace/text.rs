@@ -147,7 +147,9 @@ fn inspections(report: &ReplacementReport, scene: &Scene) -> Vec<Part> {
          of units, the upper one with failures that none of them shows",
         first.output
     );
-    let head = "inspected every | replaced from | last age | cost per cycle (95 %) | failed | replaced by level | mean life | inspections of a unit".split(" | ");
+    let head = "inspected every | replaced from | last age | cost per cycle (95 %) | failed | \
+                replaced by level | mean life | inspections of a unit"
+        .split(" | ");
     let row = |row: &InspectionRow| {
         let shown =
             |level: f64| unit.as_ref().map(|unit| unit.after(&format!("{:.4}", unit.to_shown(level))));

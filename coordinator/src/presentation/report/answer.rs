@@ -12,7 +12,7 @@ use crate::results::summary::StudySummary;
 use maud::{Markup, Render, html};
 use std::path::{Path, PathBuf};
 
-/// An answer.
+/// An answer in every form.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Answer {
     /// Name of its files without their ending.
@@ -38,7 +38,7 @@ pub struct Answer {
 pub enum Part {
     /// A paragraph; `**` begins and ends what is important.
     Text(String),
-    /// A table.
+    /// A table with its heading.
     Table(Table),
     /// Sentences below a heading.
     Notes(&'static str, Vec<String>),
