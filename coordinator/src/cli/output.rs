@@ -68,7 +68,7 @@ pub fn deliver(text: &str, file: Option<&Path>) -> Result<(), CommandError> {
 pub fn is_file(out: &Path) -> bool {
     let ending = out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     let is_text = matches!(ending.as_deref(), Some("json" | "md" | "txt"));
-    out.exists() && !out.is_dir() || is_text && !out.is_dir()
+    !out.is_dir() && (out.exists() || is_text)
 }
 
 /// Checks the destination of an answer, a file or a folder, before it is computed.
