@@ -2,7 +2,7 @@
 
 use super::problems::Known;
 use common::random::standard_normal_quantile;
-use coordinator::analyses::optimise::{OptimisationProgress, OptimiseError, StudyBasis, markdown, optimise};
+use coordinator::analyses::optimise::{OptimisationProgress, OptimiseError, StudyBasis, answer, optimise};
 use coordinator::statistics::design::InputModel;
 use coordinator::statistics::learning::Mode;
 use coordinator::statistics::reliability::LineSampling;
@@ -68,7 +68,7 @@ pub fn solve(known: &Known, seed: u64, budget: usize, report: bool) -> Result<Ou
     };
     let found = optimise(&study, &known.problem, left, &mut simulate, &mut progress)?;
     if report {
-        eprintln!("{}", markdown(&found));
+        eprintln!("{}", answer(&found, "", vec![])?.markdown());
     }
     let inputs = known.problem.inputs(&study.problem.inputs, &found.values)?;
     let active = found.targets.iter().zip(&known.problem.targets).filter(|(target, _)| target.active);

@@ -13,7 +13,7 @@
 //! Orders of the error parts: measured by `coordinator tradeoff`; asymptotic expansion of the global error, Hairer,
 //! Norsett, Wanner (1993), Solving Ordinary Differential Equations I, section II.8.
 
-use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
+use crate::farm::evaluate::{EvaluateError, Evaluator, Request};
 use crate::presentation::report::format::short_percent;
 use common::accuracy::{Accuracy, AccuracyNameError, NamedAccuracy};
 use common::failure::SimulationFailure;
@@ -180,23 +180,12 @@ fn attempt(
     let mut longest = 0.0_f64;
     let (nominal, others) = points.split_at(points.len().min(1));
     for batch in [nominal, others] {
-        let requests: Vec<Request> = (0..)
-            .zip(batch)
-            .map(|(id, sample)| Request {
-                id,
-                sample: sample.clone(),
-                with_first_cycle: false,
-                accuracy: Some(setting.accuracy),
-            })
-            .collect();
-        let mut outcomes: Vec<Finished> = Vec::new();
-        evaluator.evaluate(&requests, &mut |finished| {
-            outcomes.push(finished);
-            Ok(())
-        })?;
+        let request = |(id, sample): (u64, &Vec<f64>)| Request::at(id, sample.clone(), setting.accuracy);
+        let requests: Vec<Request> = (0..).zip(batch).map(request).collect();
         // The reported failure does not depend on the order of arrival.
-        outcomes.sort_by_key(|finished| finished.id);
-        for finished in outcomes {
+        let (outcomes, end) = evaluator.outcomes(&requests, &mut |_| ());
+        end?;
+        for finished in outcomes.into_iter().flatten() {
             longest = longest.max(finished.wall);
             match finished.outcome {
                 Ok(evaluation) => {

@@ -1,7 +1,7 @@
 //! The changes of reliabilities and lives between two results from the same simulations, over populations of common random
 //! numbers.
 
-use crate::results::life_summary::{LifeCurveRow, LifeRow};
+use crate::results::life_summary::LifeRow;
 use crate::results::summary::{ReliabilityRow, StudySummary};
 use crate::statistics::reliability::REACH;
 use crate::statistics::reliability::paired::{Change, IntervalEstimate, change, sampling_correlation};
@@ -15,30 +15,7 @@ pub struct ReliabilityChange {
     pub cycles: u32,
     /// Change of R per curve.
     #[serde(flatten)]
-    pub change: BTreeMap<String, ChangeRow>,
-}
-
-/// A change with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ChangeRow {
-    /// After minus before.
-    pub value: f64,
-    /// Lower limit; absent where it is not known.
-    pub lower: Option<f64>,
-    /// Upper limit; absent where it is not known.
-    pub upper: Option<f64>,
-}
-
-impl From<Change> for ChangeRow {
-    fn from(Change { value, lower, upper }: Change) -> Self {
-        Self { value, lower, upper }
-    }
-}
-
-impl From<ChangeRow> for Change {
-    fn from(ChangeRow { value, lower, upper }: ChangeRow) -> Self {
-        Self { value, lower, upper }
-    }
+    pub change: BTreeMap<String, Change>,
 }
 
 /// Change of the life at which a reliability falls to a level.
@@ -49,7 +26,7 @@ pub struct ChangeOfLife {
     /// Level of the reliability [1].
     pub reliability: f64,
     /// Change of the life with its 95 % interval [cycles]; absent where one of the lives is not known.
-    pub cycles: Option<ChangeRow>,
+    pub cycles: Option<Change>,
 }
 
 /// The points of both populations, which are made from the same uniform numbers.
@@ -95,7 +72,7 @@ impl PairedResults {
             let of_curve = |(c, name): (usize, &String)| {
                 let r = self.correlation(c, (n, n));
                 let found = change(interval(before, name)?, interval(after, name)?, r);
-                Some((name.clone(), found.into()))
+                Some((name.clone(), found))
             };
             let change = names.iter().enumerate().filter_map(of_curve).collect();
             ReliabilityChange { cycles: before.cycles, change }
@@ -123,7 +100,7 @@ impl PairedResults {
                     upper: row.interval.upper,
                     sampling: self.sampling_of_life(summary, row),
                 };
-                Some(change(interval(b, life_before, before), interval(a, life_after, after), r).into())
+                Some(change(interval(b, life_before, before), interval(a, life_after, after), r))
             });
             ChangeOfLife { limit_state: b.limit_state.clone(), reliability: b.reliability, cycles: both }
         })
@@ -136,7 +113,9 @@ impl PairedResults {
         let Some(curve) = summary.curves.iter().find(|curve| curve.limit_state == row.limit_state) else {
             return 0.0;
         };
-        let lives = [row.reliability + reach, row.reliability - reach].map(|level| life_at(curve, level));
+        let lives = [row.reliability + reach, row.reliability - reach].map(|level| {
+            reached(&curve.cycles, &curve.reliability, level).filter(|_| curve.reliability[0] > level)
+        });
         match lives {
             [Some(first), Some(last)] => 0.5 * (last - first),
             _ => 0.0,
@@ -149,11 +128,10 @@ pub fn curve_names(summary: &StudySummary) -> Vec<String> {
     summary.limit_states.iter().cloned().chain(["total".to_owned()]).collect()
 }
 
-/// The time at which a curve falls to a level, between its points [cycles].
-fn life_at(curve: &LifeCurveRow, level: f64) -> Option<f64> {
-    let next = curve.reliability.iter().position(|r| *r <= level)?;
-    let before = next.checked_sub(1)?;
-    let (r0, r1) = (curve.reliability[before], curve.reliability[next]);
-    let share = if r0 > r1 { (r0 - level) / (r0 - r1) } else { 1.0 };
-    Some(curve.cycles[before] + share * (curve.cycles[next] - curve.cycles[before]))
+/// The time at which straight lines between `values` `(g,)` [1] at `cycles` `(g,)` first fall to a level [cycles].
+pub fn reached(cycles: &[f64], values: &[f64], level: f64) -> Option<f64> {
+    let next = values.iter().position(|r| *r <= level)?;
+    let Some(before) = next.checked_sub(1) else { return Some(cycles[0]) };
+    let (r0, r1) = (values[before], values[next]);
+    Some(cycles[before] + (r0 - level) / (r0 - r1) * (cycles[next] - cycles[before]))
 }

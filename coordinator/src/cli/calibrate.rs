@@ -2,18 +2,15 @@
 
 use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
-use super::farm::WorkerFarm;
-use super::output::{check_destination, deliver, to_json};
+use super::farm::{WorkerFarm, of_mechanism};
+use super::output::{answer_with, check_answer_destination};
 use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive, seed, whole};
 use clap::Args;
-use common::evaluation_shape::EvaluationShape;
 use common::scene::{InputFile, SceneSource};
 use coordinator::analyses::calibrate::{
-    CalibrationProgress, CalibrationSettings, Space, calibrate as fit, markdown, of_parameters, read_targets,
+    CalibrationProgress, CalibrationSettings, Space, answer, calibrate as fit, of_parameters, read_targets,
 };
-use coordinator::farm::dispatch::CampaignSpec;
-use coordinator::presentation::terminal::print_message;
 use std::path::PathBuf;
 
 /// Arguments of `coordinator calibrate`.
@@ -38,8 +35,9 @@ pub struct CalibrateArguments {
     /// Seed of every random draw
     #[arg(long, value_name = "N", default_value = "1", value_parser = seed, help_heading = "Method")]
     pub seed: u64,
-    /// Write the report (Markdown, or JSON with --json) to this file instead of standard output
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    /// Write calibration.html, calibration.md and calibration.json to this folder, created if missing; or the report (Markdown, or JSON
+    /// with --json) to this file, which ends in .md, .txt or .json, instead of standard output
+    #[arg(long, value_name = "DIR-or-FILE", help_heading = "Output")]
     pub out: Option<PathBuf>,
 }
 
@@ -48,12 +46,9 @@ pub struct CalibrateArguments {
 /// # Errors
 /// [`CommandError`].
 pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    check_destination(arguments.out.as_deref())?;
+    check_answer_destination(arguments.out.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let scene = source.nominal();
-    if scene.simulator.is_some() {
-        return Err(CommandError::NoMechanism { origin: source.origin().to_owned() });
-    }
     check_linkage(source.origin(), &source, scene)?;
     let file = InputFile::load(&arguments.targets)?;
     let targets = read_targets(&file, &source)?;
@@ -65,31 +60,14 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
         seed: arguments.seed,
         accuracy: accuracy.accuracy,
     };
-    let digest =
-        common::scene::source::digest(&format!("calibrate {plan:?} {targets:?}\n{}", space.source.text()));
-    let campaign = CampaignSpec {
-        // The low half of a 128-bit hash is a 64-bit hash.
-        id: digest as u64,
-        scene: space.source.text().to_owned(),
-        accuracy: accuracy.accuracy,
-        accuracy_name: accuracy.name,
-        build: Some(worker::BUILD),
-        shape: Some(EvaluationShape::of(scene)),
-        simulator: None,
-        cross_check: None,
-        resumed: false,
-    };
-    let mut farm = WorkerFarm::start(campaign, &arguments.farm)?;
-    if !verbosity.quiet {
-        farm.print_endpoints();
-    }
+    let campaign = of_mechanism(&space.source, accuracy, &format!("calibrate {plan:?} {targets:?}"));
+    let mut farm = WorkerFarm::start(campaign, &arguments.farm, verbosity.quiet)?;
     let report_progress = &mut |CalibrationProgress { round, done, all }: CalibrationProgress| {
-        if !verbosity.quiet && (done == all || done % 10 == 0) {
-            print_message(format_args!("round {round}: {done}/{all} simulations"));
+        if done == all || done % 10 == 0 {
+            verbosity.say(format_args!("round {round}: {done}/{all} simulations"));
         }
     };
     let found = fit(&targets, &plan, &mut farm.evaluator, &space, report_progress)?;
     farm.close();
-    let text = if verbosity.json { to_json(&found)? } else { markdown(&found) };
-    deliver(&text, arguments.out.as_deref())
+    answer_with(&answer(&found, &scene.name), &found, arguments.out.as_deref(), verbosity.json)
 }

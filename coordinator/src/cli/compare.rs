@@ -1,14 +1,14 @@
 //! `coordinator compare`: a page with the curves of several finished studies, and the curves as CSV.
 
 use super::error::CommandError;
-use super::output::{check_destination, print, to_json};
+use super::output::{check_destination, print, to_json, unusable};
 use super::stored_study::{scene_of, summary_of};
 use clap::Args;
 use common::scene::SceneSource;
 use coordinator::analyses::scene_difference::{DifferingKey, differing_keys};
 use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::compare::{ComparedStudy, check, csv, gain, html};
-use coordinator::results::result_files::write_text;
+use coordinator::results::result_files::{create_folder, write_text};
 use coordinator::results::store::CampaignFile;
 use coordinator::study::LEVELS;
 use serde::Serialize;
@@ -21,8 +21,8 @@ pub struct CompareArguments {
     /// Folders of the studies
     #[arg(required = true, num_args = 2.., value_name = "DIR")]
     pub dirs: Vec<PathBuf>,
-    /// The page; the CSV file has the same name with .csv
-    #[arg(long, value_name = "FILE.html")]
+    /// The page, FILE.html, with the CSV file of the same name next to it; or the folder for compare.html and compare.csv
+    #[arg(long, value_name = "DIR-or-FILE.html")]
     pub out: PathBuf,
 }
 
@@ -31,14 +31,18 @@ pub struct CompareArguments {
 /// # Errors
 /// [`CommandError`] if a study is not finished, or the studies cannot be compared.
 pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), CommandError> {
-    let page = &arguments.out;
+    let out = &arguments.out;
+    let is_folder = out.extension().is_none() || out.is_dir();
+    let page = &if is_folder { out.join("compare.html") } else { out.clone() };
     let numbers = page.with_extension("csv");
     if numbers == *page {
         let fault = "is the name of the CSV file: expected a name that ends in .html".to_owned();
-        return Err(CommandError::Destination { file: page.clone(), fault });
+        return Err(unusable(page, fault));
     }
-    check_destination(Some(page))?;
-    check_destination(Some(&numbers))?;
+    if !is_folder {
+        check_destination(Some(page))?;
+        check_destination(Some(&numbers))?;
+    }
     let names = names(&arguments.dirs);
     let studies: Vec<ComparedStudy> =
         arguments.dirs.iter().zip(names).map(|(dir, name)| study(dir, name)).collect::<Result<_, _>>()?;
@@ -54,6 +58,9 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "\u{2013}".to_owned());
     let table: Vec<(String, Vec<String>)> =
         differing.iter().map(|row| (row.key.clone(), row.values.iter().map(value).collect())).collect();
+    if is_folder {
+        create_folder(out)?;
+    }
     write_text(page, &html(&studies, &table).map_err(ReportError::from)?)?;
     write_text(&numbers, &csv(&studies))?;
     let gains = gains(&studies, &table);

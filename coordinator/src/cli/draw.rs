@@ -1,7 +1,7 @@
 //! `coordinator draw`: the mechanism of a scene as a drawing, before anything is simulated.
 
 use super::error::CommandError;
-use super::output::{check_destination, print, to_json};
+use super::output::{check_destination, print, to_json, unusable};
 use super::scenes::check_linkage;
 use clap::Args;
 use common::scene::{Motion, Scene, SceneSource};
@@ -46,7 +46,7 @@ fn share(text: &str) -> Result<f64, String> {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CommandError::Scene`], [`CommandError::NoMechanism`], [`CommandError::NotModelled`] for a mechanism without extent, the failure of a linkage that does
+/// [`CommandError::Scene`], [`CommandError::Refused`] for a scene without a mechanism or one without extent, the failure of a linkage that does
 /// not close, or the error of a file that cannot be written.
 pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError> {
     check_picture(arguments.out.as_deref())?;
@@ -68,7 +68,7 @@ pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError
 /// Checks that a picture can be written under this name.
 ///
 /// # Errors
-/// [`CommandError::Destination`].
+/// [`CommandError::Refused`].
 pub fn check_picture(file: Option<&Path>) -> Result<(), CommandError> {
     check_destination(file)?;
     let Some(file) = file else { return Ok(()) };
@@ -77,7 +77,7 @@ pub fn check_picture(file: Option<&Path>) -> Result<(), CommandError> {
         None | Some("svg" | "png") => Ok(()),
         Some(other) => {
             let fault = format!("pictures are written as .svg or .png, not as .{other}");
-            Err(CommandError::Destination { file: file.to_path_buf(), fault })
+            Err(unusable(file, fault))
         }
     }
 }
@@ -116,7 +116,7 @@ pub fn drawing_figure(origin: &str, scene: &Scene) -> Option<Figure> {
 /// The mechanism with ideal joints at a share of its cycle; at its start, where drives and joints do not determine the motion.
 ///
 /// # Errors
-/// [`CommandError::NotModelled`] for a mechanism without extent, or the failure of a linkage that does not close.
+/// [`CommandError::Refused`] for a mechanism without extent, or the failure of a linkage that does not close.
 fn drawn(
     origin: &str,
     scene: &Scene,
@@ -144,8 +144,7 @@ fn drawn(
         .collect();
     let shown = drawing::instant(cycle.len(), share);
     DrawnMechanism::new(mechanism, &cycle, shown).ok_or_else(|| {
-        let what = "a mechanism whose points all coincide".to_owned();
-        CommandError::NotModelled { origin: origin.to_owned(), what }
+        CommandError::refused(origin, "not modelled yet: a mechanism whose points all coincide")
     })
 }
 

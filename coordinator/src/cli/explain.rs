@@ -224,31 +224,21 @@ fn wear(clearance: &Clearance) -> String {
         ControlPoints::Number(number) => format!("{number} control points"),
         ControlPoints::ByArc => "control points by the contact arc".to_owned(),
     };
-    match clearance.wear_coefficients() {
-        [0.0, 0.0] => "does not wear".to_owned(),
-        [bore, 0.0] => format!("the bore wears (Archard, K_H = {bore:e} 1/Pa, {points})"),
-        [0.0, journal] => {
-            format!("the journal wears (Archard, K_H = {journal:e} 1/Pa, {points})")
-        }
-        [bore, journal] => {
-            format!("bore and journal wear (Archard, K_H = {bore:e} and {journal:e} 1/Pa, {points} each)")
-        }
-    }
+    worn(clearance.wear_coefficients(), ["bore", "journal"], &points)
 }
 
 fn guide_wear(wear: &GuideWear) -> String {
-    let points = wear.control_points;
-    match wear.coefficients() {
+    let points = format!("{} control points on each face", wear.control_points);
+    worn(wear.coefficients(), ["guide", "slider"], &points)
+}
+
+/// The surfaces that wear, with their coefficients [1/Pa].
+fn worn(coefficients: [f64; 2], [first, second]: [&str; 2], points: &str) -> String {
+    match coefficients {
         [0.0, 0.0] => "does not wear".to_owned(),
-        [guide, 0.0] => {
-            format!("the guide wears (Archard, K_H = {guide:e} 1/Pa, {points} control points on each face)")
-        }
-        [0.0, slider] => {
-            format!("the slider wears (Archard, K_H = {slider:e} 1/Pa, {points} control points on each face)")
-        }
-        [guide, slider] => format!(
-            "guide and slider wear (Archard, K_H = {guide:e} and {slider:e} 1/Pa, {points} control points on each face of the guide)"
-        ),
+        [k, 0.0] => format!("the {first} wears (Archard, K_H = {k:e} 1/Pa, {points})"),
+        [0.0, k] => format!("the {second} wears (Archard, K_H = {k:e} 1/Pa, {points})"),
+        [a, b] => format!("{first} and {second} wear (Archard, K_H = {a:e} and {b:e} 1/Pa, each: {points})"),
     }
 }
 

@@ -52,7 +52,7 @@ pub fn open_simulator(
 /// Refuses options on accuracy: they are for mechanisms.
 ///
 /// # Errors
-/// [`CommandError::NotForSimulators`].
+/// [`CommandError::Refused`].
 pub fn check_accuracy(origin: &str, accuracy: &AccuracyArguments) -> Result<(), CommandError> {
     let given = [("--accuracy", accuracy.accuracy.is_some()), ("--max-error", accuracy.max_error.is_some())];
     refuse(origin, &given, "the simulator determines its own accuracy")
@@ -81,9 +81,7 @@ pub fn own_simulator(source: &SceneSource, slots: usize) -> Result<Arc<dyn Simul
 
 fn refuse(origin: &str, given: &[(&'static str, bool)], reason: &'static str) -> Result<(), CommandError> {
     match given.iter().find(|(_, given)| *given) {
-        Some((option, _)) => {
-            Err(CommandError::NotForSimulators { origin: origin.to_owned(), option, reason })
-        }
+        Some((option, _)) => Err(CommandError::refused(format_args!("{option} is not for {origin}"), reason)),
         None => Ok(()),
     }
 }
@@ -100,17 +98,11 @@ pub fn simulate(
     let scene = source.nominal();
     let sample = source.sample_with(settings)?;
     let request = Request { id: 0, sample, with_first_cycle: false, accuracy: None };
-    let mut found = None;
-    open_simulator(simulator, scene, 1)?
-        .evaluate(&[request], &mut |finished| {
-            found = Some(finished);
-            Ok(())
-        })
-        .map_err(CommandError::Evaluate)?;
+    let (mut found, end) = open_simulator(simulator, scene, 1)?.outcomes(&[request], &mut |_| ());
+    end.map_err(CommandError::Evaluate)?;
     let lost = || CommandError::Evaluate(EvaluateError::NoOutcome { id: 0 });
-    let Finished { outcome, wall, .. } = found.ok_or_else(lost)?;
-    let evaluation = outcome
-        .map_err(|failure| CommandError::Simulation { origin: source.origin().to_owned(), failure })?;
+    let Finished { outcome, wall, .. } = found.pop().flatten().ok_or_else(lost)?;
+    let evaluation = outcome.map_err(|failure| CommandError::failed_simulation(source.origin(), &failure))?;
     let printed = PrintedReply {
         scene: &scene.name,
         settings: settings.iter().map(|(name, value)| (name.as_str(), *value)).collect(),

@@ -1,15 +1,14 @@
 //! `coordinator extremes`: extreme cases of a scene, compared with runs at half the time step.
 
 use super::error::CommandError;
-use super::output::{check_destination, deliver, to_json};
+use super::output::{answer_with, check_answer_destination};
 use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, Verbosity};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::scene::{Scene, SceneSource};
-use coordinator::presentation::terminal::print_message;
+use coordinator::presentation::report::answer::{Answer, Part, Table};
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::PathBuf;
 use worker::extremes::{Outcome, Row, cases, run_all};
 
@@ -45,34 +44,43 @@ pub struct ExtremesArguments {
     /// Accuracy of the runs, as for `run`
     #[arg(long, default_value = "balanced", value_name = "NAME")]
     pub accuracy: NamedAccuracy,
-    /// Write the table to this file instead of standard output
-    #[arg(long, value_name = "FILE")]
+    /// Write extremes.html, extremes.md and extremes.json to this folder, created if missing; or the table to this file, which ends in
+    /// .md, .txt or .json, instead of standard output
+    #[arg(long, value_name = "DIR-or-FILE")]
     pub out: Option<PathBuf>,
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// [`CommandError::Disagreement`] if a case is outside of its stated error.
+/// [`CommandError::Simulation`] if a case is outside of its stated error.
 pub fn extremes(arguments: &ExtremesArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    check_destination(arguments.out.as_deref())?;
+    check_answer_destination(arguments.out.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let scene = source.nominal();
     check_linkage(source.origin(), &source, scene)?;
     let cases = cases(scene, &arguments.accuracy.accuracy);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let rows = run_all(&cases, threads, |row| {
-        if !verbosity.quiet {
-            print_message(format_args!("{}, {}: {}", row.case, row.law.name(), verdict(&row.outcome)));
-        }
+        verbosity.say(format_args!("{}, {}: {}", row.case, row.law.name(), verdict(&row.outcome)));
     });
     let printed: Vec<PrintedRow> = rows.iter().map(|row| printed(scene, row)).collect();
-    let text = if verbosity.json { to_json(&printed)? } else { table(&printed) };
-    deliver(&text, arguments.out.as_deref())?;
+    let answer = Answer {
+        name: "extremes",
+        title: format!("Extreme cases of {}", scene.name),
+        parts: vec![Part::Table(table(&printed))],
+        prints_markdown: true,
+        ..Answer::default()
+    };
+    answer_with(&answer, &printed, arguments.out.as_deref(), verbosity.json)?;
     let unsound = rows.iter().filter(|row| !row.outcome.is_sound()).count();
     if unsound > 0 {
         let origin = source.origin().to_owned();
-        return Err(CommandError::Disagreement { origin, unsound, cases: rows.len() });
+        let cases = rows.len();
+        let what = format!(
+            "{unsound} of {cases} extremes differ from half the step by more than their stated error, or fail with it"
+        );
+        return Err(CommandError::Simulation { origin, what });
     }
     Ok(())
 }
@@ -115,28 +123,24 @@ fn verdict(outcome: &Outcome) -> &'static str {
     }
 }
 
-/// A Markdown table with one line per case and output.
-fn table(rows: &[PrintedRow]) -> String {
-    let mut out = String::from(
-        "| case | contact law | outcome | output | cycles | value | stated error | difference | steps | at half |\n\
-         |---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    for row in rows {
-        let head = format!("| {} | {} | {} |", row.case, row.contact_law, row.outcome);
-        let tail = format!("| {} | {} |", row.steps, row.steps_at_half);
-        // Writing to a String cannot fail.
-        if let Some(failure) = &row.failure {
-            let _ = writeln!(out, "{head} {failure} | | | | {tail}");
-        }
-        for o in &row.outputs {
-            let _ = writeln!(
-                out,
-                "{head} {} | {} | {:.4} {} | {:.1e} | {:.1e} {tail}",
-                o.name, o.cycles, o.value, o.unit, o.stated_error, o.difference
-            );
-        }
-    }
-    out
+/// A table with one line per case and output.
+fn table(rows: &[PrintedRow]) -> Table {
+    let head = "case | contact law | outcome | output | cycles | value | stated error | difference | steps | at half".split(" | ");
+    let of_case = |row: &PrintedRow| {
+        let failure = row.failure.iter().map(|failure| [failure.as_str(), "", "", "", ""].map(str::to_owned));
+        let outputs = row.outputs.iter().map(|o| {
+            let [stated, difference] = [o.stated_error, o.difference].map(|error| format!("{error:.1e}"));
+            let value = format!("{:.4} {}", o.value, o.unit);
+            [o.name.to_owned(), o.cycles.to_string(), value, stated, difference]
+        });
+        let line = |middle: [String; 5]| {
+            let case = [row.case, row.contact_law, row.outcome].map(str::to_owned);
+            let steps = [row.steps, row.steps_at_half].map(|steps| steps.to_string());
+            [&case[..], &middle, &steps].concat()
+        };
+        failure.chain(outputs).map(line).collect::<Vec<_>>()
+    };
+    Table::new("", head, rows.iter().flat_map(of_case))
 }
 
 #[cfg(test)]
@@ -159,7 +163,7 @@ mod tests {
         let failure = SimulationFailure::WearStep { cycle: 7, joint: "crank".into(), error: 3.0 };
         let rows = [row(Outcome::Agrees, compared), row(Outcome::Refused(failure.clone()), vec![])];
         let rows: Vec<PrintedRow> = rows.iter().map(|row| printed(&scene, row)).collect();
-        let text = table(&rows);
+        let text = table(&rows).in_markdown();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 4);
         let line = "| 6 r/min | foundation | agrees | max_wear_depth | 1000 | 2.5000 µm | 1.0e-2 | 2.0e-3 | 12 | 34 |";

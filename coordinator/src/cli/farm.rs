@@ -5,15 +5,19 @@ use super::error::CommandError;
 use super::external;
 use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;
+use common::accuracy::NamedAccuracy;
+use common::evaluation_shape::EvaluationShape;
+use common::external::SimulatorId;
 use common::panics::end_process;
 use common::scene::SceneSource;
 use coordinator::farm::allocation::{BatchSystem, ScaleSettings, Scaling};
 use coordinator::farm::dispatch::{
-    CampaignSpec, CrossCheck, Listen, StatusBoard, Watch, Watched, ZenohEvaluator, watch,
+    CampaignSimulator, CampaignSpec, CrossCheck, Listen, StatusBoard, Watch, Watched, ZenohEvaluator, watch,
 };
 use coordinator::farm::evaluate::Evaluator;
 use coordinator::presentation::monitor::StatusSource;
 use coordinator::presentation::terminal::print_message;
+use coordinator::study::Settings;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use worker::service::{self, ServiceConfig, Simulator, WorkerHandle};
@@ -141,27 +145,37 @@ pub struct WorkerFarm {
 }
 
 impl WorkerFarm {
-    /// Listens for workers of a campaign and starts the local ones.
+    /// Listens for workers of a campaign and starts the local ones; unless `quiet`, prints the addresses for remote ones.
     ///
     /// # Errors
     /// Those of [`WorkerFarm::listen`] and [`WorkerFarm::start_workers`].
-    pub fn start(campaign: CampaignSpec, arguments: &FarmArguments) -> Result<Self, CommandError> {
+    pub fn start(
+        campaign: CampaignSpec,
+        arguments: &FarmArguments,
+        quiet: bool,
+    ) -> Result<Self, CommandError> {
         let mut farm = Self::listen(campaign, arguments)?;
         farm.start_workers()?;
+        if !quiet {
+            farm.print_endpoints();
+        }
         Ok(farm)
     }
 
     /// Listens for workers of a campaign; Ctrl-C and SIGTERM end its batches.
     ///
     /// # Errors
-    /// [`CommandError::Signals`], [`CommandError::Dispatch`], [`CommandError::NoLicences`].
+    /// [`CommandError::Signals`], [`CommandError::Dispatch`], [`CommandError::Refused`].
     pub fn listen(mut campaign: CampaignSpec, arguments: &FarmArguments) -> Result<Self, CommandError> {
         let FarmArguments { listen, config, insecure, licences, mixed_builds, cross_check, .. } =
             arguments.clone();
         campaign.build = campaign.build.filter(|_| !mixed_builds);
         match &mut campaign.simulator {
             Some(simulator) => simulator.licences = licences,
-            None if licences.is_some() => return Err(CommandError::NoLicences),
+            None if licences.is_some() => {
+                let fault = "for scenes that name their own simulator, not for mechanisms";
+                return Err(CommandError::refused("--licences", fault));
+            }
             None => {}
         }
         let is_external = campaign.simulator.is_some();
@@ -236,5 +250,42 @@ impl WorkerFarm {
             // The command has its results; the end of a local worker only matters for diagnosis.
             tracing::warn!("local worker: {error}");
         }
+    }
+}
+
+/// The campaign as announced to workers. A study has the same id whenever it is resumed.
+///
+/// # Errors
+/// [`CommandError::Json`].
+pub fn announced(
+    source: &SceneSource,
+    settings: &Settings,
+    resumed: bool,
+) -> Result<CampaignSpec, CommandError> {
+    let scene = source.nominal();
+    let simulator = scene.simulator.as_ref().map(|simulator| CampaignSimulator {
+        id: SimulatorId::new(simulator, scene),
+        timeout: simulator.timeout,
+        licences: None,
+    });
+    let stored = serde_json::to_string(settings)?;
+    let campaign = of_mechanism(source, settings.accuracy.setting.clone(), &stored);
+    Ok(CampaignSpec { simulator, resumed, ..campaign })
+}
+
+/// A campaign of evaluations of a mechanism; its id is a digest of the scene and of the plan.
+pub fn of_mechanism(source: &SceneSource, accuracy: NamedAccuracy, plan: &str) -> CampaignSpec {
+    let digest = common::scene::source::digest(&format!("{plan}\n{}", source.text()));
+    CampaignSpec {
+        // The low half of a 128-bit hash is a 64-bit hash.
+        id: digest as u64,
+        scene: source.text().to_owned(),
+        accuracy: accuracy.accuracy,
+        accuracy_name: accuracy.name,
+        build: Some(worker::BUILD),
+        shape: Some(EvaluationShape::of(source.nominal())),
+        simulator: None,
+        cross_check: None,
+        resumed: false,
     }
 }

@@ -1,7 +1,7 @@
 //! `coordinator init`: a commented scene to start from.
 
 use super::error::CommandError;
-use super::output::{check_destination, print, to_json};
+use super::output::{check_destination, print, to_json, unusable};
 use clap::Args;
 use common::scene::SceneSource;
 use serde_json::json;
@@ -28,20 +28,24 @@ const NAME: &str = "@name@";
 /// Writes the scene to a new file and prints the next commands.
 ///
 /// # Errors
-/// [`CommandError::SceneName`], [`CommandError::Existing`] or [`CommandError::Destination`].
+/// [`CommandError::Refused`].
 pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError> {
     let name = &arguments.name;
     let tame = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
     if !tame || SceneSource::builtin_names().contains(&name.as_str()) {
-        return Err(CommandError::SceneName { name: name.clone() });
+        return Err(CommandError::refused(
+            format_args!("name {name}"),
+            "allowed are letters, digits, hyphens and underscores, at least one, and no built-in scene's name",
+        ));
     }
     let file = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.toml")));
     check_destination(Some(&file))?;
     let refused = |error: std::io::Error| {
         if error.kind() == ErrorKind::AlreadyExists {
-            CommandError::Existing { file: file.clone() }
+            let fault = "file exists; choose another name with --out, or move the file";
+            CommandError::refused(file.display(), fault)
         } else {
-            CommandError::Destination { file: file.clone(), fault: error.to_string() }
+            unusable(&file, error.to_string())
         }
     };
     // Creates a new file only: an existing one is never overwritten.

@@ -2,12 +2,10 @@
 //! error; a command ends with at most one error message and an exit code.
 
 mod accuracy;
-mod announced;
 mod calibrate;
 mod check;
 mod command;
 mod compare;
-mod decision_error;
 mod designs;
 mod distributions;
 mod doctor;
@@ -18,7 +16,6 @@ mod explain;
 mod external;
 mod extremes;
 mod farm;
-mod foreign_study;
 mod init;
 mod limit_text;
 mod measured;
@@ -39,7 +36,6 @@ mod signals;
 mod simulate;
 mod simulated;
 mod status;
-mod stored_status;
 mod stored_study;
 mod study_options;
 mod tradeoff;
@@ -97,7 +93,10 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
     let json = verbosity.json;
     let Some(command) = command else { return run::run(&options, verbosity) };
     if options != RunArguments::default() {
-        return Err(CommandError::MisplacedOptions);
+        return Err(CommandError::refused(
+            "options of a study go after `run`",
+            "coordinator run --workers ...",
+        ));
     }
     match command {
         CommandArguments::Run(options) => run::run(&options, verbosity),

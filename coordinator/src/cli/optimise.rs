@@ -1,27 +1,20 @@
 //! `coordinator optimise`: the cheapest design that reaches the reliabilities of a problem file, from a finished study, with
 //! simulations at the optimum.
 
-use super::announced::announced;
 use super::error::CommandError;
-use super::farm::CommandEvaluator;
-use super::output::{print, to_json};
+use super::output::answer_with;
 use super::shared::{FarmArguments, Verbosity, whole};
-use super::stored_study::{StoredStudy, stored_space, summary_of};
-use super::what_if::{failed, known_outcomes, population};
+use super::stored_study::{OpenedStudy, StoredStudy};
 use clap::Args;
 use common::scene::{InputFile, Scene};
 use coordinator::analyses::optimise::{
-    DesignProblem, OptimisationProgress, OptimisationResult, OptimiseError, StudyBasis, design_names,
-    design_settings, for_designs, markdown, optimise as find, page, read_problem,
+    DesignProblem, OptimisationProgress, OptimisationResult, OptimiseError, StudyBasis, answer, design_names,
+    design_settings, for_designs, optimise as find, read_problem,
 };
-use coordinator::analyses::what_if::{FinishedStudy, ask, json, redistributed};
+use coordinator::analyses::what_if::{json, redistributed};
 use coordinator::presentation::report::ReportError;
-use coordinator::presentation::terminal::print_message;
-use coordinator::results::result_files::write_text;
-use coordinator::results::store::{CampaignFile, FurtherEvaluations};
-use coordinator::study::{
-    Method, ObservedOutcome, Problem, SampleRequest, Settings, complete_outcomes, simulate_samples,
-};
+use coordinator::results::store::FurtherEvaluations;
+use coordinator::study::{ObservedOutcome, Problem, SampleRequest, complete_outcomes, simulate_samples};
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
@@ -69,100 +62,58 @@ pub struct OptimiseArguments {
 /// # Errors
 /// [`CommandError`].
 pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    let dir = &arguments.dir;
-    let simulates = arguments.max_evaluations > 0;
-    let campaign = if simulates { CampaignFile::open(dir)? } else { CampaignFile::look(dir)? };
-    let summary = summary_of(&campaign)?;
-    let mut study = StoredStudy::read(campaign)?;
-    let space = stored_space(&study.campaign)?;
-    let base = match &space {
-        None => study.source.clone(),
-        Some(space) => space.present(&[])?.0,
-    };
-    let names = space.as_ref().map(design_names).unwrap_or_default();
+    let mut opened = OpenedStudy::open(&arguments.dir, arguments.max_evaluations > 0)?;
+    let base = opened.present()?;
+    let names = opened.space.as_ref().map(design_names).unwrap_or_default();
     let file = InputFile::load(&arguments.problem)?;
     let mut problem = read_problem(&file, &base, &names)?;
-    if let Some(space) = &space {
-        problem = for_designs(problem, space, study.scene(), &file)?;
+    if let Some(space) = &opened.space {
+        problem = for_designs(problem, space, opened.study.scene(), &file)?;
     }
-    let settings = Settings {
-        samples: population(&study.settings, &summary),
-        method: Method::ActiveLearning,
-        ..study.settings.clone()
-    };
-    let result = search(&mut study, base.nominal(), &problem, &settings, arguments, verbosity)?;
+    let result = search(&mut opened, base.nominal(), &problem, arguments, verbosity)?;
     let sets = design_settings(&problem, base.nominal(), &result.values).map_err(OptimiseError::Law)?;
     let changed = redistributed(&base, &sets)?;
-    let outcomes = known_outcomes(&study.campaign)?;
-    let finished = FinishedStudy {
-        scene: base.nominal(),
-        simulated: study.scene(),
-        settings: &settings,
-        outcomes: &outcomes,
-        summary: Some(&summary).filter(|_| space.is_none()),
-    };
-    let answer = ask(&finished, changed.nominal()).map_err(|error| failed(error, dir.clone()))?;
-    let result = result.with_numerical_errors(&answer.after);
-    let mut document = json(&answer, result.evaluations.added);
+    let found = opened.ask(&base, &changed)?;
+    let result = result.with_numerical_errors(&found.after);
+    let mut document = json(&found, result.evaluations.added);
     document["optimum"] = serde_json::to_value(&result)?;
-    let document = to_json(&document)?;
-    let text = markdown(&result);
-    let mut written = String::new();
-    if let Some(out) = &arguments.out {
-        let curves =
-            vec![("study".to_owned(), answer.before.clone()), ("optimum".to_owned(), answer.after.clone())];
-        let page =
-            page(&result, &study.scene().name, curves).map_err(ReportError::from)?.write(out, "optimum")?;
-        write_text(&out.join("scene.toml"), changed.text())?;
-        write_text(&out.join("optimum.json"), &document)?;
-        write_text(&out.join("optimum.md"), &text)?;
-        written = format!("\npage: {}\n", page.display());
-    }
-    if verbosity.json {
-        return print(&document);
-    }
-    print(&format!("{text}{written}"))
+    let curves = vec![("study".to_owned(), found.before), ("optimum".to_owned(), found.after)];
+    let mut answer = answer(&result, &opened.study.scene().name, curves).map_err(ReportError::from)?;
+    answer.files.push(("scene.toml".to_owned(), changed.text().to_owned()));
+    answer_with(&answer, &document, arguments.out.as_deref(), verbosity.json)
 }
 
 /// Finds the optimum from the design `base`, with simulations by the workers of the command.
 fn search(
-    study: &mut StoredStudy,
+    opened: &mut OpenedStudy,
     base: &Scene,
     problem: &DesignProblem,
-    settings: &Settings,
     arguments: &OptimiseArguments,
     verbosity: Verbosity,
 ) -> Result<OptimisationResult, CommandError> {
-    let StoredStudy { campaign, source, .. } = study;
-    let scene = source.nominal();
     let basis = StudyBasis {
-        problem: Problem::of_changed_scene(base, scene),
-        settings: settings.clone(),
-        outcomes: complete_outcomes(scene, &known_outcomes(campaign)?),
+        problem: Problem::of_changed_scene(base, opened.study.scene()),
+        settings: opened.settings.clone(),
+        outcomes: complete_outcomes(opened.study.scene(), &opened.outcomes()?),
     };
     let mut progress = |progress: OptimisationProgress| {
-        if !verbosity.quiet {
-            let OptimisationProgress { round, cost, feasible, added } = progress;
-            let met = if feasible { "" } else { ", none within the trust region meets the targets" };
-            print_message(format_args!(
-                "round {round}: cost {cost:.5} on the present surrogates{met}; {added} simulations added"
-            ));
-        }
+        let OptimisationProgress { round, cost, feasible, added } = progress;
+        let met = if feasible { "" } else { ", none within the trust region meets the targets" };
+        verbosity.say(format_args!(
+            "round {round}: cost {cost:.5} on the present surrogates{met}; {added} simulations added"
+        ));
     };
     if arguments.max_evaluations == 0 {
         let mut none = |_: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, OptimiseError> { Ok(vec![]) };
         return Ok(find(&basis, problem, 0, &mut none, &mut progress)?);
     }
-    let announced = || announced(source, settings, true);
-    let mut evaluator = CommandEvaluator::open(source, announced, &arguments.farm)?;
-    evaluator.start_workers()?;
-    if !verbosity.quiet {
-        evaluator.print_endpoints();
-    }
+    let mut evaluator = opened.evaluator(&arguments.farm, verbosity.quiet)?;
+    let OpenedStudy { study: StoredStudy { campaign, source, .. }, settings, .. } = opened;
     let mut journal = FurtherEvaluations::of(campaign);
     let mut next = basis.outcomes.len() as u64;
     let mut simulate = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, OptimiseError> {
-        let found = simulate_samples(scene, settings, requests, next, evaluator.evaluator(), &mut journal)?;
+        let (scene, evaluator) = (source.nominal(), evaluator.evaluator());
+        let found = simulate_samples(scene, settings, requests, next, evaluator, &mut journal)?;
         next += requests.len() as u64;
         Ok(found)
     };

@@ -1,6 +1,7 @@
 //! Output of results to standard output or a file.
 
 use super::error::CommandError;
+use coordinator::presentation::report::answer::Answer;
 use coordinator::results::result_files::write_text;
 use serde::Serialize;
 use std::io::Write;
@@ -33,7 +34,7 @@ pub fn print(text: &str) -> Result<(), CommandError> {
 /// Checks the destination of a result before the result is computed.
 ///
 /// # Errors
-/// [`CommandError::Destination`].
+/// [`CommandError::Refused`].
 pub fn check_destination(file: Option<&Path>) -> Result<(), CommandError> {
     let Some(file) = file else { return Ok(()) };
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -44,7 +45,12 @@ pub fn check_destination(file: Option<&Path>) -> Result<(), CommandError> {
     } else {
         return Ok(());
     };
-    Err(CommandError::Destination { file: file.to_path_buf(), fault })
+    Err(unusable(file, fault))
+}
+
+/// The error of a destination that cannot be written.
+pub fn unusable(file: &Path, fault: String) -> CommandError {
+    CommandError::refused(format_args!("--out {}", file.display()), fault)
 }
 
 /// Writes a text to a file, or prints it.
@@ -56,4 +62,46 @@ pub fn deliver(text: &str, file: Option<&Path>) -> Result<(), CommandError> {
         None => print(text),
         Some(path) => Ok(write_text(path, text)?),
     }
+}
+
+/// Whether `--out` names a file for an answer instead of a folder: a file or device that exists, or a name that ends as those of texts do.
+pub fn is_file(out: &Path) -> bool {
+    let ending = out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    let is_text = matches!(ending.as_deref(), Some("json" | "md" | "txt"));
+    !out.is_dir() && (out.exists() || is_text)
+}
+
+/// Checks the destination of an answer, a file or a folder, before it is computed.
+///
+/// # Errors
+/// [`CommandError::Refused`].
+pub fn check_answer_destination(out: Option<&Path>) -> Result<(), CommandError> {
+    check_destination(out.filter(|out| is_file(out)))
+}
+
+/// Prints an answer, or with `as_json` its `document`. With `out` it also writes its files, NAME.json among them, to this folder, or
+/// writes to this file what it would print.
+///
+/// # Errors
+/// [`CommandError::Report`], [`CommandError::ResultFile`], [`CommandError::Output`].
+pub fn answer_with(
+    answer: &Answer,
+    document: &impl Serialize,
+    out: Option<&Path>,
+    as_json: bool,
+) -> Result<(), CommandError> {
+    let json = to_json(document)?;
+    let mut printed = if as_json { json.clone() } else { answer.text() };
+    match out {
+        Some(file) if is_file(file) => return Ok(write_text(file, &printed)?),
+        Some(folder) => {
+            let page = answer.write(folder)?;
+            write_text(&folder.join(format!("{}.json", answer.name)), &json)?;
+            if !as_json {
+                printed += &format!("\npage: {}\n", page.display());
+            }
+        }
+        None => {}
+    }
+    print(&printed)
 }

@@ -1,17 +1,16 @@
 //! `coordinator replace`: the age, or the measured level, of replacement with the least cost, from a finished study.
 
-use super::decision_error::DecisionError;
 use super::error::CommandError;
-use super::output::{check_destination, deliver, to_json};
-use super::stored_study::{StoredStudy, summary_of};
+use super::output::{answer_with, check_answer_destination};
+use super::shared::value;
+use super::stored_study::OpenedStudy;
 use clap::Args;
 use common::scene::Scene;
 use coordinator::analyses::quantity::output_quantity;
 use coordinator::analyses::replace::{
-    InspectionPlan, Schedule, check_costs, inspect, replace as age_of_replacement, text,
+    InspectionPlan, Schedule, answer, check_costs, inspect, replace as age_of_replacement,
 };
 use coordinator::statistics::replacement::{PolicyCosts, ReplacementCosts};
-use coordinator::study::{LifeModel, Method, Settings, learn_from_results};
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
@@ -25,9 +24,6 @@ Examples:
   coordinator replace study --planned-cost 250 --failure-cost 4000 --curve wear --json
   coordinator replace study --failure-cost 10 --inspect-every 1000,2000 --inspect-cost 0.05 --inspect-error '0.5 um'
   coordinator replace study --failure-cost 10 --inspect-at 4500,5000,5500 --inspect-cost 0.02";
-
-/// Population on which surrogates are assessed.
-const SAMPLES: usize = 20_000;
 
 /// Arguments of `coordinator replace`.
 #[derive(Debug, Clone, Args)]
@@ -58,21 +54,20 @@ pub struct ReplaceArguments {
     /// Standard deviation of the measurement's error, with a unit [default: exact]
     #[arg(long, value_name = "QUANTITY", requires = "schedule")]
     pub inspect_error: Option<String>,
-    /// Write the answer (text, or JSON with --json) to this file instead of standard output
-    #[arg(long, value_name = "FILE")]
+    /// Write replace.html, replace.md and replace.json to this folder, created if missing; or the answer (text, or JSON with --json) to
+    /// this file, which ends in .txt, .md or .json, instead of standard output
+    #[arg(long, value_name = "DIR-or-FILE")]
     pub out: Option<PathBuf>,
 }
 
 /// Reads a number above zero.
 fn cost(text: &str) -> Result<f64, String> {
-    let value = text.trim().parse::<f64>().ok().filter(|x| *x > 0.0 && x.is_finite());
-    value.ok_or_else(|| "allowed: a number above 0".to_owned())
+    value(text, "a number above 0", |x: &f64| *x > 0.0 && x.is_finite())
 }
 
 /// Reads a number from zero on.
 fn cost_or_zero(text: &str) -> Result<f64, String> {
-    let value = text.trim().parse::<f64>().ok().filter(|x| *x >= 0.0 && x.is_finite());
-    value.ok_or_else(|| "allowed: a number >= 0".to_owned())
+    value(text, "a number >= 0", |x: &f64| *x >= 0.0 && x.is_finite())
 }
 
 /// Runs the command.
@@ -80,52 +75,34 @@ fn cost_or_zero(text: &str) -> Result<f64, String> {
 /// # Errors
 /// [`CommandError`].
 pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Result<(), CommandError> {
-    check_destination(arguments.out.as_deref())?;
+    check_answer_destination(arguments.out.as_deref())?;
     let costs = ReplacementCosts { planned: arguments.planned_cost, failure: arguments.failure_cost };
-    check_costs(&costs).map_err(DecisionError::from)?;
-    let study = StoredStudy::look(&arguments.dir)?;
-    let summary = summary_of(&study.campaign)?;
-    let mut report = age_of_replacement(&summary, &arguments.curve, &costs).map_err(DecisionError::from)?;
+    check_costs(&costs)?;
+    let opened = OpenedStudy::open(&arguments.dir, false)?;
+    let OpenedStudy { study, summary, .. } = &opened;
+    let mut report = age_of_replacement(summary, &arguments.curve, &costs)?;
     if !(arguments.inspect_every.is_empty() && arguments.inspect_at.is_empty()) {
         let plan = plan(arguments, study.scene())?;
-        let model = life_model(&study)?;
-        report.inspections =
-            inspect(study.scene(), &model, &plan, study.settings.seed).map_err(DecisionError::from)?;
+        report.inspections = inspect(study.scene(), &opened.life_model()?, &plan, study.settings.seed)?;
     }
-    let text = if as_json { to_json(&report)? } else { text(&report, study.scene()) };
-    deliver(&text, arguments.out.as_deref())
-}
-
-/// The predictor of lives by the surrogates of a finished study.
-///
-/// # Errors
-/// [`DecisionError::NoSurrogates`], or the error of the campaign file or the surrogates.
-pub fn life_model(study: &StoredStudy) -> Result<LifeModel, CommandError> {
-    let dir = study.campaign.dir().to_path_buf();
-    if study.settings.method != Method::ActiveLearning {
-        let method = study.settings.method.name().to_owned();
-        return Err(DecisionError::NoSurrogates { dir, method }.into());
-    }
-    // The surrogates are wanted, not the curves of the whole population.
-    let settings = Settings { samples: study.settings.samples.min(SAMPLES), ..study.settings.clone() };
-    let learned = learn_from_results(study.scene(), study.scene(), &settings, &study.outcomes()?)
-        .map_err(|error| CommandError::of_study(error, &dir))?;
-    Ok(LifeModel::new(study.scene(), &learned))
+    answer_with(&answer(&report, study.scene()), &report, arguments.out.as_deref(), as_json)
 }
 
 /// The inspections asked for.
-fn plan(arguments: &ReplaceArguments, scene: &Scene) -> Result<InspectionPlan, DecisionError> {
+fn plan(arguments: &ReplaceArguments, scene: &Scene) -> Result<InspectionPlan, CommandError> {
     let names = || scene.outputs.iter().map(|output| output.name.as_str()).collect::<Vec<_>>().join(", ");
-    let fault = |option, value: &str, fault| DecisionError::Option { option, value: value.to_owned(), fault };
+    let refused = |option: &str, value: &str, fault: String| {
+        CommandError::refused(format_args!("{option} {value}"), fault)
+    };
     let output = match &arguments.inspect_output {
         Some(name) => scene.outputs.iter().position(|output| output.name == *name).ok_or_else(|| {
-            fault("--inspect-output", name, format!("this study has no such output; allowed: {}", names()))
+            refused("--inspect-output", name, format!("this study has no such output; allowed: {}", names()))
         })?,
         None => {
             let first = scene.limit_states[0].output;
             if scene.limit_states.iter().any(|limit| limit.output != first) {
                 let missing = format!("the limit states have several outputs, name one of {}", names());
-                return Err(fault("--inspect-output", "(none)", missing));
+                return Err(refused("--inspect-output", "(none)", missing));
             }
             first
         }
@@ -138,7 +115,7 @@ fn plan(arguments: &ReplaceArguments, scene: &Scene) -> Result<InspectionPlan, D
                 read.and_then(
                     |error| if error >= 0.0 { Ok(error) } else { Err("allowed: 0 or above".to_owned()) },
                 );
-            positive.map_err(|what| fault("--inspect-error", text, what))?
+            positive.map_err(|what| refused("--inspect-error", text, what))?
         }
     };
     let costs = PolicyCosts {

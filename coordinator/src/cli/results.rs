@@ -6,13 +6,12 @@ use super::pdf::print_page;
 use super::stored_study::{not_finished, scene_of, summary_of};
 use clap::Args;
 use coordinator::presentation::report;
+use coordinator::presentation::report::answer::{Answer, Part, Table};
 use coordinator::presentation::report::format::{number_of_cycles, signed_with_width};
-use coordinator::presentation::text_table::in_columns;
 use coordinator::results::store::CampaignFile;
 use coordinator::results::summary::{SensitivityRow, SobolRow, StudySummary};
 use coordinator::statistics::reliability::REACH;
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Number of variables shown per limit state.
@@ -44,7 +43,7 @@ pub struct ReportArguments {
 /// Writes the result files and the report of a finished study again.
 ///
 /// # Errors
-/// [`CommandError::Store`], [`CommandError::NotFinished`], [`CommandError::Pdf`], or the error of a file that cannot be written.
+/// [`CommandError::Store`], [`CommandError::Refused`], [`CommandError::Pdf`], or the error of a file that cannot be written.
 pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandError> {
     let ReportArguments { dir, out, pdf, png } = arguments;
     let campaign = CampaignFile::look(dir)?;
@@ -83,7 +82,7 @@ pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandE
 /// Writes every result file of a finished study to the folder `out`; returns the path of the report.
 ///
 /// # Errors
-/// [`CommandError::NotFinished`], or the error of a file that cannot be written.
+/// [`CommandError::Refused`], or the error of a file that cannot be written.
 pub fn write_results(campaign: &CampaignFile, out: &Path) -> Result<PathBuf, CommandError> {
     let source = scene_of(campaign)?;
     report::write_all(campaign, source.nominal(), out)?.ok_or_else(|| not_finished(campaign))
@@ -92,13 +91,16 @@ pub fn write_results(campaign: &CampaignFile, out: &Path) -> Result<PathBuf, Com
 /// Prints the sensitivities of the failure probabilities of a finished study.
 ///
 /// # Errors
-/// [`CommandError::Store`], [`CommandError::NotFinished`].
+/// [`CommandError::Store`], [`CommandError::Refused`].
 pub fn sensitivity(dir: &Path, as_json: bool) -> Result<(), CommandError> {
     let summary = summary_of(&CampaignFile::look(dir)?)?;
     if as_json {
         return print(&to_json(&rows_with_sobol(&summary))?);
     }
-    print(&table(&summary))
+    let states = summary.limit_states.iter().map(String::as_str).chain(["total"]);
+    let parts: Vec<Part> = states.flat_map(|state| of_state(&summary, state)).collect();
+    let title = format!("Sensitivities of the failure probabilities of {}", summary.scene);
+    print(&Answer { title, parts, ..Answer::default() }.text())
 }
 
 /// The rows of the sensitivities, with the Sobol indices of the same variable at the same checkpoint as `sobol` where there are any.
@@ -125,71 +127,47 @@ fn sobol_of<'a>(summary: &'a StudySummary, row: &SensitivityRow) -> Option<&'a S
     summary.sobol.iter().find(same)
 }
 
-fn table(summary: &StudySummary) -> String {
-    let mut out = String::new();
-    // Writing to a String cannot fail.
-    let _ = table_into(&mut out, summary);
-    out
+/// The sensitivities of a limit state, or of the system as `total`, where its reliability is nearest one half.
+fn of_state(summary: &StudySummary, state: &str) -> Vec<Part> {
+    let Some(cycles) = checkpoint_nearest_one_half(summary, state) else {
+        let none = format!("{state}: no sensitivity, the failure probability is 0 or 1 at every checkpoint");
+        return vec![Part::Text(none)];
+    };
+    let bounded = summary.variables.iter().any(|row| row.lower.is_some() || row.upper.is_some());
+    let mut meaning = format!(
+        "{state}, at {}: change of the failure probability if the mean or the standard deviation (std) of a variable increases by \
+         one standard deviation{}, with 95 % intervals",
+        number_of_cycles(cycles).replace('\u{a0}', ""),
+        if bounded { ", with the bounds of bounded variables held" } else { "" }
+    );
+    let mut head = vec!["variable", "mean + 1 std", "std + 1 std"];
+    if summary.sobol.iter().any(|row| row.limit_state == *state && row.cycles == cycles) {
+        meaning += "\nSobol indices: share of the variance of the output by the variable alone (first order), and with its interactions (total)";
+        head.extend(["Sobol first order", "Sobol total"]);
+    }
+    let rows = strongest(summary, state, cycles);
+    let note = format!("({SHOWN} of {} variables, those of the largest changes; --json has all)", rows.len());
+    let shown = (rows.len() > SHOWN).then(|| ((0..SHOWN).collect(), note));
+    let table = Table::new("", head, rows.into_iter().map(|row| cells(summary, row)));
+    vec![Part::Text(meaning), Part::Table(Table { shown, ..table })]
 }
 
-fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
-    let total = "total".to_owned();
-    let bounded = summary.variables.iter().any(|row| row.lower.is_some() || row.upper.is_some());
-    for state in summary.limit_states.iter().chain([&total]) {
-        let Some(cycles) = checkpoint_nearest_one_half(summary, state) else {
-            writeln!(
-                out,
-                "{state}: no sensitivity, the failure probability is 0 or 1 at every checkpoint\n"
-            )?;
-            continue;
-        };
-        writeln!(
-            out,
-            "{state}, at {}: change of the failure probability if the mean or the standard deviation (std) of a \
-             variable increases by one standard deviation{}, with 95 % intervals",
-            number_of_cycles(cycles).replace('\u{a0}', ""),
-            if bounded { ", with the bounds of bounded variables held" } else { "" }
-        )?;
-        let shares = summary.sobol.iter().any(|row| row.limit_state == *state && row.cycles == cycles);
-        let mut head = vec!["variable", "mean + 1 std", "std + 1 std"];
-        if shares {
-            writeln!(
-                out,
-                "Sobol indices: share of the variance of the output by the variable alone (first order), and with its interactions \
-                 (total)"
-            )?;
-            head.extend(["Sobol first order", "Sobol total"]);
-        }
-        let mut table = vec![head.into_iter().map(str::to_owned).collect::<Vec<String>>()];
-        let (rows, all) = strongest(summary, state, cycles);
-        for row in rows {
-            let pair = |value: f64, error: f64| signed_with_width(value, REACH * error);
-            // The errors of the derivatives, on the scale of the scaled derivatives.
-            let std_of = |derivative: f64, scaled: f64| {
-                if derivative == 0.0 { 0.0 } else { (scaled / derivative).abs() }
-            };
-            let mean_std = std_of(row.d_pf_d_mean, row.scaled.d_pf_d_mean);
-            let std_std = std_of(row.d_pf_d_std, row.scaled.d_pf_d_std);
-            let share = sobol_of(summary, row);
-            let mut cells = vec![
-                row.variable.clone(),
-                pair(row.scaled.d_pf_d_mean, row.standard_error.d_pf_d_mean * mean_std),
-                pair(row.scaled.d_pf_d_std, row.standard_error.d_pf_d_std * std_std),
-            ];
-            let of_variance = |s: &SobolRow| {
-                [(s.first_order, s.standard_error.first_order), (s.total, s.standard_error.total)]
-            };
-            let shown = |(share, error): (f64, f64)| format!("{share:.3} ± {:.3}", REACH * error);
-            cells.extend(share.into_iter().flat_map(of_variance).map(shown));
-            table.push(cells);
-        }
-        out.push_str(&in_columns(&table, &[0]));
-        if all > SHOWN {
-            writeln!(out, "({SHOWN} of {all} variables, those of the largest changes; --json has all)")?;
-        }
-        writeln!(out)?;
-    }
-    Ok(())
+fn cells(summary: &StudySummary, row: &SensitivityRow) -> Vec<String> {
+    let pair = |value: f64, error: f64| signed_with_width(value, REACH * error);
+    // The errors of the derivatives, on the scale of the scaled derivatives.
+    let std_of =
+        |derivative: f64, scaled: f64| if derivative == 0.0 { 0.0 } else { (scaled / derivative).abs() };
+    let mean_std = std_of(row.d_pf_d_mean, row.scaled.d_pf_d_mean);
+    let std_std = std_of(row.d_pf_d_std, row.scaled.d_pf_d_std);
+    let own = [
+        row.variable.clone(),
+        pair(row.scaled.d_pf_d_mean, row.standard_error.d_pf_d_mean * mean_std),
+        pair(row.scaled.d_pf_d_std, row.standard_error.d_pf_d_std * std_std),
+    ];
+    let of_variance =
+        |s: &SobolRow| [(s.first_order, s.standard_error.first_order), (s.total, s.standard_error.total)];
+    let shown = |(share, error): (f64, f64)| format!("{share:.3} ± {:.3}", REACH * error);
+    own.into_iter().chain(sobol_of(summary, row).into_iter().flat_map(of_variance).map(shown)).collect()
 }
 
 /// Of the checkpoints with derivatives, the one where the reliability is nearest one half.
@@ -207,13 +185,11 @@ fn checkpoint_nearest_one_half(summary: &StudySummary, state: &str) -> Option<u3
         .map(|(cycles, _)| cycles)
 }
 
-/// The variables with the largest changes, at most [`SHOWN`], and the number of all.
-fn strongest<'s>(summary: &'s StudySummary, state: &str, cycles: u32) -> (Vec<&'s SensitivityRow>, usize) {
+/// The variables, those with the largest changes first.
+fn strongest<'s>(summary: &'s StudySummary, state: &str, cycles: u32) -> Vec<&'s SensitivityRow> {
     let of_state = |row: &&SensitivityRow| row.cycles == cycles && row.limit_state == state;
     let mut rows: Vec<_> = summary.sensitivity.iter().filter(of_state).collect();
     let strength = |row: &SensitivityRow| row.scaled.d_pf_d_mean.abs().max(row.scaled.d_pf_d_std.abs());
     rows.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
-    let all = rows.len();
-    rows.truncate(SHOWN);
-    (rows, all)
+    rows
 }

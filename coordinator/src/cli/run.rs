@@ -2,13 +2,11 @@
 //!
 //! scene -> checks -> listen -> folder -> local workers -> study -> result files -> report
 
-use super::announced::announced;
-use super::decision_error::DecisionError;
 use super::designs::{Machines, after_study};
 use super::distributions::for_report;
 use super::error::CommandError;
 use super::external;
-use super::farm::{CommandEvaluator, cores, local_slots};
+use super::farm::{CommandEvaluator, announced, cores, local_slots};
 use super::monitor::{Monitor, StayingPage, WatchedStudy};
 use super::output::{print, to_json};
 use super::results::write_results;
@@ -21,7 +19,7 @@ use common::scene::SceneSource;
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
 use coordinator::analyses::scene_settings::scene_with;
 use coordinator::presentation::motion_cautions::motion_cautions;
-use coordinator::presentation::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
+use coordinator::presentation::report::{self, SUMMARY_DOCUMENT};
 use coordinator::presentation::terminal::{Terminal, final_text, print_message};
 use coordinator::results::control_points::control_points_rows;
 use coordinator::results::store::{CampaignFile, CampaignMeta};
@@ -45,17 +43,18 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     if let Some(space) = &space {
         let method = arguments.method.method.unwrap_or_default();
         if method != Method::ActiveLearning {
-            let fault =
-                "design variables need --method ak, whose surrogates answer for every design".to_owned();
-            let value = arguments.design.join(", ");
-            return Err(DecisionError::Option { option: "--design", value, fault }.into());
+            let given = format!("--design {}", arguments.design.join(", "));
+            let fault = "design variables need --method ak, whose surrogates answer for every design";
+            return Err(CommandError::refused(given, fault));
         }
         check_designs(space)?;
         source = space.augmented()?;
     }
     let scene = source.nominal();
     if scene.variables.is_empty() || scene.limit_states.is_empty() {
-        return Err(CommandError::NothingToStudy { origin: source.origin().to_owned() });
+        let fault =
+            "a study needs at least one random variable and one limit state; `simulate` needs neither";
+        return Err(CommandError::refused(source.origin(), fault));
     }
     if scene.simulator.is_some() {
         external::check_accuracy(source.origin(), &arguments.accuracy)?;
@@ -85,9 +84,7 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     if let Some(space) = &space {
         campaign.put_document(DESIGNS_DOCUMENT, &space.stored())?;
     }
-    if !verbosity.quiet {
-        print_message(format_args!("results go to {}", dir.display()));
-    }
+    verbosity.say(format_args!("results go to {}", dir.display()));
     finish(StoredStudy { campaign, source, settings }, evaluator, monitor, verbosity)
 }
 
@@ -111,13 +108,11 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
     let begins_leg = extended != study.settings || repeated > 0;
     let summary = study.campaign.document::<StudySummary>(SUMMARY_DOCUMENT)?;
     if let Some(summary) = summary.filter(|_| !begins_leg) {
-        if !verbosity.quiet {
-            print_message("this study is finished; writing its results again");
-        }
+        verbosity.say("this study is finished; writing its results again");
         write_results(&study.campaign, dir)?;
-        return match after_study(&mut study, Machines::ToOpen(farm), verbosity)? {
-            Some(()) => Ok(()),
-            None => print_summary(&summary, &study.campaign, verbosity),
+        return match after_study(study, Machines::ToOpen(farm), verbosity)? {
+            None => Ok(()),
+            Some(study) => print_summary(&summary, &study.campaign, verbosity),
         };
     }
     if !verbosity.quiet {
@@ -203,17 +198,13 @@ fn finish(
     if let Some(Ok(nominal)) = campaign.evaluation(0)?.map(|stored| stored.outcome) {
         result.summary.control_points = control_points_rows(scene, &nominal.diagnostics);
     }
-    campaign.put_document(DISTRIBUTIONS_DOCUMENT, &for_report(&result.distributions))?;
-    // The summary comes last: with it, the study counts as finished.
-    campaign.put_document(SUMMARY_DOCUMENT, &result.summary)?;
-    write_results(campaign, &dir)?;
+    report::deliver(campaign, scene, &result.summary, &for_report(&result.distributions))?;
     let staying = monitor.end(verbosity.quiet);
-    let answered = after_study(&mut study, Machines::Open(&mut evaluator), verbosity)?;
+    let unanswered = after_study(study, Machines::Open(&mut evaluator), verbosity)?;
     evaluator.close();
-    match answered {
-        Some(()) => Ok(()),
-        None => print_summary(&result.summary, &study.campaign, verbosity),
-    }?;
+    if let Some(study) = unanswered {
+        print_summary(&result.summary, &study.campaign, verbosity)?;
+    }
     staying.map_or(Ok(()), StayingPage::serve)
 }
 

@@ -33,10 +33,10 @@ pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
 /// cycle. Messages name it by `origin`.
 ///
 /// # Errors
-/// [`CommandError::NoMechanism`], or what the linkage does not allow.
+/// [`CommandError::Refused`], or what the linkage does not allow.
 pub fn check_linkage(origin: &str, source: &SceneSource, scene: &Scene) -> Result<(), CommandError> {
     if scene.simulator.is_some() {
-        return Err(CommandError::NoMechanism { origin: origin.to_owned() });
+        return Err(CommandError::no_mechanism(origin));
     }
     let failed = |failure| located(CommandError::of_simulation(origin, scene, failure), source);
     worker::mechanism::islands(scene).map_err(failed)?;

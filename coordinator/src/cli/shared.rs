@@ -3,8 +3,10 @@
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use coordinator::farm::allocation::BatchSystem;
+use coordinator::presentation::terminal::print_message;
 use coordinator::statistics::named::{AUTO, parse_or_auto};
 use std::error::Error;
+use std::fmt::Display;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
@@ -30,6 +32,15 @@ pub struct Verbosity {
     /// Log more on standard error (-v: events, -vv: every detail)
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     pub verbose: u8,
+}
+
+impl Verbosity {
+    /// Prints a message of progress on standard error.
+    pub fn say(self, message: impl Display) {
+        if !self.quiet {
+            print_message(message);
+        }
+    }
 }
 
 /// Local and remote workers.
@@ -97,15 +108,24 @@ pub enum Slots {
     Count(usize),
 }
 
+/// Reads a value that is allowed; `allowed` says in words which are.
+///
+/// # Errors
+/// The allowed values, in words.
+pub fn value<T: FromStr>(
+    text: &str,
+    allowed: &str,
+    is_allowed: impl FnOnce(&T) -> bool,
+) -> Result<T, String> {
+    text.trim().parse().ok().filter(is_allowed).ok_or_else(|| format!("allowed: {allowed}"))
+}
+
 /// Reads a whole number above zero.
 ///
 /// # Errors
 /// The allowed values, in words.
 pub fn positive(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(0) | Err(_) => Err("allowed: a whole number >= 1".to_owned()),
-        Ok(n) => Ok(n),
-    }
+    value(text, "a whole number >= 1", |n| *n >= 1)
 }
 
 /// Reads a whole number.
@@ -113,7 +133,7 @@ pub fn positive(text: &str) -> Result<usize, String> {
 /// # Errors
 /// The allowed values, in words.
 pub fn whole(text: &str) -> Result<usize, String> {
-    text.parse().map_err(|_| "allowed: a whole number >= 0".to_owned())
+    value(text, "a whole number >= 0", |_| true)
 }
 
 /// Reads the seed of random draws.
@@ -121,7 +141,7 @@ pub fn whole(text: &str) -> Result<usize, String> {
 /// # Errors
 /// The allowed values, in words.
 pub fn seed(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| format!("allowed: a whole number from 0 to {}", u64::MAX))
+    value(text, &format!("a whole number from 0 to {}", u64::MAX), |_| true)
 }
 
 /// Reads a share: `1%`, `1 %` or `0.01` [1].

@@ -1,10 +1,11 @@
 //! `coordinator completions` and `coordinator man`: the command line for shells and for `man`.
 
-use super::command::CommandLine;
+use super::command::{CommandLine, grouped};
 use super::error::CommandError;
 use super::output::print;
 use clap::CommandFactory;
 use clap_complete::Shell;
+use coordinator::results::result_files::{ResultFileError, create_folder};
 use std::path::Path;
 
 /// Name of the program, as shells know it.
@@ -23,14 +24,14 @@ pub fn completions(shell: Shell) -> Result<(), CommandError> {
 /// Prints the manual page of the program, or writes it and those of all commands to the folder `out`.
 ///
 /// # Errors
-/// [`CommandError::Folder`] or [`CommandError::Output`].
+/// [`CommandError::ResultFile`] or [`CommandError::Output`].
 pub fn man(out: Option<&Path>) -> Result<(), CommandError> {
-    let mut whole = CommandLine::grouped();
+    let mut whole = grouped();
     whole.build();
     if let Some(folder) = out {
-        let refused = |error| CommandError::Folder { path: folder.to_path_buf(), error };
-        std::fs::create_dir_all(folder).map_err(refused)?;
-        return clap_mangen::generate_to(whole, folder).map_err(refused);
+        create_folder(folder)?;
+        let failed = |source| ResultFileError::Write { path: folder.to_path_buf(), source };
+        return Ok(clap_mangen::generate_to(whole, folder).map_err(failed)?);
     }
     let mut text = Vec::new();
     clap_mangen::Man::new(whole).render(&mut text).map_err(CommandError::Output)?;

@@ -169,7 +169,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(
     if let Some(simulator) = &source.nominal().simulator {
         external::check_accuracy(source.origin(), &arguments.accuracy)?;
         if arguments.report.is_some() {
-            return Err(CommandError::NoMechanism { origin: source.origin().to_owned() });
+            return Err(CommandError::no_mechanism(source.origin()));
         }
         let text = external::simulate(&source, simulator, &settings)?;
         return deliver(&text, arguments.out.as_deref());

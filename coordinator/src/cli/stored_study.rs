@@ -1,13 +1,18 @@
-//! A study in its folder, finished or not, with its scene, settings and evaluations.
+//! A study in its folder, finished or not, with its scene, settings and evaluations; and a finished one that answers questions, with
+//! workers for the simulations that a question needs.
 
 use super::error::CommandError;
-use super::foreign_study::{ForeignPart, ForeignStudy};
+use super::farm::{CommandEvaluator, announced};
+use super::shared::FarmArguments;
 use common::scene::{Scene, SceneSource};
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace, StoredSpace};
+use coordinator::analyses::what_if::{FinishedStudy, POPULATION, WhatIf, ask};
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, FILE_NAME, StoreError};
 use coordinator::results::summary::StudySummary;
-use coordinator::study::{Observed, Settings, SimulatedPoint, StoredOutcome};
+use coordinator::study::{
+    LifeModel, Method, Observed, Settings, SimulatedPoint, StoredOutcome, StudyError, learn_from_results,
+};
 use std::path::Path;
 
 /// Name of the document with the reason why a study ended without a result.
@@ -27,7 +32,7 @@ impl StoredStudy {
     /// Opens the folder of a study for reading, which may be running.
     ///
     /// # Errors
-    /// [`CommandError::Store`] or [`CommandError::Foreign`].
+    /// [`CommandError::Store`] or [`CommandError::Refused`].
     pub fn look(dir: &Path) -> Result<Self, CommandError> {
         Self::read(CampaignFile::look(dir)?)
     }
@@ -35,11 +40,12 @@ impl StoredStudy {
     /// Reads scene and settings of an open campaign file.
     ///
     /// # Errors
-    /// [`CommandError::Foreign`].
+    /// [`CommandError::Refused`].
     pub fn read(campaign: CampaignFile) -> Result<Self, CommandError> {
         let source = scene_of(&campaign)?;
-        let settings = Settings::from_stored(&campaign.meta().settings)
-            .map_err(|error| foreign(&campaign, ForeignPart::Settings(error)))?;
+        let settings = Settings::from_stored(&campaign.meta().settings).map_err(|error| {
+            foreign(&campaign, &format!("the settings of this study cannot be read: {error}"))
+        })?;
         Ok(Self { campaign, source, settings })
     }
 
@@ -70,17 +76,10 @@ impl StoredStudy {
     /// # Errors
     /// [`CommandError::Store`].
     pub fn simulated(&self) -> Result<Vec<SimulatedPoint>, CommandError> {
-        let mut all = Vec::new();
-        self.campaign.for_each(|stored| -> Result<(), StoreError> {
-            if let Ok(evaluation) = stored.outcome {
-                all.push(SimulatedPoint {
-                    sample: stored.sample,
-                    observed: Observed::from_evaluation(evaluation),
-                });
-            }
-            Ok(())
-        })?;
-        Ok(all)
+        let point = |StoredOutcome { sample, outcome }: StoredOutcome| {
+            Some(SimulatedPoint { sample, observed: outcome.ok()? })
+        };
+        Ok(self.outcomes()?.into_iter().filter_map(point).collect())
     }
 
     /// All evaluations, failed ones included, in the order of their numbers.
@@ -98,20 +97,27 @@ impl StoredStudy {
     }
 }
 
+/// The error of a command on a study that ended without a result, if it has.
+pub fn ended_without_result(campaign: &CampaignFile) -> Option<CommandError> {
+    // A file that cannot be read any further has no known reason.
+    let reason: String = campaign.document(END_DOCUMENT).ok()??;
+    let fault = format!("this study ended without a result: {reason}");
+    Some(CommandError::refused(campaign.dir().display(), fault))
+}
+
 /// The error of a command on the results of a study that has none, with the reason if it is known.
 pub fn not_finished(campaign: &CampaignFile) -> CommandError {
-    let dir = campaign.dir().to_path_buf();
-    // A file that cannot be read any further has no known reason.
-    match campaign.document(END_DOCUMENT) {
-        Ok(Some(reason)) => CommandError::EndedWithoutResult { dir, reason },
-        _ => CommandError::NotFinished { dir },
-    }
+    ended_without_result(campaign).unwrap_or_else(|| {
+        let dir = campaign.dir().display();
+        let fault = format!("this study is not finished; continue it with `coordinator resume {dir}`");
+        CommandError::refused(dir, fault)
+    })
 }
 
 /// The summary of a finished study.
 ///
 /// # Errors
-/// [`CommandError::Store`], [`CommandError::NotFinished`] or [`CommandError::EndedWithoutResult`].
+/// [`CommandError::Store`] or [`CommandError::Refused`].
 pub fn summary_of(campaign: &CampaignFile) -> Result<StudySummary, CommandError> {
     campaign.document(SUMMARY_DOCUMENT)?.ok_or_else(|| not_finished(campaign))
 }
@@ -119,15 +125,19 @@ pub fn summary_of(campaign: &CampaignFile) -> Result<StudySummary, CommandError>
 /// The scene stored in a campaign file.
 ///
 /// # Errors
-/// [`CommandError::Foreign`].
+/// [`CommandError::Refused`].
 pub fn scene_of(campaign: &CampaignFile) -> Result<SceneSource, CommandError> {
     SceneSource::parse(&campaign.meta().scene_source, &origin(campaign))
-        .map_err(|faults| foreign(campaign, ForeignPart::Scene(faults)))
+        .map_err(|faults| foreign(campaign, &format!("the scene of this study is not accepted:\n{faults}")))
 }
 
-fn foreign(campaign: &CampaignFile, part: ForeignPart) -> CommandError {
-    let program = campaign.meta().version.clone();
-    ForeignStudy { file: origin(campaign), program, part }.into()
+/// The error of a study of another version of the program, a part of which this one cannot read. The layout of the file itself is
+/// known: another one is [`StoreError::SchemaVersion`].
+fn foreign(campaign: &CampaignFile, part: &str) -> CommandError {
+    let program = &campaign.meta().version;
+    let ours = env!("CARGO_PKG_VERSION");
+    let fault = format!("written by version {program} of the program; in this one, version {ours}, {part}");
+    CommandError::refused(origin(campaign), fault)
 }
 
 fn origin(campaign: &CampaignFile) -> String {
@@ -151,4 +161,139 @@ pub fn stored_space(campaign: &CampaignFile) -> Result<Option<DesignSpace>, Comm
     let stored = campaign.document::<StoredSpace>(DESIGNS_DOCUMENT)?;
     let origin = campaign.dir().display().to_string();
     Ok(stored.map(|stored| DesignSpace::from_stored(stored, &origin)).transpose()?)
+}
+
+/// Population on which the surrogates of a [`LifeModel`] are assessed.
+const SAMPLES: usize = 20_000;
+
+/// A finished study.
+pub struct OpenedStudy {
+    /// The campaign file with its scene and settings.
+    pub study: StoredStudy,
+    /// Result of the study.
+    pub summary: StudySummary,
+    /// The design variables, if it has any.
+    pub space: Option<DesignSpace>,
+    /// Settings of the answers: those of the study, with surrogates and a population up to [`POPULATION`].
+    pub settings: Settings,
+}
+
+impl OpenedStudy {
+    /// Opens the folder of a study, for reading or to add simulations.
+    ///
+    /// # Errors
+    /// [`CommandError::Store`] or [`CommandError::Refused`].
+    pub fn open(dir: &Path, simulates: bool) -> Result<Self, CommandError> {
+        let campaign = if simulates { CampaignFile::open(dir)? } else { CampaignFile::look(dir)? };
+        Self::of(StoredStudy::read(campaign)?)
+    }
+
+    /// The study of an open campaign file.
+    ///
+    /// # Errors
+    /// [`CommandError::Store`] or [`CommandError::Refused`].
+    pub fn of(study: StoredStudy) -> Result<Self, CommandError> {
+        let summary = summary_of(&study.campaign)?;
+        let space = stored_space(&study.campaign)?;
+        let has_population = study.settings.method == Method::ActiveLearning && summary.conditional.is_none();
+        let of_study =
+            if has_population { summary.population.max(study.settings.samples) } else { POPULATION };
+        let settings = Settings {
+            samples: of_study.min(POPULATION),
+            method: Method::ActiveLearning,
+            ..study.settings.clone()
+        };
+        Ok(Self { study, summary, space, settings })
+    }
+
+    /// The scene of the question without changes: with design variables the design that the scene itself has.
+    ///
+    /// # Errors
+    /// [`CommandError::Scene`].
+    pub fn present(&self) -> Result<SceneSource, CommandError> {
+        Ok(match &self.space {
+            None => self.study.source.clone(),
+            Some(space) => space.present(&[])?.0,
+        })
+    }
+
+    /// Sample and outcome of every simulation that the campaign file holds.
+    ///
+    /// # Errors
+    /// [`CommandError::Store`].
+    pub fn outcomes(&self) -> Result<Vec<StoredOutcome>, CommandError> {
+        Ok(known_outcomes(&self.study.campaign)?)
+    }
+
+    /// Reliability and lives of a changed scene against those of `base`, from all simulations that the study has.
+    ///
+    /// # Errors
+    /// [`CommandError::Study`].
+    pub fn ask(&self, base: &SceneSource, changed: &SceneSource) -> Result<WhatIf, CommandError> {
+        let finished = FinishedStudy {
+            scene: base.nominal(),
+            simulated: self.study.scene(),
+            settings: &self.settings,
+            outcomes: &self.outcomes()?,
+            summary: Some(&self.summary).filter(|_| self.space.is_none()),
+        };
+        ask(&finished, changed.nominal()).map_err(|error| failed(error, self.study.campaign.dir()))
+    }
+
+    /// Opens the evaluator of the simulations to be added and starts its workers.
+    ///
+    /// # Errors
+    /// [`CommandError`].
+    pub fn evaluator(&self, farm: &FarmArguments, quiet: bool) -> Result<CommandEvaluator, CommandError> {
+        // Samples and accuracy determine what is simulated, so the workers receive the scene of the study.
+        let campaign = || announced(&self.study.source, &self.settings, true);
+        let mut evaluator = CommandEvaluator::open(&self.study.source, campaign, farm)?;
+        evaluator.start_workers()?;
+        if !quiet {
+            evaluator.print_endpoints();
+        }
+        Ok(evaluator)
+    }
+
+    /// The predictor of lives by the surrogates of the study.
+    ///
+    /// # Errors
+    /// [`CommandError::Refused`] without surrogates, or the error of the campaign file or the surrogates.
+    pub fn life_model(&self) -> Result<LifeModel, CommandError> {
+        let StoredStudy { campaign, settings, .. } = &self.study;
+        let (dir, scene) = (campaign.dir(), self.study.scene());
+        if settings.method != Method::ActiveLearning {
+            let fault = format!(
+                "this study has no surrogates (method {}); the responses of units need a study with --method ak",
+                settings.method.name()
+            );
+            return Err(CommandError::refused(dir.display(), fault));
+        }
+        // The surrogates are wanted, not the curves of the whole population.
+        let settings = Settings { samples: settings.samples.min(SAMPLES), ..settings.clone() };
+        let learned = learn_from_results(scene, scene, &settings, &self.study.outcomes()?)
+            .map_err(|error| CommandError::of_study(error, dir))?;
+        Ok(LifeModel::new(scene, &learned))
+    }
+}
+
+/// Sample and outcome of every simulation that a campaign file holds.
+///
+/// # Errors
+/// [`StoreError`].
+pub fn known_outcomes(campaign: &CampaignFile) -> Result<Vec<StoredOutcome>, StoreError> {
+    let mut all = Vec::new();
+    campaign.for_each_known(|sample, outcome| {
+        all.push(StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) });
+    })?;
+    Ok(all)
+}
+
+/// The error of a question about the study in the folder `dir`.
+pub fn failed(error: StudyError, dir: &Path) -> CommandError {
+    match error {
+        // An interruption leaves the finished simulations in the study: the same command goes on from them.
+        StudyError::Evaluate(error) => CommandError::Evaluate(error),
+        error => CommandError::Study { dir: dir.to_path_buf(), error },
+    }
 }

@@ -1,24 +1,20 @@
 //! `coordinator tradeoff`: time against error of the accuracy settings of a scene, with the workers of a study.
 
 use super::error::CommandError;
-use super::farm::WorkerFarm;
+use super::farm::{WorkerFarm, of_mechanism};
 use super::output::print;
 use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive};
 use clap::{Args, ValueEnum};
 use common::accuracy::NamedAccuracy;
-use common::evaluation_shape::EvaluationShape;
 use common::scene::SceneSource;
 use coordinator::analyses::tradeoff::{
-    Measurement, QUICK, TradeoffPlan, TradeoffProgress, compare, csv, figures, full, reference_row, settings,
-    table, values_csv,
+    QUICK, TradeoffPlan, TradeoffProgress, answer, compare, full, reference_row, settings, values_csv,
 };
-use coordinator::farm::dispatch::CampaignSpec;
 use coordinator::presentation::report::ReportError;
-use coordinator::presentation::terminal::print_message;
-use coordinator::results::result_files::write_text;
+use coordinator::results::result_files::{create_folder, write_text};
 use coordinator::statistics::design::nominal_and_random;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Set of accuracy settings to measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -60,31 +56,32 @@ pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Result<(
     let source = SceneSource::load(&arguments.scene)?;
     let scene = source.nominal();
     check_linkage(source.origin(), &source, scene)?;
-    std::fs::create_dir_all(&arguments.out)
-        .map_err(|error| CommandError::Folder { path: arguments.out.clone(), error })?;
+    create_folder(&arguments.out)?;
     let plan = TradeoffPlan {
         settings: chosen(arguments),
         points: nominal_and_random(scene, scene.study.seed, arguments.points - 1),
     };
-    let mut farm = WorkerFarm::start(announced(&source, &plan), &arguments.farm)?;
-    if !verbosity.quiet {
-        farm.print_endpoints();
-    }
+    // Every task carries its own accuracy.
+    let accuracy = NamedAccuracy { name: "tradeoff".into(), ..NamedAccuracy::default() };
+    let campaign = of_mechanism(&source, accuracy, &format!("tradeoff {plan:?}"));
+    let mut farm = WorkerFarm::start(campaign, &arguments.farm, verbosity.quiet)?;
     let (measurement, end) =
         plan.measure(&mut farm.evaluator, &mut |TradeoffProgress { done, all, setting, point, seconds }| {
-            if !verbosity.quiet {
-                print_message(format_args!(
-                    "{done}/{all} evaluations: {setting} at point {point}, {seconds:.2} s"
-                ));
-            }
+            verbosity
+                .say(format_args!("{done}/{all} evaluations: {setting} at point {point}, {seconds:.2} s"));
         });
     if end.is_ok() {
         farm.close();
     }
     // What is complete is written even if the rest is missing.
     if measurement.points > 0 {
-        let text = write(&arguments.out, &source, &plan.settings, &measurement)?;
-        print(&text)?;
+        let rows = compare(scene, &plan.settings, &measurement);
+        let reference = reference_row(scene, &measurement);
+        let answer = answer(scene, &rows, &reference, measurement.points).map_err(ReportError::from)?;
+        let values = values_csv(scene, &plan.settings, &measurement);
+        write_text(&arguments.out.join("values.csv"), &values)?;
+        answer.write(&arguments.out)?;
+        print(&answer.text())?;
     }
     end.map_err(CommandError::Evaluate)
 }
@@ -99,41 +96,4 @@ fn chosen(arguments: &TradeoffArguments) -> Vec<NamedAccuracy> {
         SettingsGrid::Full => full().collect(),
     };
     settings(names).expect("every name of the grid is a setting")
-}
-
-/// The campaign as announced to workers: every task carries its own accuracy; the id is a digest of the plan.
-fn announced(source: &SceneSource, plan: &TradeoffPlan) -> CampaignSpec {
-    let NamedAccuracy { accuracy, .. } = NamedAccuracy::default();
-    let digest = common::scene::source::digest(&format!("tradeoff {plan:?}\n{}", source.text()));
-    // The low half of a 128-bit hash is a 64-bit hash.
-    CampaignSpec {
-        id: digest as u64,
-        scene: source.text().to_owned(),
-        accuracy,
-        accuracy_name: "tradeoff".into(),
-        build: Some(worker::BUILD),
-        shape: Some(EvaluationShape::of(source.nominal())),
-        simulator: None,
-        cross_check: None,
-        resumed: false,
-    }
-}
-
-/// Writes the files; returns the text of the page.
-fn write(
-    dir: &Path,
-    source: &SceneSource,
-    settings: &[NamedAccuracy],
-    measurement: &Measurement,
-) -> Result<String, CommandError> {
-    let scene = source.nominal();
-    let rows = compare(scene, settings, measurement);
-    let text = table(scene, &rows, &reference_row(scene, measurement), measurement.points);
-    write_text(&dir.join("tradeoff.md"), &text)?;
-    write_text(&dir.join("tradeoff.csv"), &csv(scene, &rows))?;
-    write_text(&dir.join("values.csv"), &values_csv(scene, settings, measurement))?;
-    for (name, svg) in figures(scene, &rows).map_err(ReportError::from)? {
-        write_text(&dir.join(format!("{name}.svg")), &svg)?;
-    }
-    Ok(text)
 }

@@ -2,19 +2,18 @@
 //! by round against a direct Monte Carlo study.
 
 use super::error::CommandError;
-use super::output::{print, to_json};
+use super::output::answer_with;
 use super::shared::positive;
-use super::stored_study::{StoredStudy, not_finished};
+use super::stored_study::{StoredStudy, ended_without_result};
 use super::study_options::LearnerArguments;
 use clap::Args;
 use coordinator::analyses::replay::{Replayed, replay};
-use coordinator::presentation::text_table::in_columns;
+use coordinator::presentation::report::answer::{Answer, Part, Table};
 use coordinator::statistics::reliability::REACH;
 use coordinator::study::{
     Method, Settings, SimulatedPoint, StudyError, Verification, verify as refit, verify_study,
 };
 use std::collections::HashSet;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Fewest simulations of either study: surrogates need three, and a share of fewer than ten has no meaning.
@@ -74,8 +73,11 @@ fn verify_against(arguments: &VerifyArguments, against: &Path, as_json: bool) ->
     let dir = &arguments.dir;
     let (study, other) = (StoredStudy::look(dir)?, StoredStudy::look(against)?);
     if let Some(difference) = study.difference(&other) {
-        let (dir, against) = (dir.clone(), against.to_path_buf());
-        return Err(CommandError::NotComparable { dir, against, difference });
+        let both = format!("{} and {}", dir.display(), against.display());
+        let fault = format!(
+            "they differ in their {difference}; expected are studies of the same scene at the same accuracy"
+        );
+        return Err(CommandError::refused(both, fault));
     }
     let mut learned = study.simulated()?;
     learned.truncate(arguments.evaluations.unwrap_or(usize::MAX));
@@ -94,24 +96,20 @@ fn verify_against(arguments: &VerifyArguments, against: &Path, as_json: bool) ->
     };
     let (scene, settings) = (study.scene(), &study.settings);
     let learns = settings.method == Method::ActiveLearning && arguments.evaluations.is_none();
-    let own = if learns {
-        verify_study(scene, settings, &study.outcomes()?, &unseen).map_err(failed)?
-    } else {
-        None
+    let own = match learns {
+        true => verify_study(scene, settings, &study.outcomes()?, &unseen).map_err(failed)?,
+        false => None,
     };
-    let found = match own {
-        Some(found) => found,
-        None => refit(scene, settings, &learned, &unseen).map_err(failed)?,
-    };
-    if as_json { print(&to_json(&found)?) } else { print(&verification_text(&found)) }
+    let found = own.map_or_else(|| refit(scene, settings, &learned, &unseen).map_err(failed), Ok)?;
+    answer_with(&verification(&found), &found, None, as_json)
 }
 
 /// The error of a study with too few simulations, or the reason why it ended before it had more.
 fn too_few(study: &StoredStudy, points: usize, least: usize) -> CommandError {
-    match not_finished(&study.campaign) {
-        ended @ CommandError::EndedWithoutResult { .. } => ended,
-        _ => CommandError::TooFewSimulations { dir: study.campaign.dir().to_path_buf(), points, least },
-    }
+    ended_without_result(&study.campaign).unwrap_or_else(|| {
+        let fault = format!("{points} usable simulations, expected at least {least}");
+        CommandError::refused(study.campaign.dir().display(), fault)
+    })
 }
 
 /// Learns again from the simulations of a direct Monte Carlo study and prints the errors of every round.
@@ -133,80 +131,58 @@ pub fn rounds(dir: &Path, arguments: &RoundsArguments, as_json: bool) -> Result<
     }
     let found = replay(study.scene(), &settings, &nominal, &samples)
         .map_err(|error| CommandError::Replay { dir: dir.to_path_buf(), error })?;
-    if as_json { print(&to_json(&found)?) } else { print(&rounds_text(&found)) }
+    answer_with(&replayed(&found), &found, None, as_json)
 }
 
-fn verification_text(found: &Verification) -> String {
-    let mut out = String::new();
-    // Writing to a String cannot fail.
-    let _ = write_verification(&mut out, found);
-    out
-}
-
-fn write_verification(out: &mut String, found: &Verification) -> std::fmt::Result {
-    writeln!(
-        out,
-        "surrogates fitted to {} simulations, compared with {} others\n",
-        found.learned_from, found.points
-    )?;
-    for surrogate in &found.surrogates {
-        writeln!(
-            out,
-            "  {}: {}, Q2 {:.4} (leave-one-out {:.4}), errors {:.2} times the predicted standard deviation (root mean square)",
-            surrogate.limit_state,
-            surrogate.form,
-            surrogate.q2,
-            surrogate.q2_leave_one_out,
-            surrogate.variance_ratio.sqrt()
-        )?;
-    }
-    writeln!(
-        out,
-        "\nR of the {} other simulations: counted, and with the surrogates in their place; difference: surrogates minus counted, with \
+fn verification(found: &Verification) -> Answer {
+    let surrogates = found.surrogates.iter().map(|surrogate| {
+        vec![
+            surrogate.limit_state.clone(),
+            surrogate.form.clone(),
+            format!("{:.4}", surrogate.q2),
+            format!("{:.4}", surrogate.q2_leave_one_out),
+            format!("{:.2}", surrogate.variance_ratio.sqrt()),
+        ]
+    });
+    let head =
+        "limit state | surrogate | Q2 | leave-one-out Q2 | errors over predicted std (root mean square)"
+            .split(" | ");
+    let surrogates = Table::new("", head, surrogates).with_left(&[0, 1]);
+    let meaning = format!(
+        "R of the {} other simulations: counted, and with the surrogates in their place; difference: surrogates minus counted, with \
          its 95 % interval",
         found.points
-    )?;
+    );
     let columns =
         |curve: &String| [format!("R {curve} counted"), "by surrogates".to_owned(), "difference".to_owned()];
-    let mut table: Vec<Vec<String>> =
-        vec![std::iter::once("cycles".to_owned()).chain(found.curves.iter().flat_map(columns)).collect()];
-    for row in &found.rows {
+    let rows = found.rows.iter().map(|row| {
         let curves = row.simulated.iter().zip(&row.predicted).zip(&row.standard_error);
         let cells = curves.flat_map(|((simulated, predicted), error)| {
             let difference = format!("{:+.4} ± {:.4}", predicted - simulated, REACH * error);
             [format!("{simulated:.4}"), format!("{predicted:.4}"), difference]
         });
-        table.push(std::iter::once(row.cycles.to_string()).chain(cells).collect());
+        std::iter::once(row.cycles.to_string()).chain(cells).collect()
+    });
+    let head = std::iter::once("cycles".to_owned()).chain(found.curves.iter().flat_map(columns));
+    let curves = Table::new("", head, rows).with_left(&[]);
+    let largest = format!("largest difference of any curve: {:.4}", found.largest_difference());
+    Answer {
+        title: format!(
+            "surrogates fitted to {} simulations, compared with {} others",
+            found.learned_from, found.points
+        ),
+        parts: vec![Part::Table(surrogates), Part::Text(meaning), Part::Table(curves), Part::Text(largest)],
+        ..Answer::default()
     }
-    out.push_str(&in_columns(&table, &[]));
-    writeln!(out, "\nlargest difference of any curve: {:.4}", found.largest_difference())
 }
 
-fn rounds_text(found: &Replayed) -> String {
-    let mut out = String::new();
-    // Writing to a String cannot fail.
-    let _ = write_rounds(&mut out, found);
-    out
-}
-
-fn write_rounds(out: &mut String, found: &Replayed) -> std::fmt::Result {
-    writeln!(
-        out,
-        "learning again, with the {} simulated samples as the population\n\
-         stated error: largest error of any R(n) that the surrogates state; true error: largest difference of any R(n) from that of \
-         all samples; ratio: root mean square of true over stated; uncertain: share of the samples with U < 2\n",
-        found.population
-    )?;
-    let head = [
-        "evaluations",
-        "stated error",
-        "true error",
-        "ratio",
-        "uncertain",
-        "surrogates: kernel, trend, leave-one-out Q2, cross-validated Q2, factor on variances",
-    ];
-    let mut table = vec![head.map(str::to_owned).to_vec()];
-    table.extend(found.rounds.iter().map(|round| {
+fn replayed(found: &Replayed) -> Answer {
+    let meaning = "stated error: largest error of any R(n) that the surrogates state; true error: largest difference of any R(n) from that of \
+         all samples; ratio: root mean square of true over stated; uncertain: share of the samples with U < 2";
+    let head = "evaluations | stated error | true error | ratio | uncertain | \
+                surrogates: kernel, trend, leave-one-out Q2, cross-validated Q2, factor on variances"
+        .split(" | ");
+    let rows = found.rounds.iter().map(|round| {
         vec![
             round.evaluations.to_string(),
             format!("{:.4}", round.stated_error),
@@ -215,7 +191,12 @@ fn write_rounds(out: &mut String, found: &Replayed) -> std::fmt::Result {
             format!("{:.1} %", 100.0 * round.uncertain),
             round.surrogates.join("; "),
         ]
-    }));
-    out.push_str(&in_columns(&table, &[5]));
-    writeln!(out, "\nstopped by {}, {:.1} s of learning", found.stopped_by, found.seconds)
+    });
+    let table = Table::new("", head, rows).with_left(&[5]);
+    let end = format!("stopped by {}, {:.1} s of learning", found.stopped_by, found.seconds);
+    Answer {
+        title: format!("learning again, with the {} simulated samples as the population", found.population),
+        parts: vec![Part::Text(meaning.to_owned()), Part::Table(table), Part::Text(end)],
+        ..Answer::default()
+    }
 }

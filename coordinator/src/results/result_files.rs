@@ -85,6 +85,14 @@ fn is_stream(path: &Path) -> bool {
     is_special || path.starts_with("/dev/fd") || path.starts_with("/dev/stdout") || path.starts_with("/proc")
 }
 
+/// Creates a folder and those above it, if missing.
+///
+/// # Errors
+/// [`ResultFileError::Write`].
+pub fn create_folder(path: &Path) -> Result<(), ResultFileError> {
+    std::fs::create_dir_all(path).map_err(|source| ResultFileError::Write { path: path.into(), source })
+}
+
 /// Writes text to a file, completely or not at all.
 ///
 /// # Errors

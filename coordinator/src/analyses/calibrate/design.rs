@@ -2,11 +2,11 @@
 
 use super::CalibrationError;
 use super::least_squares::{Fit, LeastSquares};
-use super::report::{CalibrationResult, Counts, result};
+use super::report::{CalibrationResult, result};
 use super::responses::{CalibrationPoint, POPULATION, ResponseSurrogates};
 use super::space::{ParameterKind, Space};
 use super::targets::CalibrationTargets;
-use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
+use crate::farm::evaluate::{EvaluateError, Evaluator, Request};
 use crate::statistics::design::{InputModel, Population};
 use common::accuracy::Accuracy;
 use common::random::{Distribution, GaussianCopula};
@@ -86,7 +86,7 @@ pub fn calibrate(
         let problem = LeastSquares { residuals, weights: vec![1.0; targets.len()] };
         let fit = problem.fit(&starts(space));
         if round == settings.rounds {
-            let counts = Counts { simulations: requested, failed: requested - simulated.len() };
+            let counts = (requested, requested - simulated.len());
             return Ok(result(space, targets, &responses, &problem, &fit, counts));
         }
         window = window_around(&fit);
@@ -154,27 +154,16 @@ fn simulate(
     accuracy: Accuracy,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<Vec<CalibrationPoint>, EvaluateError> {
-    let request = |(id, point): (u64, &DesignPoint)| Request {
-        id,
-        sample: point.sample.clone(),
-        with_first_cycle: false,
-        accuracy: Some(accuracy),
-    };
+    let request = |(id, point): (u64, &DesignPoint)| Request::at(id, point.sample.clone(), accuracy);
     let requests: Vec<Request> = (first_id..).zip(&points).map(request).collect();
-    let mut outcomes = vec![None; requests.len()];
     let mut done = 0;
-    evaluator.evaluate(&requests, &mut |finished: Finished| {
-        let index = usize::try_from(finished.id.wrapping_sub(first_id)).ok();
-        let Some(outcome) = index.and_then(|index| outcomes.get_mut(index)) else {
-            return Err(EvaluateError::UnrequestedOutcome { id: finished.id });
-        };
-        *outcome = finished.outcome.ok();
+    let (outcomes, end) = evaluator.outcomes(&requests, &mut |_| {
         done += 1;
         progress(done, requests.len());
-        Ok(())
-    })?;
-    let simulated = points.into_iter().zip(outcomes).filter_map(|(point, evaluation)| {
-        Some(CalibrationPoint { features: point.features, evaluation: evaluation? })
+    });
+    end?;
+    let simulated = points.into_iter().zip(outcomes).filter_map(|(point, finished)| {
+        Some(CalibrationPoint { features: point.features, evaluation: finished?.outcome.ok()? })
     });
     Ok(simulated.collect())
 }

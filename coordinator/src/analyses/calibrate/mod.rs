@@ -23,7 +23,7 @@ mod targets;
 mod tests;
 
 pub use design::{CalibrationProgress, CalibrationSettings, calibrate};
-pub use report::{CalibrationResult, Conflict, FittedParameter, FittedTarget, TargetCost, markdown};
+pub use report::{CalibrationResult, Conflict, FittedParameter, FittedTarget, TargetCost, answer};
 pub use space::{FreeParameter, ParameterKind, Space};
 pub use target_file::{of_parameters, read as read_targets};
 pub use targets::{CalibrationTargets, ShownUnit, Target, TargetQuantity};

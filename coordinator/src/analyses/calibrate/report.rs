@@ -1,11 +1,12 @@
-//! Result of a calibration, as JSON and as Markdown.
+//! Result of a calibration, as JSON and with its tables.
 
 use super::least_squares::{Fit, LeastSquares};
 use super::responses::ResponseSurrogates;
 use super::space::{FreeParameter, Space};
 use super::targets::Target;
+use crate::presentation::report::answer::{Answer, Part, Table};
+use crate::presentation::report::format::significant;
 use serde::Serialize;
-use std::fmt::Write;
 
 /// Residual above which a target counts as missed [tolerances].
 const MISSED: f64 = 2.0;
@@ -93,23 +94,14 @@ pub struct CalibrationResult {
     pub conflicts: Vec<Conflict>,
 }
 
-/// Numbers of simulations.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Counts {
-    /// Number of all simulations.
-    pub simulations: usize,
-    /// Number of simulations without a result.
-    pub failed: usize,
-}
-
-/// The result of the last round.
+/// The result of the last round, with the numbers of all simulations and of those without a result.
 pub(super) fn result<R: Fn(&[f64]) -> Vec<f64>>(
     space: &Space,
     targets: &[Target],
     responses: &ResponseSurrogates<'_>,
     problem: &LeastSquares<R>,
     fit: &Fit,
-    counts: Counts,
+    (simulations, failed): (usize, usize),
 ) -> CalibrationResult {
     let best = fit.best.as_slice();
     let residuals = (problem.residuals)(best);
@@ -143,8 +135,8 @@ pub(super) fn result<R: Fn(&[f64]) -> Vec<f64>>(
         unit_si: target.unit.si,
     };
     CalibrationResult {
-        simulations: counts.simulations,
-        failed: counts.failed,
+        simulations,
+        failed,
         parameters: space.free.iter().enumerate().map(parameter).collect(),
         correlation: (0..p).map(|i| (0..p).map(|j| fit.correlation(i, j)).collect()).collect(),
         targets: targets.iter().zip(&residuals).map(target).collect(),
@@ -177,121 +169,90 @@ fn conflicts<R: Fn(&[f64]) -> Vec<f64>>(
         .collect()
 }
 
-/// The result as Markdown.
-pub fn markdown(found: &CalibrationResult) -> String {
-    let mut out = String::new();
-    // Writing to a String does not fail.
-    let _ = write_markdown(&mut out, found);
-    out
-}
-
-fn write_markdown(out: &mut String, found: &CalibrationResult) -> std::fmt::Result {
-    writeln!(
-        out,
-        "{} simulations, {} of them failed; chi squared {:.2} for {} targets.\n",
+/// The result for the scene of this name with its tables.
+pub fn answer(found: &CalibrationResult, scene: &str) -> Answer {
+    let counts = format!(
+        "{} simulations, {} of them failed; chi squared {:.2} for {} targets.",
         found.simulations,
         found.failed,
         found.chi_squared,
         found.targets.len()
-    )?;
-    write_parameters(out, &found.parameters)?;
-    write_targets(out, &found.targets)?;
-    write_correlations(out, found)?;
-    found.conflicts.iter().try_for_each(|conflict| write_conflict(out, conflict))
+    );
+    let caution = "Free parameters: fitted to the targets below, so results that follow from them alone are not predictions.";
+    let mut parts = vec![
+        Part::Text(counts),
+        Part::Text(caution.to_owned()),
+        Part::Table(parameters(&found.parameters)),
+        Part::Table(targets_table(&found.targets)),
+    ];
+    if found.parameters.len() > 1 {
+        parts.push(Part::Notes("Correlations of the parameters' uncertainties", correlations(found)));
+    }
+    parts.extend(found.conflicts.iter().map(|conflict| Part::Text(conflict_in_words(conflict))));
+    Answer {
+        name: "calibration",
+        title: format!("Calibration of {scene}"),
+        parts,
+        prints_markdown: true,
+        ..Answer::default()
+    }
 }
 
-fn write_parameters(out: &mut String, parameters: &[FittedParameter]) -> std::fmt::Result {
-    writeln!(
-        out,
-        "Free parameters: fitted to the targets below, so results that follow from them alone are not predictions.\n"
-    )?;
-    writeln!(out, "| parameter | value | uncertainty | bounds | |\n|---|---|---|---|---|")?;
-    for p in parameters {
+fn parameters(parameters: &[FittedParameter]) -> Table {
+    let row = |p: &FittedParameter| {
         let remark = match (p.determined, p.on_bound) {
             (false, _) => "not determined by these targets",
             (true, true) => "at a bound",
             (true, false) => "",
         };
-        let (name, unit) = (&p.name, &p.unit);
-        writeln!(
-            out,
-            "| {name} | {:.5} {unit} | {:.2} {unit} | {:.5} to {:.5} {unit} | {remark} |",
-            SignificantDigits(p.value),
-            SignificantDigits(p.uncertainty),
-            SignificantDigits(p.lower),
-            SignificantDigits(p.upper)
-        )?;
-    }
-    Ok(())
+        let unit = &p.unit;
+        let [value, lower, upper] = [p.value, p.lower, p.upper].map(|x| significant(x, 5));
+        vec![
+            p.name.clone(),
+            format!("{value} {unit}"),
+            format!("{} {unit}", significant(p.uncertainty, 2)),
+            format!("{lower} to {upper} {unit}"),
+            remark.to_owned(),
+        ]
+    };
+    Table::new("", ["parameter", "value", "uncertainty", "bounds", ""], parameters.iter().map(row))
 }
 
-fn write_targets(out: &mut String, targets: &[FittedTarget]) -> std::fmt::Result {
-    writeln!(
-        out,
-        "\n| target | value | tolerance | fitted | residual | surrogate's Q2 |\n|---|---|---|---|---|---|"
-    )?;
-    for t in targets {
-        let shown = |si: f64| SignificantDigits(si / t.unit_si);
-        writeln!(
-            out,
-            "| {} | {:.4} {unit} | {:.2} {unit} | {:.4} {unit} | {:+.1} | {:.4} |",
-            t.name,
-            shown(t.target),
-            shown(t.tolerance),
-            shown(t.fitted),
-            t.residual,
-            t.q2,
-            unit = t.unit
-        )?;
-    }
-    Ok(())
+fn targets_table(targets: &[FittedTarget]) -> Table {
+    let row = |t: &FittedTarget| {
+        let shown = |si: f64, digits: usize| format!("{} {}", significant(si / t.unit_si, digits), t.unit);
+        vec![
+            t.name.clone(),
+            shown(t.target, 4),
+            shown(t.tolerance, 2),
+            shown(t.fitted, 4),
+            format!("{:+.1}", t.residual),
+            format!("{:.4}", t.q2),
+        ]
+    };
+    let head = ["target", "value", "tolerance", "fitted", "residual", "surrogate's Q2"];
+    Table::new("", head, targets.iter().map(row))
 }
 
-fn write_correlations(out: &mut String, found: &CalibrationResult) -> std::fmt::Result {
-    if found.parameters.len() > 1 {
-        writeln!(out, "\nCorrelations of the parameters' uncertainties:\n")?;
-    }
-    for (i, row) in found.correlation.iter().enumerate() {
-        for (j, value) in row.iter().enumerate().take(i) {
-            writeln!(out, "- {} and {}: {value:+.2}", found.parameters[j].name, found.parameters[i].name)?;
-        }
-    }
-    Ok(())
+fn correlations(found: &CalibrationResult) -> Vec<String> {
+    let name = |k: usize| &found.parameters[k].name;
+    let pairs = (0..found.parameters.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+    pairs.map(|(i, j)| format!("{} and {}: {:+.2}", name(j), name(i), found.correlation[i][j])).collect()
 }
 
-fn write_conflict(out: &mut String, conflict: &Conflict) -> std::fmt::Result {
-    write!(out, "\nThe target {} is missed. ", conflict.target)?;
+fn conflict_in_words(conflict: &Conflict) -> String {
+    let mut text = format!("The target {} is missed.", conflict.target);
     if conflict.alone.abs() > MISSED {
-        write!(
-            out,
-            "No parameters within the bounds meet it: the smallest residual is {:+.1} tolerances. ",
+        text += &format!(
+            " No parameters within the bounds meet it: the smallest residual is {:+.1} tolerances.",
             conflict.alone
-        )?;
+        );
     }
     if !conflict.costs.is_empty() {
         let cost =
             |TargetCost(name, before, then): &TargetCost| format!("{name} ({before:+.1} to {then:+.1})");
         let costs: Vec<String> = conflict.costs.iter().map(cost).collect();
-        write!(out, "If it takes precedence, other residuals increase: {}.", costs.join(", "))?;
+        text += &format!(" If it takes precedence, other residuals increase: {}.", costs.join(", "));
     }
-    writeln!(out)
-}
-
-/// A number with as many significant digits as the precision of its format, in the shorter notation.
-struct SignificantDigits(f64);
-
-impl std::fmt::Display for SignificantDigits {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let digits = f.precision().unwrap_or(4).max(1);
-        if self.0 == 0.0 || !self.0.is_finite() {
-            return write!(f, "{}", self.0);
-        }
-        let exponent = self.0.abs().log10().floor() as i32;
-        if (-4..6).contains(&exponent) {
-            let decimals = usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0);
-            write!(f, "{:.decimals$}", self.0)
-        } else {
-            write!(f, "{:.1$e}", self.0, digits - 1)
-        }
-    }
+    text
 }

@@ -3,7 +3,7 @@
 use super::responses::depth;
 use super::targets::TargetQuantity;
 use super::{
-    CalibrationError, CalibrationResult, CalibrationSettings, CalibrationTargets, Space, calibrate, markdown,
+    CalibrationError, CalibrationResult, CalibrationSettings, CalibrationTargets, Space, answer, calibrate,
     of_parameters, read_targets,
 };
 use crate::farm::evaluate::Request;
@@ -122,7 +122,7 @@ fn known_parameters_are_found_with_their_uncertainties() {
     assert!((found.parameters[1].uncertainty / 0.018 - 1.0).abs() < 0.2, "{found:?}");
     assert!(found.correlation[0][1] > 0.5 && found.conflicts.is_empty(), "{found:?}");
     assert_eq!((found.simulations, found.failed), (80, 0));
-    let text = markdown(&found);
+    let text = answer(&found, "four-bar").text();
     assert!(text.contains("| mean of max_wear_depth at 8000 | 12.00 um |"), "{text}");
 }
 
@@ -145,7 +145,7 @@ fn targets_that_contradict_each_other_are_named() {
     // Far outside of what the bounds allow.
     let found = fitted(&wear("bench three", "100 um")).unwrap();
     assert!(found.conflicts[0].alone.abs() > 100.0 && found.parameters[1].on_bound, "{found:?}");
-    assert!(markdown(&found).contains("No parameters within the bounds meet it"));
+    assert!(answer(&found, "four-bar").text().contains("No parameters within the bounds meet it"));
 }
 
 #[test]

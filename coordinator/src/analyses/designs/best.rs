@@ -1,8 +1,9 @@
 //! The best of several designs, and those that cannot be told from it.
 
 use super::answer::DesignAnswer;
-use crate::analyses::paired_results::{ChangeRow, PairedResults};
+use crate::analyses::paired_results::{ChangeOfLife, PairedResults};
 use crate::presentation::report::life::{Included, LifeAt, life_at};
+use crate::statistics::reliability::paired::Change;
 use serde::Serialize;
 
 /// What makes a design good; both refer to the whole system.
@@ -56,12 +57,12 @@ impl Objective {
     }
 
     /// The change of the objective from `best` to `other` with its interval; `None` where it is not known.
-    fn change(self, best: &DesignAnswer, other: &DesignAnswer) -> Option<ChangeRow> {
+    fn change(self, best: &DesignAnswer, other: &DesignAnswer) -> Option<Change> {
         let paired = PairedResults::new(best.first_failures.clone(), other.first_failures.clone());
         match self {
             Self::Life { level } => {
                 let rows = paired.lives(&best.summary, &other.summary);
-                let is_asked = |row: &&crate::analyses::paired_results::ChangeOfLife| {
+                let is_asked = |row: &&ChangeOfLife| {
                     row.limit_state == TOTAL && row.reliability.to_bits() == level.to_bits()
                 };
                 rows.iter().find(is_asked)?.cycles

@@ -3,6 +3,7 @@
 use super::answer::DesignAnswer;
 use super::best::Best;
 use super::space::DesignSpace;
+use crate::presentation::report::format::shortest;
 use crate::presentation::report::life::{Included, LEVELS, LifeAt, life_at};
 use crate::presentation::report::palette::{Ink, SERIES};
 use crate::presentation::report::{Axis, Figure, Plot, PlotError, Series, Shape};
@@ -163,12 +164,6 @@ fn plot(
 ) -> Result<Figure, PlotError> {
     let first = &space.variables()[0];
     let x_label = first.label();
-    let x = Axis { text: short_number, ..Axis::linear(&x_label, (first.lower, first.upper)) };
+    let x = Axis { text: |value| shortest(value, 6), ..Axis::linear(&x_label, (first.lower, first.upper)) };
     Plot { figure: name, x, y: Axis::linear(label, range), series }.figure(title, caption)
-}
-
-/// A number with at most six significant digits.
-fn short_number(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    rounded.to_string().replace('-', "\u{2212}")
 }

@@ -25,7 +25,6 @@ mod present;
 mod refinement;
 mod report;
 mod space;
-mod table;
 #[cfg(test)]
 mod tests;
 mod variable;
@@ -34,7 +33,6 @@ pub use answer::{DesignAnswer, DesignError, DesignStudy, answers};
 pub use best::{Best, Objective};
 pub use present::Follower;
 pub use refinement::{Refined, refine};
-pub use report::{DesignReport, json, page, text};
+pub use report::{DesignReport, answer, json};
 pub use space::{DESIGNS_DOCUMENT, DesignSpace, StoredSpace};
-pub use table::csv;
 pub use variable::DesignVariable;

@@ -1,20 +1,22 @@
-//! The answers for all designs as text for a terminal, as JSON and as a page with figures.
+//! The answers for all designs as JSON, and with their table, sentences and figures.
 
 use super::answer::DesignAnswer;
 use super::best::{Best, Objective};
 use super::figures::figures;
 use super::refinement::Refined;
 use super::space::DesignSpace;
+use crate::analyses::paired_results::curve_names;
 use crate::presentation::report::PlotError;
-use crate::presentation::report::decision::{DecisionPage, DecisionTable};
+use crate::presentation::report::answer::{Answer, Part, Table};
 use crate::presentation::report::format::{count, percent, rounded_cycles, three_digits};
 use crate::presentation::report::life::{
     Included, LEVELS, LifeAt, life_and_limits, life_at, reliability, states_numerical_errors, unresolved_fall,
 };
+use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::StudySummary;
 use serde_json::{Map, Value, json};
 
-/// Most designs in the table of the text.
+/// Most designs in the table of a terminal.
 const ROWS: usize = 16;
 
 /// All that is reported of designs.
@@ -91,26 +93,11 @@ pub fn json(report: &DesignReport<'_>) -> Value {
     })
 }
 
-/// The answers as text.
-pub fn text(report: &DesignReport<'_>) -> String {
-    let mut text = table(report, ROWS).in_columns();
-    let all = report.answers.len();
-    if all > ROWS {
-        text += &format!("({ROWS} of {all} designs, the best first; --json and --out have all)\n");
-    }
-    text.push('\n');
-    let best = report.best.as_ref().map(|best| best_in_words(report, best));
-    for sentence in best.into_iter().chain(sentences(report)) {
-        text += &format!("{sentence}\n");
-    }
-    text.replace('\u{a0}', " ")
-}
-
-/// The answers as a page.
+/// The answers with their tables, sentences and figures.
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn page(report: &DesignReport<'_>) -> Result<DecisionPage, PlotError> {
+pub fn answer(report: &DesignReport<'_>) -> Result<Answer, PlotError> {
     let last = report.answers.len() - 1;
     let mut drawn = vec![0, last / 2, last];
     drawn.extend(report.best.as_ref().map(|best| best.index));
@@ -118,29 +105,28 @@ pub fn page(report: &DesignReport<'_>) -> Result<DecisionPage, PlotError> {
     drawn.dedup();
     let curve =
         |i: usize| -> (String, StudySummary) { (report.in_words(i), report.answers[i].summary.clone()) };
-    Ok(DecisionPage {
+    let best = report.best.as_ref().map(|best| Part::Text(best_in_words(report, best)));
+    let rest = [Part::Figures, Part::Table(table(report)), Part::Notes("Errors", sentences(report))];
+    Ok(Answer {
+        name: "designs",
         title: "Designs".to_owned(),
-        subtitle: format!(
-            "Scene: {}. {}",
-            report.answers[0].summary.scene,
-            report.best.as_ref().map_or(String::new(), |best| best_in_words(report, best))
-        ),
-        sentences: sentences(report),
+        subtitle: format!("Scene: {}", report.answers[0].summary.scene),
+        parts: best.into_iter().chain(rest).collect(),
         figures: figures(report.space, report.answers, report.best.as_ref())?,
         curves: if drawn.len() > 1 { drawn.into_iter().map(curve).collect() } else { vec![] },
-        tables: vec![table(report, usize::MAX)],
+        files: vec![("designs.csv".to_owned(), csv(report.space, report.answers))],
+        ..Answer::default()
     })
 }
 
-/// The designs with their reliability or lives; if there are more than `most`, those at the front of the order of the best.
-fn table(report: &DesignReport<'_>, most: usize) -> DecisionTable {
-    let mut order: Vec<usize> = (0..report.answers.len()).collect();
-    if order.len() > most {
-        let value =
-            |i: &usize| Best::among(&report.answers[*i..=*i], report.objective).map_or(0.0, |b| b.value);
-        order.sort_by(|a, b| value(b).total_cmp(&value(a)));
-        order.truncate(most);
-    }
+/// The designs with their reliability or lives; of more than [`ROWS`] a terminal shows those at the front of the order of the best.
+fn table(report: &DesignReport<'_>) -> Table {
+    let all = report.answers.len();
+    let mut order: Vec<usize> = (0..all).collect();
+    let value = |i: &usize| Best::among(&report.answers[*i..=*i], report.objective).map_or(0.0, |b| b.value);
+    order.sort_by(|a, b| value(b).total_cmp(&value(a)));
+    order.truncate(ROWS);
+    let note = format!("({ROWS} of {all} designs, the best first; --json and --out have all)");
     let cycles = match report.objective {
         Objective::Reliability { cycles } => Some(cycles),
         Objective::Life { .. } => None,
@@ -164,11 +150,9 @@ fn table(report: &DesignReport<'_>, most: usize) -> DecisionTable {
         let lives = LEVELS.into_iter().filter(|_| !is_static).map(life);
         values.chain(at).chain(lives).chain(first.iter().map(|_| leader(summary))).collect()
     };
-    DecisionTable {
-        heading: "Designs".to_owned(),
-        head: labels.chain(at).chain(lives.into_iter().filter(|_| !is_static)).chain(first.clone()).collect(),
-        rows: order.into_iter().map(row).collect(),
-    }
+    let head = labels.chain(at).chain(lives.into_iter().filter(|_| !is_static)).chain(first.clone());
+    let table = Table::new("", head, (0..all).map(row));
+    Table { shown: (all > ROWS).then_some((order, note)), ..table }
 }
 
 /// The limit state that most mechanisms of a design violate first by the end of life, with its share.
@@ -260,4 +244,26 @@ fn best_in_words(report: &DesignReport<'_>, best: &Best) -> String {
         text += &format!(" It lies at the end of the range of {}.", at_end.join(", "));
     }
     text
+}
+
+/// One row per design, curve and checkpoint: the values of the design variables, `limit_state`, `cycles`, `R`, `standard_error`,
+/// and the 95 % interval `lower`, `upper`.
+fn csv(space: &DesignSpace, answers: &[DesignAnswer]) -> String {
+    let labels: Vec<String> = space.variables().iter().map(super::DesignVariable::label).collect();
+    let head = ["limit_state", "cycles", "R", "standard_error", "lower", "upper"].map(str::to_owned);
+    let mut table = CsvTable::new(labels.into_iter().chain(head));
+    for answer in answers {
+        let values: Vec<String> = answer.values.iter().map(|value| number(*value)).collect();
+        for name in curve_names(&answer.summary) {
+            for row in &answer.summary.reliability {
+                let r = row.reliability.get(&name).copied().map_or(String::new(), number);
+                let error = row.standard_error.get(&name).copied().map_or(String::new(), number);
+                let range = row.interval_of(&name).map(|range| [range.lower, range.upper].map(number));
+                let [lower, upper] = range.unwrap_or_default();
+                let own = [name.clone(), row.cycles.to_string(), r, error, lower, upper];
+                table.push(values.iter().cloned().chain(own));
+            }
+        }
+    }
+    table.into_text()
 }

@@ -16,7 +16,6 @@ mod campaign;
 mod context;
 mod design_variables;
 mod finding;
-mod front_figure;
 mod moments;
 mod optimum;
 mod problem;
@@ -39,7 +38,7 @@ pub use problem::{
     DesignProblem, DesignQuantity, Grade, PrintedUnit, QuantityKind, ReliabilityTarget, StudiedDesigns,
 };
 pub use problem_file::read as read_problem;
-pub use report::{markdown, page};
+pub use report::answer;
 pub use result::{
     Advice, Bound, FrontPoint, Grades, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations,
     TargetState,

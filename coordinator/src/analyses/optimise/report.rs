@@ -1,46 +1,40 @@
-//! The result of an optimisation as Markdown and as a page.
+//! The result of an optimisation with its tables, sentences and figures.
 
-use super::front_figure::front_figure;
 use super::result::{
     Advice, Bound, FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, TargetState,
 };
-use crate::presentation::report::PlotError;
-use crate::presentation::report::decision::{DecisionPage, DecisionTable};
+use crate::presentation::report::answer::{Answer, Part, Table};
+use crate::presentation::report::format::{shortest, significant};
+use crate::presentation::report::palette::Ink;
+use crate::presentation::report::{Axis, Figure, Plot, PlotError, Scale, Series, Shape};
 use crate::results::summary::StudySummary;
 use crate::statistics::reliability::REACH;
 use common::random::{standard_normal_pdf, standard_normal_quantile};
 
-/// The result, Markdown.
-pub fn markdown(result: &OptimisationResult) -> String {
-    let mut text = format!("# Optimum\n\n{}\n", verdict(result));
-    for table in tables(result) {
-        let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-        text +=
-            &format!("\n## {}\n\n{}{}", table.heading, line(&table.head), "|---".repeat(table.head.len()));
-        text += "|\n";
-        table.rows.iter().for_each(|row| text += &line(row));
-    }
-    text += "\n## Errors and prices\n\n";
-    notes(result).iter().for_each(|note| text += &format!("- {note}\n"));
-    text
-}
-
-/// The result as a page with the reliability `curves` of the study and of the optimum.
+/// The result with the reliability `curves` of the study and of the optimum.
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn page(
+pub fn answer(
     result: &OptimisationResult,
     scene: &str,
     curves: Vec<(String, StudySummary)>,
-) -> Result<DecisionPage, PlotError> {
-    Ok(DecisionPage {
+) -> Result<Answer, PlotError> {
+    let tables = tables(result).into_iter().map(Part::Table);
+    let notes = Part::Notes("Errors and prices", notes(result));
+    Ok(Answer {
+        name: "optimum",
         title: "Optimum".to_owned(),
         subtitle: format!("Scene: {scene}"),
-        sentences: std::iter::once(verdict(result).replace("**", "")).chain(notes(result)).collect(),
+        parts: [Part::Text(verdict(result)), Part::Figures]
+            .into_iter()
+            .chain(tables)
+            .chain([notes])
+            .collect(),
         figures: front_figure(result)?.into_iter().collect(),
         curves,
-        tables: tables(result),
+        prints_markdown: true,
+        ..Answer::default()
     })
 }
 
@@ -84,7 +78,7 @@ fn verdict(result: &OptimisationResult) -> String {
     let error = if result.grades.is_none() && result.cost_standard_error > 0.0 {
         format!(
             " ± {} (95 %, from the errors of the reliabilities)",
-            rounded(REACH * result.cost_standard_error)
+            significant(REACH * result.cost_standard_error, 2)
         )
     } else {
         String::new()
@@ -152,12 +146,7 @@ fn confirmation(result: &OptimisationResult) -> String {
 }
 
 /// Tables of quantities, reliabilities and the front.
-fn tables(result: &OptimisationResult) -> Vec<DecisionTable> {
-    let table = |heading: &str, head: &[&str], rows: Vec<Vec<String>>| DecisionTable {
-        heading: heading.to_owned(),
-        head: head.iter().map(|cell| (*cell).to_owned()).collect(),
-        rows,
-    };
+fn tables(result: &OptimisationResult) -> Vec<Table> {
     let found = match (result.feasible, result.is_held()) {
         (false, _) => "nearest",
         (true, true) => "cheapest supported",
@@ -165,20 +154,20 @@ fn tables(result: &OptimisationResult) -> Vec<DecisionTable> {
     };
     let (cost, counted) = (format!("cost, {found}"), format!("{found}, counted"));
     let mut tables = vec![
-        table(
+        Table::new(
             "Design",
-            &["quantity", "study", found, "allowed", "unit", "change", "cost, study", &cost],
-            result.quantities.iter().map(quantity_row).collect(),
+            ["quantity", "study", found, "allowed", "unit", "change", "cost, study", &cost],
+            result.quantities.iter().map(quantity_row),
         ),
-        table(
+        Table::new(
             "Reliability",
-            &["reliability", "target", "study", found, "95 % interval", &counted, "state"],
-            result.targets.iter().map(target_row).collect(),
+            ["reliability", "target", "study", found, "95 % interval", &counted, "state"],
+            result.targets.iter().map(target_row),
         ),
     ];
     if !result.front.is_empty() && result.feasible {
         let head = ["failure probability allowed", "targets", "least cost"];
-        tables.push(table("Cost against reliability", &head, result.front.iter().map(front_row).collect()));
+        tables.push(Table::new("Cost against reliability", head, result.front.iter().map(front_row)));
     }
     tables
 }
@@ -287,25 +276,7 @@ fn notes(result: &OptimisationResult) -> Vec<String> {
 
 /// A number with four digits.
 fn number(value: f64) -> String {
-    with_digits(value, 4)
-}
-
-/// An error with two digits.
-fn rounded(value: f64) -> String {
-    with_digits(value, 2)
-}
-
-fn with_digits(value: f64, digits: i32) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let exponent = value.abs().log10().floor() as i32;
-    if (-3..6).contains(&exponent) {
-        let decimals = usize::try_from(digits - 1 - exponent).unwrap_or(0);
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.0$e}", usize::try_from(digits - 1).unwrap_or(0))
-    }
+    significant(value, 4)
 }
 
 /// A reliability with as many digits as its distance from one needs.
@@ -335,4 +306,42 @@ fn with_interval(r: f64, standard_error: f64) -> String {
     }
     let decimals = (1.0 - width.log10().floor()).clamp(1.0, 12.0) as usize;
     format!("{r:.decimals$} ± {width:.decimals$}")
+}
+
+/// The figure; `None` with fewer than two targets that any design meets.
+///
+/// # Errors
+/// [`PlotError`].
+fn front_figure(result: &OptimisationResult) -> Result<Option<Figure>, PlotError> {
+    let known = |point: &FrontPoint| Some((point.factor.log10(), point.cost?));
+    let mut front: Vec<(f64, f64)> = result.front.iter().filter_map(known).collect();
+    front.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let [Some(first), Some(last)] = [front.first(), front.last()] else { return Ok(None) };
+    if front.len() < 2 {
+        return Ok(None);
+    }
+    let x = Axis {
+        label: "failure probability allowed, times that of the targets",
+        range: (first.0, last.0),
+        text: |exponent| shortest(10f64.powf(exponent), 3),
+        scale: Scale::Logarithm,
+    };
+    let costs = front.iter().map(|(_, cost)| *cost).chain([result.cost]);
+    let (low, high) = costs.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
+    let margin = 0.05 * (high - low).max(0.01 * high.abs());
+    let series = [
+        Series::new("least cost", Ink::Series(0), Shape::Dotted(front.clone())),
+        Series::new("optimum", Ink::Limit, Shape::Marked(vec![((0.0, result.cost), String::new())])),
+        Series::unlisted("cost of the study's design", Ink::Muted, Shape::Level(result.cost_before)),
+    ];
+    // The design of the study is drawn where it lies in the range of the others.
+    let shown = if (low..=high).contains(&result.cost_before) { &series[..] } else { &series[..2] };
+    let plot = Plot {
+        figure: "cost-against-reliability",
+        x,
+        y: Axis::linear("cost", (low - margin, high + margin)),
+        series: shown,
+    };
+    let caption = "Least costs on the surrogates, with every tolerance between grades allowed; 1 stands for the targets.";
+    plot.figure("Cost against reliability", caption).map(Some)
 }

@@ -12,6 +12,11 @@ use common::random::{Distribution, standard_normal_cdf, standard_normal_quantile
 use common::scene::{InputFile, SceneSource};
 use faer::{Mat, MatRef};
 
+/// The result as Markdown.
+fn markdown(found: &OptimisationResult) -> String {
+    answer(found, "", vec![]).unwrap().markdown()
+}
+
 /// A finished study of the margins of `f` (failure where one is not negative) at one checkpoint.
 fn study(
     variables: &[Distribution],

@@ -10,7 +10,7 @@ mod tests;
 mod text;
 
 pub use inspections::{InspectionPlan, InspectionRow, Schedule, inspect};
-pub use text::text;
+pub use text::answer;
 
 use crate::results::life_summary::{LifeCurveRow, LifeRow};
 use crate::results::summary::{ReliabilityRow, StudySummary};

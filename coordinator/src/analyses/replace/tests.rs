@@ -73,7 +73,7 @@ fn a_weibull_life_is_replaced_at_its_age_and_by_its_level() {
     let hazard = (law.survival(900.0) / law.survival(1000.0)).ln() / 100.0;
     let found = last.hazard.unwrap();
     assert!(found.lower < hazard && hazard < found.upper, "{found:?} {hazard}");
-    let text = text(&report, scene);
+    let text = answer(&report, scene).text();
     assert!(text.contains("replace at") && text.contains("B10") && text.contains("hazard"), "{text}");
 
     // The measured excess tells the life exactly: with free inspections every 100 cycles hardly any unit fails.
@@ -137,7 +137,7 @@ fn what_the_study_does_not_know_is_a_bound() {
     summary.curves = vec![curve];
     let report = replace(&summary, "total", &COSTS).unwrap();
     assert!(report.mean_life_is_bound && report.no_minimum && report.age.value == 1000.0);
-    let text = text(&report, &crate::test_study::scene());
+    let text = answer(&report, &crate::test_study::scene()).text();
     assert!(text.contains("no best age") && text.contains("at least") && text.contains("at most"), "{text}");
     let known = replace(&summary, "wear", &COSTS).unwrap_err().to_string();
     assert!(known.contains("allowed: total"), "{known}");
@@ -173,7 +173,7 @@ fn issue_a_constant_hazard_has_no_best_age_and_runs_to_failure() {
         let rate = report.run_to_failure;
         assert!((rate.value * 1000.0 / failure - 1.0).abs() < 5e-3, "{rate:?}");
         assert!(rate.lower * 1000.0 < failure && failure < rate.upper * 1000.0, "{rate:?}");
-        let text = text(&report, &crate::test_study::scene());
+        let text = answer(&report, &crate::test_study::scene()).text();
         assert!(text.contains("no best age") && text.contains("run to failure"), "{text}");
     }
 }

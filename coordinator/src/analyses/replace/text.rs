@@ -1,88 +1,89 @@
-//! The answer of `coordinator replace` as text.
+//! The answer of `coordinator replace` with its tables.
 
-use super::{RateRow, ReplacementReport, Stated};
+use super::{InspectionRow, RateRow, ReplacementReport, Stated};
+use crate::presentation::report::answer::{Answer, Part, Table};
 use crate::presentation::report::format::short_percent;
-use crate::presentation::text_table::in_columns;
 use crate::results::life_summary::LifeRow;
 use common::scene::Scene;
-use std::fmt::Write;
 
-/// Rows of the table of rates.
+/// Rows of the table of rates on a terminal.
 const ROWS: usize = 24;
 
-/// The answer as text; the scene has the units of its outputs.
-pub fn text(report: &ReplacementReport, scene: &Scene) -> String {
-    let mut out = String::new();
-    // Writing to a String cannot fail.
-    let _ = write_report(&mut out, report, scene);
-    out
+/// The answer; the scene has the units of its outputs.
+pub fn answer(report: &ReplacementReport, scene: &Scene) -> Answer {
+    let ReplacementReport { planned_cost, failure_cost, .. } = report;
+    let subject = if report.curve == "total" { "the whole system" } else { &report.curve };
+    let numbers = Table { left: &[0, 1], ..Table::new("", [""; 0], numbers(report)) };
+    let mut parts = vec![Part::Table(numbers), rates(&report.rates)];
+    parts.extend(inspections(report, scene));
+    Answer {
+        name: "replace",
+        title: format!(
+            "Age replacement for failures of {subject}: planned replacement {planned_cost}, failure {failure_cost} \
+             (95 % intervals)"
+        ),
+        subtitle: format!("Scene: {}", scene.name),
+        parts,
+        ..Answer::default()
+    }
 }
 
-fn write_report(out: &mut String, report: &ReplacementReport, scene: &Scene) -> std::fmt::Result {
-    let ReplacementReport { planned_cost, failure_cost, end, .. } = *report;
-    let subject = if report.curve == "total" { "the whole system".to_owned() } else { report.curve.clone() };
-    writeln!(
-        out,
-        "Age replacement for failures of {subject}: planned replacement {planned_cost}, failure {failure_cost} \
-         (95 % intervals)\n"
-    )?;
-    write_age(out, report)?;
-    let at_least = if report.mean_life_is_bound { "at least " } else { "" };
-    let at_most = if report.mean_life_is_bound { "at most " } else { "" };
-    writeln!(out, "run to failure       {at_most}{} per cycle", digits(&report.run_to_failure))?;
-    writeln!(out, "replacement saves    {at_most}{}", percent(&report.gain))?;
-    writeln!(out, "mean life            {at_least}{} cycles", cycles(&report.mean_life, end))?;
-    if report.mean_life_is_bound {
-        writeln!(
-            out,
-            "                     units outlive the study, which ends at {end:.0} cycles: the mean life is that up to there"
-        )?;
-    }
-    for row in &report.lives {
-        writeln!(out, "{:<21}{}", format!("B{:.0}", 100.0 * (1.0 - row.reliability)), life_text(row, end))?;
-    }
-    write_rates(out, &report.rates)?;
-    write_inspections(out, report, scene)
-}
-
-fn write_age(out: &mut String, report: &ReplacementReport) -> std::fmt::Result {
+/// Age, costs and lives by name.
+fn numbers(report: &ReplacementReport) -> Vec<Vec<String>> {
     let ReplacementReport { age, end, .. } = report;
+    let row = |name: &str, text: String| vec![name.to_owned(), text];
+    let [at_least, at_most] =
+        ["at least ", "at most "].map(|bound| if report.mean_life_is_bound { bound } else { "" });
+    let mut rows = Vec::new();
     if report.no_minimum {
-        writeln!(
-            out,
-            "no best age          run to failure: the hazard does not rise enough for a replacement to pay, and the cost per cycle falls \
-             up to the end of the study, {end:.0} cycles"
-        )?;
+        rows.push(row(
+            "no best age",
+            format!(
+                "run to failure: the hazard does not rise enough for a replacement to pay, and the cost per cycle falls up to the \
+                 end of the study, {end:.0} cycles"
+            ),
+        ));
         if age.lower < *end {
-            writeln!(
-                out,
-                "                     within the limits of R there may be a minimum, not before {} cycles",
-                life(age.lower, *end)
-            )?;
+            let lower = life(age.lower, *end);
+            let text = format!("within the limits of R there may be a minimum, not before {lower} cycles");
+            rows.push(row("", text));
         }
-        writeln!(out, "R at the end         {}", of_r(&report.reliability_at_age))?;
-        writeln!(out, "cost at the end      {} per cycle", digits(&report.cost_rate))?;
+        rows.push(row("R at the end", of_r(&report.reliability_at_age)));
+        rows.push(row("cost at the end", format!("{} per cycle", digits(&report.cost_rate))));
     } else {
         let later = if age.upper >= *end { " or later" } else { "" };
-        writeln!(
-            out,
-            "replace at           {} cycles ({} to {}{later}), where R = {}",
-            life(age.value, *end),
-            life(age.lower, *end),
-            life(age.upper, *end),
-            of_r(&report.reliability_at_age)
-        )?;
-        writeln!(out, "cost                 {} per cycle", digits(&report.cost_rate))?;
+        let [value, lower, upper] = [age.value, age.lower, age.upper].map(|age| life(age, *end));
+        let r = of_r(&report.reliability_at_age);
+        rows.push(row("replace at", format!("{value} cycles ({lower} to {upper}{later}), where R = {r}")));
+        rows.push(row("cost", format!("{} per cycle", digits(&report.cost_rate))));
     }
     if let Some(first) = report.constant_hazard_before {
         let cycles = if first == 1 { "cycle" } else { "cycles" };
-        writeln!(
-            out,
-            "caution              the fall of R before the first checkpoint, {first} {cycles}, is not resolved: the hazard is taken as \
-             constant there, the intervals contain any other fall; limits may be exceeded unworn, in the first cycle"
-        )?;
+        rows.push(row(
+            "caution",
+            format!(
+                "the fall of R before the first checkpoint, {first} {cycles}, is not resolved: the hazard is taken as constant \
+                 there, the intervals contain any other fall; limits may be exceeded unworn, in the first cycle"
+            ),
+        ));
     }
-    Ok(())
+    let failures = digits(&report.run_to_failure);
+    rows.push(row("run to failure", format!("{at_most}{failures} per cycle")));
+    let [value, lower, upper] = [report.gain.value, report.gain.lower, report.gain.upper].map(|x| 100.0 * x);
+    let gain = format!("{at_most}{value:.1} % ({lower:.1} to {upper:.1} %) of that");
+    rows.push(row("replacement saves", gain));
+    let Stated { value, lower, upper } = report.mean_life;
+    let [value, lower, upper] = [value, lower, upper].map(|mean| life(mean, *end));
+    rows.push(row("mean life", format!("{at_least}{value} ({lower} to {upper}) cycles")));
+    if report.mean_life_is_bound {
+        let text = format!(
+            "units outlive the study, which ends at {end:.0} cycles: the mean life is that up to there"
+        );
+        rows.push(row("", text));
+    }
+    let level = |row: &LifeRow| format!("B{:.0}", 100.0 * (1.0 - row.reliability));
+    rows.extend(report.lives.iter().map(|life| row(&level(life), life_text(life, *end))));
+    rows
 }
 
 fn of_r(stated: &Stated) -> String {
@@ -93,23 +94,10 @@ fn digits(stated: &Stated) -> String {
     format!("{:.4e} ({:.4e} to {:.4e})", stated.value, stated.lower, stated.upper)
 }
 
-fn percent(stated: &Stated) -> String {
-    format!(
-        "{:.1} % ({:.1} to {:.1} %) of that",
-        100.0 * stated.value,
-        100.0 * stated.lower,
-        100.0 * stated.upper
-    )
-}
-
 /// A life with three digits of the length of the study at least, whole cycles from 1000 on.
 fn life(cycles: f64, end: f64) -> String {
     let decimals = (3.0 - end.max(1.0).log10().ceil()).clamp(0.0, 3.0) as usize;
     format!("{cycles:.decimals$}")
-}
-
-fn cycles(stated: &Stated, end: f64) -> String {
-    format!("{} ({} to {})", life(stated.value, end), life(stated.lower, end), life(stated.upper, end))
 }
 
 /// Life of a level with its interval, or its bound.
@@ -129,53 +117,40 @@ fn life_text(row: &LifeRow, end: f64) -> String {
     }
 }
 
-/// Density and hazard where units fail, at most [`ROWS`] rows.
-fn write_rates(out: &mut String, rates: &[RateRow]) -> std::fmt::Result {
+/// Density and hazard where units fail, on a terminal at most [`ROWS`] rows.
+fn rates(rates: &[RateRow]) -> Part {
+    let short =
+        |stated: &Stated| format!("{:.2e} ({:.2e} to {:.2e})", stated.value, stated.lower, stated.upper);
     let failing: Vec<&RateRow> = rates.iter().filter(|row| row.density.value > 0.0).collect();
     if failing.is_empty() {
-        return writeln!(out, "\nNo failure was found up to the end of the study: no density and no hazard.");
+        let none = "No failure was found up to the end of the study: no density and no hazard.";
+        return Part::Text(none.to_owned());
     }
-    let head = ["cycles", "failure density [1/cycle] (95 %)", "hazard [1/cycle] (95 %)"];
-    let mut table = vec![head.map(str::to_owned).to_vec()];
     let step = failing.len().div_ceil(ROWS);
-    for row in failing.iter().step_by(step) {
+    let shown = (0..failing.len()).step_by(step).collect();
+    let note = format!("(every {step} intervals; --json has all)");
+    let rows = failing.iter().map(|row| {
         let hazard = row.hazard.as_ref().map_or("too few survivors".to_owned(), short);
-        let span = format!("{:.0} to {:.0}", row.from, row.to);
-        table.push(vec![span, short(&row.density), hazard]);
-    }
-    write!(out, "\n{}", in_columns(&table, &[]))?;
-    if step > 1 {
-        writeln!(out, "(every {step} intervals; --json has all)")?;
-    }
-    Ok(())
+        vec![format!("{:.0} to {:.0}", row.from, row.to), short(&row.density), hazard]
+    });
+    let head = ["cycles", "failure density [1/cycle] (95 %)", "hazard [1/cycle] (95 %)"];
+    Part::Table(Table { left: &[], shown: (step > 1).then_some((shown, note)), ..Table::new("", head, rows) })
 }
 
-fn short(stated: &Stated) -> String {
-    format!("{:.2e} ({:.2e} to {:.2e})", stated.value, stated.lower, stated.upper)
-}
-
-fn write_inspections(out: &mut String, report: &ReplacementReport, scene: &Scene) -> std::fmt::Result {
-    let Some(first) = report.inspections.first() else { return Ok(()) };
+/// Replacement above a measured level, if it was asked for.
+fn inspections(report: &ReplacementReport, scene: &Scene) -> Vec<Part> {
+    let Some(first) = report.inspections.first() else { return vec![] };
     let output = scene.outputs.iter().find(|output| output.name == first.output);
     let unit = output.map(|output| output.kind.unit());
-    writeln!(
-        out,
-        "\nReplacement above a measured {}, at a last age in any case; lives and ages in cycles, cost with 95 % limits by the number \
+    let meaning = format!(
+        "Replacement above a measured {}, at a last age in any case; lives and ages in cycles, cost with 95 % limits by the number \
          of units, the upper one with failures that none of them shows",
         first.output
-    )?;
-    let head = [
-        "inspected every",
-        "replaced from",
-        "last age",
-        "cost per cycle (95 %)",
-        "failed",
-        "replaced by level",
-        "mean life",
-        "inspections of a unit",
-    ];
-    let mut table = vec![head.map(str::to_owned).to_vec()];
-    table.extend(report.inspections.iter().map(|row| {
+    );
+    let head = "inspected every | replaced from | last age | cost per cycle (95 %) | failed | \
+                replaced by level | mean life | inspections of a unit"
+        .split(" | ");
+    let row = |row: &InspectionRow| {
         let shown =
             |level: f64| unit.as_ref().map(|unit| unit.after(&format!("{:.4}", unit.to_shown(level))));
         let levels: Vec<String> = row.lower_level.into_iter().chain(row.level).filter_map(shown).collect();
@@ -189,20 +164,17 @@ fn write_inspections(out: &mut String, report: &ReplacementReport, scene: &Scene
             life(row.mean_life, report.end),
             format!("{:.1}", row.inspections),
         ]
-    }));
-    out.push_str(&in_columns(&table, &[]));
-    let least = report.inspections.iter().min_by(|a, b| a.cost_rate.total_cmp(&b.cost_rate));
-    if let Some(best) = least {
-        let saved = 100.0 * (1.0 - best.cost_rate / report.cost_rate.value);
-        writeln!(
-            out,
-            "{} costs {:.1} % {} than age replacement without inspections.",
-            if report.inspections.len() > 1 { "The best of these" } else { "This" },
-            saved.abs(),
-            if saved >= 0.0 { "less" } else { "more" }
-        )?;
-    }
-    Ok(())
+    };
+    let table = Table::new("", head, report.inspections.iter().map(row)).with_left(&[]);
+    let least = report.inspections.iter().map(|row| row.cost_rate).fold(f64::INFINITY, f64::min);
+    let saved = 100.0 * (1.0 - least / report.cost_rate.value);
+    let best = format!(
+        "{} costs {:.1} % {} than age replacement without inspections.",
+        if report.inspections.len() > 1 { "The best of these" } else { "This" },
+        saved.abs(),
+        if saved >= 0.0 { "less" } else { "more" }
+    );
+    vec![Part::Text(meaning), Part::Table(table), Part::Text(best)]
 }
 
 #[cfg(test)]

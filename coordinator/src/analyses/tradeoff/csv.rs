@@ -7,110 +7,80 @@ use crate::results::csv_table::CsvTable;
 use common::accuracy::NamedAccuracy;
 use common::scene::Scene;
 
-/// Columns of a setting.
-const SETTING: [&str; 13] = [
-    "setting",
-    "step_tolerance",
-    "largest_step",
-    "wear_samples",
-    "cycle_jump",
-    "wear_tolerance",
-    "warm_up",
-    "seconds",
-    "steps",
-    "simulated_cycles",
-    "failures",
-    "efficient",
-    "within_twice",
-];
-
-/// Columns of every output, after its name.
-const OUTPUT: [&str; 8] = [
-    "error",
-    "error_until_limit",
-    "life_cycles",
-    "within",
-    "within_twice",
-    "median_ratio",
-    "ratio_95",
-    "missed_points",
-];
-
-/// Columns of every limit state, after its name.
-const LIMIT_STATE: [&str; 6] =
-    ["lives_changed", "R_change", "R_change_cycles", "R_change_at_0.9", "R_change_at_0.5", "R_change_at_0.1"];
+/// A cell with the name of its column.
+type Cell = (&'static str, String);
 
 /// One row per setting: its parameters, its cost, the errors of every output, and for every limit state the effect on the
 /// reliability. Shares and relative errors are plain numbers; an unknown value is empty.
 pub fn csv(scene: &Scene, rows: &[SettingComparison]) -> String {
-    let states = limit_states(scene);
-    let mut columns: Vec<String> = SETTING.map(str::to_owned).to_vec();
-    for output in &scene.outputs {
-        columns.extend(OUTPUT.map(|column| format!("{}_{column}", output.name)));
-    }
-    for name in &states {
-        columns.extend(LIMIT_STATE.map(|column| format!("{name}_{column}")));
-    }
-    let mut table = CsvTable::new(&columns);
-    for row in rows {
-        let mut cells = setting_cells(row);
-        for k in 0..scene.outputs.len() {
-            cells.extend(row.outputs.get(k).map(output_cells).unwrap_or_default());
-        }
-        for name in &states {
-            let change = row.lives.iter().find(|life| life.limit_state == *name);
-            cells.extend(change.map(life_cells).unwrap_or_default());
-        }
-        table.push(&cells);
-    }
+    let total = (scene.limit_states.len() > 1).then_some("total");
+    let states: Vec<&str> = scene.limit_states.iter().map(|limit| limit.name.as_str()).chain(total).collect();
+    let cells = |row: &SettingComparison| -> Vec<(String, String)> {
+        let own = setting_cells(row).map(|(column, cell)| (column.to_owned(), cell));
+        let outputs = scene.outputs.iter().enumerate().flat_map(|(k, output)| {
+            let cells = output_cells(row.outputs.get(k));
+            cells.map(|(column, cell)| (format!("{}_{column}", output.name), cell))
+        });
+        let lives = states.iter().flat_map(|name| {
+            let cells = life_cells(row.lives.iter().find(|life| life.limit_state == *name));
+            cells.map(|(column, cell)| (format!("{name}_{column}"), cell))
+        });
+        own.into_iter().chain(outputs).chain(lives).collect()
+    };
+    let rows: Vec<_> = rows.iter().map(cells).collect();
+    let mut table = CsvTable::new(rows.first().into_iter().flatten().map(|(column, _)| column));
+    rows.iter().for_each(|row| table.push(row.iter().map(|(_, cell)| cell)));
     table.into_text()
 }
 
-/// Limit states, and `total` if there are several.
-fn limit_states(scene: &Scene) -> Vec<&str> {
-    let names = scene.limit_states.iter().map(|limit| limit.name.as_str());
-    names.chain((scene.limit_states.len() > 1).then_some("total")).collect()
-}
-
-fn setting_cells(row: &SettingComparison) -> Vec<String> {
+fn setting_cells(row: &SettingComparison) -> [Cell; 13] {
     let a = &row.setting.accuracy;
-    vec![
-        row.setting.name.clone(),
-        format!("{:e}", a.step_tolerance),
-        format!("{:e}", a.largest_step),
-        a.wear_samples.to_string(),
-        a.cycle_jump.to_string(),
-        format!("{:e}", a.wear_tolerance),
-        a.warm_up.to_string(),
-        format!("{:e}", row.seconds),
-        row.steps.to_string(),
-        row.cycles.to_string(),
-        row.failures.to_string(),
-        row.efficient.to_string(),
-        row.stated.within_twice.to_string(),
-    ]
-}
-
-fn output_cells(output: &OutputError) -> [String; OUTPUT.len()] {
-    let stated = &output.stated;
     [
-        format!("{:e}", output.relative),
-        format!("{:e}", output.until_limit),
-        output.life.map_or_else(String::new, |cycles| cycles.to_string()),
-        stated.within.to_string(),
-        stated.within_twice.to_string(),
-        format!("{:e}", stated.median_ratio),
-        format!("{:e}", stated.ratio_95),
-        stated.points_missed.to_string(),
+        ("setting", row.setting.name.clone()),
+        ("step_tolerance", format!("{:e}", a.step_tolerance)),
+        ("largest_step", format!("{:e}", a.largest_step)),
+        ("wear_samples", a.wear_samples.to_string()),
+        ("cycle_jump", a.cycle_jump.to_string()),
+        ("wear_tolerance", format!("{:e}", a.wear_tolerance)),
+        ("warm_up", a.warm_up.to_string()),
+        ("seconds", format!("{:e}", row.seconds)),
+        ("steps", row.steps.to_string()),
+        ("simulated_cycles", row.cycles.to_string()),
+        ("failures", row.failures.to_string()),
+        ("efficient", row.efficient.to_string()),
+        ("within_twice", row.stated.within_twice.to_string()),
     ]
 }
 
-fn life_cells(life: &LifeChange) -> [String; LIMIT_STATE.len()] {
-    let [first, second, third] =
-        life.at_levels.map(|level| level.map_or_else(String::new, |r| r.difference().to_string()));
-    let largest = life.largest;
-    let changed = life.changed.to_string();
-    [changed, largest.difference().to_string(), largest.cycles.to_string(), first, second, third]
+/// Columns of an output, after its name.
+fn output_cells(output: Option<&OutputError>) -> [Cell; 8] {
+    let cell = |of: &dyn Fn(&OutputError) -> String| output.map(of).unwrap_or_default();
+    [
+        ("error", cell(&|o| format!("{:e}", o.relative))),
+        ("error_until_limit", cell(&|o| format!("{:e}", o.until_limit))),
+        ("life_cycles", cell(&|o| o.life.map_or_else(String::new, |cycles| cycles.to_string()))),
+        ("within", cell(&|o| o.stated.within.to_string())),
+        ("within_twice", cell(&|o| o.stated.within_twice.to_string())),
+        ("median_ratio", cell(&|o| format!("{:e}", o.stated.median_ratio))),
+        ("ratio_95", cell(&|o| format!("{:e}", o.stated.ratio_95))),
+        ("missed_points", cell(&|o| o.stated.points_missed.to_string())),
+    ]
+}
+
+/// Columns of a limit state, after its name.
+fn life_cells(life: Option<&LifeChange>) -> [Cell; 6] {
+    let cell = |of: &dyn Fn(&LifeChange) -> String| life.map(of).unwrap_or_default();
+    let at = |level: usize| {
+        cell(&|life| life.at_levels[level].map_or_else(String::new, |r| r.difference().to_string()))
+    };
+    [
+        ("lives_changed", cell(&|life| life.changed.to_string())),
+        ("R_change", cell(&|life| life.largest.difference().to_string())),
+        ("R_change_cycles", cell(&|life| life.largest.cycles.to_string())),
+        ("R_change_at_0.9", at(0)),
+        ("R_change_at_0.5", at(1)),
+        ("R_change_at_0.1", at(2)),
+    ]
 }
 
 /// One row per setting, point, output and checkpoint, with its reference and its stated error, in the unit of the column

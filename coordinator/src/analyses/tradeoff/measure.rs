@@ -56,17 +56,8 @@ impl TradeoffPlan {
         let reference = common::accuracy::Accuracy::reference();
         let accuracies: Vec<_> =
             std::iter::once(reference).chain(self.settings.iter().map(|s| s.accuracy)).collect();
-        let one = |point: &Vec<f64>, accuracy| (point.clone(), accuracy);
-        let jobs = self.points.iter().flat_map(|point| accuracies.iter().map(move |a| one(point, *a)));
-        (0..)
-            .zip(jobs)
-            .map(|(id, (sample, accuracy))| Request {
-                id,
-                sample,
-                with_first_cycle: false,
-                accuracy: Some(accuracy),
-            })
-            .collect()
+        let jobs = self.points.iter().flat_map(|point| accuracies.iter().map(move |a| (point, *a)));
+        (0..).zip(jobs).map(|(id, (point, accuracy))| Request::at(id, point.clone(), accuracy)).collect()
     }
 
     /// Evaluates all settings at all points. If the evaluator ends early, the complete points are returned with its error.
@@ -77,22 +68,17 @@ impl TradeoffPlan {
     ) -> (Measurement, Result<(), EvaluateError>) {
         let requests = self.requests();
         let per_point = 1 + self.settings.len();
-        let mut measured: Vec<Option<Measured>> = vec![None; requests.len()];
         let mut done = 0;
-        let end = evaluator.evaluate(&requests, &mut |finished: Finished| {
+        let (finished, end) = evaluator.outcomes(&requests, &mut |finished| {
             let k = finished.id as usize;
-            let Some(place) = measured.get_mut(k) else {
-                return Err(EvaluateError::UnrequestedOutcome { id: finished.id });
-            };
             done += 1;
             let setting = (k % per_point).checked_sub(1).map_or(REFERENCE, |s| &self.settings[s].name);
             let (point, seconds) = (k / per_point, finished.wall);
             progress(TradeoffProgress { done, all: requests.len(), setting, point, seconds });
-            *place = Some(Measured { seconds, outcome: finished.outcome });
-            Ok(())
         });
         let mut points: Vec<Vec<Measured>> = Vec::new();
-        let mut rest = measured.into_iter();
+        let measured = |Finished { wall, outcome, .. }| Measured { seconds: wall, outcome };
+        let mut rest = finished.into_iter().map(|finished| finished.map(measured));
         while let Some(point) = rest.by_ref().take(per_point).collect::<Option<Vec<_>>>() {
             if point.is_empty() {
                 break;

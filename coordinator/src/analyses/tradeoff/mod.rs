@@ -2,11 +2,10 @@
 //! outputs, validity of the stated errors, and effect of the errors on the reliability, at the nominal point and at random
 //! points of the variables.
 //!
-//! names -> [`settings`] -> [`TradeoffPlan::measure`] -> [`compare`] -> [`table`], [`csv`], [`values_csv`], [`figures`]
+//! names -> [`settings`] -> [`TradeoffPlan::measure`] -> [`compare`] -> [`answer`], [`values_csv`]
 
 mod compare;
 mod csv;
-mod figures;
 mod lives;
 mod measure;
 mod page;
@@ -16,10 +15,9 @@ mod stated;
 mod tests;
 
 pub use compare::{OutputError, SettingComparison, compare, reference_row};
-pub use csv::{csv, values_csv};
-pub use figures::figures;
+pub use csv::values_csv;
 pub use lives::{LifeChange, PairedReliability, life_changes};
 pub use measure::{Measured, Measurement, TradeoffPlan, TradeoffProgress};
-pub use page::table;
+pub use page::answer;
 pub use settings::{QUICK, full, settings};
 pub use stated::{StatedErrorCheck, StatedValue};

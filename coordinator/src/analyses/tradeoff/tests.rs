@@ -82,7 +82,8 @@ fn the_reference_is_shown_with_the_error_it_states_of_itself() {
 fn table_csv_and_figures_contain_all_results() {
     let (scene, measurement) = (scene(), measurement());
     let rows = compare(&scene, &three(), &measurement);
-    let table = table(&scene, &rows, &reference_row(&scene, &measurement), 2);
+    let answer = answer(&scene, &rows, &reference_row(&scene, &measurement), 2).expect("drawn");
+    let table = answer.text();
     for part in [
         "500 cycles",
         "| **draft** * |",
@@ -93,17 +94,17 @@ fn table_csv_and_figures_contain_all_results() {
         assert!(table.contains(part), "no {part:?} in\n{table}");
     }
     let lines = |text: &str| text.lines().count();
-    let csv = csv(&scene, &rows);
-    assert_eq!(lines(&csv), 4);
+    let file = |name: &str| &answer.files.iter().find(|file| file.0 == name).expect("a file").1;
+    let csv = file("tradeoff.csv");
+    assert_eq!(lines(csv), 4);
     let columns: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
     assert!(columns.iter().all(|n| *n == columns[0]), "{columns:?}");
     // A line a setting, point, output and checkpoint.
     assert_eq!(lines(&values_csv(&scene, &three(), &measurement)), 1 + 3 * 2 * 2 * 4);
-    let figures = figures(&scene, &rows).expect("drawn");
-    assert_eq!(figures.len(), 2);
-    for (name, svg) in &figures {
-        assert!(name.starts_with("tradeoff-"));
-        let drawn = roxmltree::Document::parse(svg).expect("XML");
+    assert_eq!(answer.figures.len(), 2);
+    for figure in &answer.figures {
+        assert!(figure.name.starts_with("tradeoff-"));
+        let drawn = roxmltree::Document::parse(file(&format!("{}.svg", figure.name))).expect("XML");
         let contains = |what: &str| drawn.descendants().any(|n| n.text().is_some_and(|t| t.trim() == what));
         assert!(contains("draft") && contains("balanced") && !contains("jump-250"), "presets are labelled");
     }
@@ -120,7 +121,8 @@ fn a_setting_that_fails_everywhere_has_no_errors_and_is_on_no_front() {
     let rows = compare(&scene, &three()[..1], &measurement);
     assert_eq!((rows[0].failures, rows[0].outputs.len(), rows[0].efficient), (2, 0, false));
     assert!(rows[0].lives.is_empty());
-    assert!(table(&scene, &rows, &reference_row(&scene, &measurement), 2).contains("failed"));
-    assert_eq!(csv(&scene, &rows).lines().count(), 2);
-    assert_eq!(figures(&scene, &rows).expect("drawn").len(), 2);
+    let answer = answer(&scene, &rows, &reference_row(&scene, &measurement), 2).expect("drawn");
+    assert!(answer.text().contains("failed"));
+    let csv = answer.files.iter().find(|file| file.0 == "tradeoff.csv").expect("a table");
+    assert_eq!((csv.1.lines().count(), answer.figures.len()), (2, 2));
 }

@@ -110,21 +110,13 @@ fn unsupported(unit: &ObservedUnit, Unsupported { place, resolution }: Unsupport
         unit: unit.name.clone(),
         observed_until: unit.observed_until(),
         failed_by: unit.failed_by(),
-        reliability: vec![],
-        lives: vec![],
-        remaining: RemainingLife { p5: None, p50: None, p95: None, sampling: [[None; 2]; 3] },
-        variables: vec![],
-        observations: vec![],
-        resolved: false,
-        effective_size: 0.0,
-        stages: 0,
-        acceptance: None,
         warning: Some(format!(
             "{} at {} cycles (line {}) agrees with none of the points of the model that the earlier observations leave: its \
              probability is below {resolution:.1e} (95 %), and nothing is stated about this unit; more --points show whether \
              it is possible",
             observation.name, observation.cycles, observation.line
         )),
+        ..UnitReport::default()
     }
 }
 

@@ -20,5 +20,5 @@ mod unit_file;
 pub use fleet::{FleetSettings, update};
 pub use observation::{Observation, ObservedUnit, Quantity};
 pub use result::{FleetReport, ObservationRow, RemainingLife, UnitReport, UpdatedVariable};
-pub use text::{csv, text};
+pub use text::answer;
 pub use unit_file::read as read_units;

@@ -24,7 +24,7 @@ pub struct FleetReport {
 }
 
 /// One unit after its observations.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct UnitReport {
     /// Name of the unit.
     pub unit: String,
@@ -56,7 +56,7 @@ pub struct UnitReport {
 }
 
 /// Remaining life after the last observation [cycles].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct RemainingLife {
     /// Remaining life that 5 % of such units do not reach; 0 if the unit may have failed already, `null` beyond the study.
     pub p5: Option<f64>,

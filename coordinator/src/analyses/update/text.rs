@@ -1,62 +1,57 @@
-//! Updated units as text and as CSV.
+//! Updated units with their tables and figures, and as CSV.
 
-use super::result::{FleetReport, UnitReport, UpdatedVariable};
-use crate::presentation::text_table::in_columns;
+use super::result::{FleetReport, RemainingLife, UnitReport, UpdatedVariable};
+use crate::presentation::report::answer::{Answer, Part, Table};
+use crate::presentation::report::palette::{Ink, SERIES};
+use crate::presentation::report::{Axis, Figure, Plot, PlotError, Points, Series, Shape};
 use crate::results::csv_table::{CsvTable, number};
-use std::fmt::Write;
+use crate::results::summary::ReliabilityRow;
 
-/// Units whose variables are printed: with more, only the table of units is.
+/// Units whose variables are listed: with more, only the table of units is.
 const DETAILED: usize = 3;
-/// Variables that are printed.
+/// Variables that are listed.
 const SHOWN: usize = 8;
-/// Change of a mean or a standard deviation from which a variable is printed [standard deviations of the study].
+/// Change of a mean or a standard deviation from which a variable is listed [standard deviations of the study].
 const CHANGED: f64 = 0.1;
 
-/// The units as a table; of a few units the variables that changed.
-pub fn text(report: &FleetReport) -> String {
-    let mut out = String::new();
-    // Writing to a String cannot fail.
-    let _ = write_report(&mut out, report);
-    out
-}
-
-/// The number of units with its noun.
-fn counted(units: usize) -> String {
-    format!("{units} {}", if units == 1 { "unit" } else { "units" })
-}
-
-fn write_report(out: &mut String, report: &FleetReport) -> std::fmt::Result {
-    writeln!(
-        out,
-        "{} of {}: remaining life after the last observation, all lives in cycles; no simulation was made\n",
-        counted(report.units.len()),
-        report.scene
-    )?;
+/// The units as a table with figures; of a few units the variables that changed.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn answer(report: &FleetReport) -> Result<Answer, PlotError> {
+    let units = &report.units;
+    let counted = format!("{} {}", units.len(), if units.len() == 1 { "unit" } else { "units" });
     let head = ["unit", "observed until", "R up to then", "5 %", "50 %", "95 %", "sample size", "method"];
-    let rows = report.units.iter().map(|unit| unit_row(unit, report.end));
-    let table: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec()).chain(rows).collect();
-    out.push_str(&in_columns(&table, &[0, 7]));
-    writeln!(
-        out,
-        "\n5 %, 50 %, 95 %: remaining life that the unit exceeds with a probability of 95 %, 50 %, 5 % (quantiles). R up to then: \
+    let rows = units.iter().map(|unit| unit_row(unit, report.end));
+    let meaning = "5 %, 50 %, 95 %: remaining life that the unit exceeds with a probability of 95 %, 50 %, 5 % (quantiles). R up to then: \
          probability that the unit had not failed by its last observation, with its standard error by the sample size. The quantiles \
          contain the errors of measurement and surrogates. The numerical error of the simulations widens the likelihood of a \
-         measurement but does not shift the lives. Sample size: effective number of points of the population."
-    )?;
-    if report.units.len() <= DETAILED {
-        for unit in report.units.iter().filter(|unit| !unit.variables.is_empty()) {
-            write_variables(out, unit)?;
-        }
+         measurement but does not shift the lives. Sample size: effective number of points of the population.";
+    let mut parts = vec![
+        Part::Figures,
+        Part::Table(Table::new("", head, rows).with_left(&[0, 7])),
+        Part::Text(meaning.to_owned()),
+    ];
+    if units.len() <= DETAILED {
+        parts.extend(units.iter().filter(|unit| !unit.variables.is_empty()).map(variables));
     }
-    let mut warned =
-        report.units.iter().filter_map(|unit| Some((&unit.unit, unit.warning.as_ref()?))).peekable();
-    if warned.peek().is_some() {
-        writeln!(out)?;
+    let warning = |unit: &UnitReport| {
+        unit.warning.as_ref().map(|warning| format!("warning: unit {}: {warning}", unit.unit))
+    };
+    let warnings: Vec<String> = units.iter().filter_map(warning).collect();
+    if !warnings.is_empty() {
+        parts.push(Part::Notes("To be checked", warnings));
     }
-    for (unit, warning) in warned {
-        writeln!(out, "warning: unit {unit}: {warning}")?;
-    }
-    Ok(())
+    Ok(Answer {
+        name: "update",
+        title: format!("{counted} of {}", report.scene),
+        subtitle: "Remaining life after the last observation, all lives in cycles; no simulation was made"
+            .to_owned(),
+        parts,
+        figures: figures(report)?,
+        files: vec![("units.csv".to_owned(), csv(report))],
+        ..Answer::default()
+    })
 }
 
 /// The cells of a unit in the table.
@@ -90,7 +85,7 @@ fn unit_row(unit: &UnitReport, end: f64) -> Vec<String> {
 }
 
 /// The variables of which the observations say most.
-fn write_variables(out: &mut String, unit: &UnitReport) -> std::fmt::Result {
+fn variables(unit: &UnitReport) -> Part {
     let change = |v: &UpdatedVariable| {
         if v.prior_std > 0.0 {
             ((v.mean - v.prior_mean).abs() / v.prior_std).max((v.std / v.prior_std - 1.0).abs())
@@ -101,40 +96,27 @@ fn write_variables(out: &mut String, unit: &UnitReport) -> std::fmt::Result {
     let mut changed: Vec<&UpdatedVariable> = unit.variables.iter().filter(|v| change(v) > CHANGED).collect();
     changed.sort_by(|a, b| change(b).total_cmp(&change(a)));
     if changed.is_empty() {
-        return writeln!(
-            out,
-            "\n{}: no variable's mean or standard deviation changes by more than {CHANGED} standard deviations",
+        return Part::Text(format!(
+            "{}: no variable's mean or standard deviation changes by more than {CHANGED} standard deviations",
             unit.unit
-        );
+        ));
     }
-    writeln!(out, "\n{}: variables in standard deviations of the study", unit.unit)?;
-    let head = ["variable", "change of mean", "standard deviation"];
+    let heading = format!("{}: variables in standard deviations of the study", unit.unit);
     let rows = changed.iter().take(SHOWN).map(|v| {
         let (mean, std) = ((v.mean - v.prior_mean) / v.prior_std, v.std / v.prior_std);
         vec![v.name.clone(), format!("{mean:+.2}"), format!("{std:.2}")]
     });
-    let table: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec()).chain(rows).collect();
-    out.push_str(&in_columns(&table, &[0]));
-    Ok(())
+    Part::Table(Table::new(heading, ["variable", "change of mean", "standard deviation"], rows))
 }
 
 /// One row per unit: `unit, observed_until, R, R_standard_error, remaining_5, remaining_50, remaining_95, effective_size,
 /// stages, least_probability, warning`; lives beyond the study are empty. The least probability is at least what the number of
 /// points resolves.
-pub fn csv(report: &FleetReport) -> String {
-    let mut table = CsvTable::new([
-        "unit",
-        "observed_until",
-        "R",
-        "R_standard_error",
-        "remaining_5",
-        "remaining_50",
-        "remaining_95",
-        "effective_size",
-        "stages",
-        "least_probability",
-        "warning",
-    ]);
+fn csv(report: &FleetReport) -> String {
+    let mut table = CsvTable::new(
+        "unit,observed_until,R,R_standard_error,remaining_5,remaining_50,remaining_95,effective_size,stages,least_probability,warning"
+            .split(','),
+    );
     for unit in &report.units {
         let or_empty = |value: Option<f64>| value.map_or(String::new(), number);
         let there = unit.reliability.first();
@@ -155,4 +137,63 @@ pub fn csv(report: &FleetReport) -> String {
         ]);
     }
     table.into_text()
+}
+
+/// The remaining lives, and of as many units as there are colours the curves.
+///
+/// # Errors
+/// [`PlotError`].
+fn figures(fleet: &FleetReport) -> Result<Vec<Figure>, PlotError> {
+    let curves = (fleet.units.len() <= SERIES).then(|| curves(fleet)).transpose()?;
+    Ok(std::iter::once(remaining(fleet)?).chain(curves).collect())
+}
+
+/// Median and 5 to 95 % of the remaining life of every unit, in order of the median.
+fn remaining(fleet: &FleetReport) -> Result<Figure, PlotError> {
+    let living = fleet.units.iter().filter(|unit| unit.failed_by.is_none() && unit.resolved);
+    let lives = |unit: &UnitReport| {
+        let end = fleet.end - unit.observed_until;
+        let RemainingLife { p5, p50, p95, .. } = unit.remaining;
+        [p50, p5, p95].map(|life| life.unwrap_or(end))
+    };
+    let mut units: Vec<[f64; 3]> = living.map(lives).collect();
+    units.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let points: Vec<[f64; 4]> = (1..)
+        .zip(&units)
+        .map(|(place, [median, low, high])| [f64::from(place), *median, *low, *high])
+        .collect();
+    let most = points.iter().map(|point| point[3]).fold(1.0, f64::max);
+    let series = [Series::new("median, 5 to 95 %", Ink::Series(0), Shape::Measured(points))];
+    let plot = Plot {
+        figure: "remaining-life",
+        x: Axis::linear("unit, in order of its remaining life", (0.0, units.len() as f64 + 1.0)),
+        y: Axis::linear("remaining life [cycles]", (0.0, 1.05 * most)),
+        series: &series,
+    };
+    plot.figure(
+        "Remaining life",
+        "Dot: median; bar: 5 to 95 %. Lives beyond the end of the study are drawn at its end.",
+    )
+}
+
+/// R of every unit from the life up to which it was observed, and of a unit of which nothing is known.
+fn curves(fleet: &FleetReport) -> Result<Figure, PlotError> {
+    let points = |rows: &[ReliabilityRow]| -> Points {
+        rows.iter().map(|row| (f64::from(row.cycles), row.reliability["total"])).collect()
+    };
+    let before = Shape::Dashed(points(&fleet.reliability));
+    let mut series = vec![Series::new("nothing measured", Ink::Muted, before)];
+    for (k, unit) in fleet.units.iter().enumerate() {
+        series.push(Series::new(&unit.unit, Ink::Series(k), Shape::Line(points(&unit.reliability))));
+    }
+    let plot = Plot {
+        figure: "updated-reliability",
+        x: Axis::linear("life [cycles]", (0.0, fleet.end)),
+        y: Axis::linear("reliability R", (0.0, 1.0)),
+        series: &series,
+    };
+    plot.figure(
+        "Reliability",
+        "Probability of no failure up to this life, given what was observed of each unit.",
+    )
 }

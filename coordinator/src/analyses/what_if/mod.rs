@@ -12,8 +12,7 @@
 //! | `answer` | reliability, lives and first failures before and after, and their changes |
 //! | `region` | where the changed population leaves the simulated region |
 //! | `outside` | intervals where most of it does |
-//! | `report` | the answer as text, JSON and page |
-//! | `sentences` | its meaning and its errors in words |
+//! | `report` | the answer as JSON, with tables, its meaning and its errors in words |
 
 mod answer;
 mod changed_scene;
@@ -21,7 +20,6 @@ mod changes;
 mod outside;
 mod region;
 mod report;
-mod sentences;
 mod setting;
 #[cfg(test)]
 mod tests;
@@ -30,5 +28,5 @@ pub use answer::{Agreement, FinishedStudy, POPULATION, WhatIf, ask};
 pub use changed_scene::{changed_scene, redistributed, written_value};
 pub use changes::{ChangedCorrelation, ChangedThreshold, ChangedVariable, Changes, LawParameters};
 pub use region::{OutsideVariable, Region};
-pub use report::{json, page, text};
+pub use report::{answer, json};
 pub use setting::{VARIABLE_KEYS, fault as setting_fault};

@@ -7,6 +7,7 @@
 //!
 //! and a life lies where these limits fall to its level. The same convention bounds a share that cannot be simulated.
 
+use crate::analyses::paired_results::reached;
 use crate::results::life_summary::{CyclesRange, LifeCurveRow};
 use crate::results::summary::{ReliabilityRange, StudySummary};
 
@@ -41,12 +42,4 @@ pub(super) fn widen(summary: &mut StudySummary, share: f64) {
             *with = range(&curve.numerical_lower, &curve.numerical_upper, with.lower);
         }
     }
-}
-
-/// The time at which straight lines between `values` `(g,)` [1] at `cycles` `(g,)` first fall to a level [cycles].
-fn reached(cycles: &[f64], values: &[f64], level: f64) -> Option<f64> {
-    let next = values.iter().position(|r| *r <= level)?;
-    let Some(before) = next.checked_sub(1) else { return Some(cycles[0]) };
-    let (r0, r1) = (values[before], values[next]);
-    Some(cycles[before] + (r0 - level) / (r0 - r1) * (cycles[next] - cycles[before]))
 }

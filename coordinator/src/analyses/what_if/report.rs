@@ -1,13 +1,13 @@
-//! The answer to a what-if as text for a terminal, as JSON and as a page with figures.
+//! The answer to a what-if as JSON, and with its tables, sentences and figures.
 
-use super::answer::WhatIf;
+use super::answer::{Agreement, WhatIf};
 use super::changes::{ChangedVariable, LawParameters};
-use super::sentences::sentences;
-use crate::analyses::paired_results::{ChangeOfLife, ChangeRow, curve_names};
-use crate::presentation::report::decision::{DecisionPage, DecisionTable};
-use crate::presentation::report::format::{count, percent, signed_with_width};
+use crate::analyses::paired_results::{ChangeOfLife, curve_names};
+use crate::presentation::report::answer::{Answer, Part, Table};
+use crate::presentation::report::format::{count, percent, shortest, signed_with_width, three_digits};
 use crate::presentation::report::life::{
-    Included, LEVELS, life_and_limits, life_at, reliability, rows_that_matter,
+    Included, LEVELS, life_and_limits, life_at, reliability, rows_that_matter, states_numerical_errors,
+    unresolved_fall,
 };
 use crate::presentation::report::life_change::change_of_life;
 use crate::results::summary::{FirstFailureRow, StudySummary};
@@ -55,71 +55,40 @@ pub fn json(answer: &WhatIf, added: usize) -> Value {
     found
 }
 
-/// The answer as text; `settings` are the changes as typed, `added` is the number of simulations that were added, and
-/// `command` the beginning of the command that would add more.
-pub fn text(answer: &WhatIf, settings: &[String], added: usize, scene: &Scene, command: &str) -> String {
-    let mut text = String::new();
+/// The answer; `settings` are the changes as typed, `added` is the number of simulations that were added, and `command` the
+/// beginning of the command that would add more.
+pub fn answer(found: &WhatIf, settings: &[String], added: usize, scene: &Scene, command: &str) -> Answer {
     let typed = if settings.is_empty() { "nothing changes".to_owned() } else { settings.join(", ") };
-    text += &format!("what if {typed}\n");
-    for [what, before, after] in changes(answer, scene) {
-        text += &format!("  {what}: {before} -> {after}\n");
-    }
-    text.push('\n');
-    for table in
-        [reliability_table(answer), lives_table(answer), first_failure_table(answer)].into_iter().flatten()
-    {
-        text += &table.in_columns();
-        text.push('\n');
-    }
-    for sentence in sentences(answer, added, command) {
-        text += &format!("{sentence}\n");
-    }
-    text.replace('\u{a0}', " ")
-}
-
-/// The answer as a page.
-pub fn page(
-    answer: &WhatIf,
-    settings: &[String],
-    added: usize,
-    scene: &Scene,
-    command: &str,
-) -> DecisionPage {
-    let typed = if settings.is_empty() { "nothing changes".to_owned() } else { settings.join(", ") };
-    let changes = DecisionTable {
-        heading: "Changes".to_owned(),
-        head: ["", "before", "after"].map(str::to_owned).to_vec(),
-        rows: changes(answer, scene).into_iter().map(|row| row.to_vec()).collect(),
-    };
-    let tables = [reliability_table(answer), lives_table(answer), first_failure_table(answer)];
-    DecisionPage {
+    let changes = Table::new("Changes", ["", "before", "after"], changes(found, scene)).with_left(&[0, 1, 2]);
+    let changes = Some(changes).filter(|changes| !changes.rows.is_empty());
+    let tables = [changes, reliability_table(found), lives_table(found), first_failure_table(found)];
+    let tables = tables.into_iter().flatten().map(Part::Table);
+    let notes = Part::Notes("Errors", sentences(found, added, command));
+    Answer {
+        name: "what-if",
         title: format!("What if: {typed}"),
-        subtitle: format!("Scene: {}", answer.after.scene),
-        sentences: sentences(answer, added, command),
-        figures: vec![],
-        curves: vec![
-            ("before".to_owned(), answer.before.clone()),
-            ("after".to_owned(), answer.after.clone()),
-        ],
-        tables: std::iter::once(changes).chain(tables.into_iter().flatten()).collect(),
+        subtitle: format!("Scene: {}", found.after.scene),
+        parts: std::iter::once(Part::Figures).chain(tables).chain([notes]).collect(),
+        curves: vec![("before".to_owned(), found.before.clone()), ("after".to_owned(), found.after.clone())],
+        ..Answer::default()
     }
 }
 
 /// What was changed: name, before, after.
-fn changes(answer: &WhatIf, scene: &Scene) -> Vec<[String; 3]> {
+fn changes(answer: &WhatIf, scene: &Scene) -> Vec<Vec<String>> {
     let changes = &answer.changes;
     let variables = changes.variables.iter().map(|v: &ChangedVariable| {
-        [v.name.clone(), in_words(&v.before, &v.unit), in_words(&v.after, &v.unit)]
+        vec![v.name.clone(), in_words(&v.before, &v.unit), in_words(&v.after, &v.unit)]
     });
     let thresholds = changes.thresholds.iter().map(|changed| {
         let state = scene.limit_states.iter().find(|state| state.name == changed.limit_state);
         let unit = state.map(|state| scene.outputs[state.output].kind.unit());
         let shown = |value: f64| match &unit {
-            Some(unit) => unit.after(&six_digits(unit.to_shown(value))),
-            None => six_digits(value),
+            Some(unit) => unit.after(&shortest(unit.to_shown(value), 6)),
+            None => shortest(value, 6),
         };
         let which = if changed.key == "threshold" { "" } else { changed.key.as_str() };
-        [
+        vec![
             format!("{which} threshold of {}", changed.limit_state).trim_start().to_owned(),
             shown(changed.before),
             shown(changed.after),
@@ -127,10 +96,10 @@ fn changes(answer: &WhatIf, scene: &Scene) -> Vec<[String; 3]> {
     });
     let correlations = changes.correlations.iter().map(|changed| {
         let [a, b] = &changed.variables;
-        [
+        vec![
             format!("correlation of {a} and {b}, as normals"),
-            six_digits(changed.before),
-            six_digits(changed.after),
+            shortest(changed.before, 6),
+            shortest(changed.after, 6),
         ]
     });
     variables.chain(thresholds).chain(correlations).collect()
@@ -139,7 +108,7 @@ fn changes(answer: &WhatIf, scene: &Scene) -> Vec<[String; 3]> {
 fn in_words(law: &LawParameters, unit: &str) -> String {
     // The unit was read when the scene was checked; "1" denotes a plain number.
     let scale = read_unit(unit).map_or(1.0, |unit| unit.multiply / unit.divide);
-    let shown = |value: f64| six_digits(value / scale);
+    let shown = |value: f64| shortest(value / scale, 6);
     let mut text = format!("{}, mean {}, std {}", law.distribution, shown(law.mean), shown(law.std));
     match (law.lower, law.upper) {
         (Some(lower), Some(upper)) => text += &format!(", from {} to {}", shown(lower), shown(upper)),
@@ -150,25 +119,15 @@ fn in_words(law: &LawParameters, unit: &str) -> String {
     if unit == "1" { text } else { format!("{text} {unit}") }
 }
 
-/// A value with up to six digits.
-fn six_digits(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    if (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0 {
-        rounded.to_string()
-    } else {
-        format!("{rounded:e}")
-    }
-}
-
 /// A change with the half-width of its interval and its sign.
-fn signed(change: &ChangeRow) -> String {
+fn signed(change: &Change) -> String {
     let widths = [change.upper.map(|u| u - change.value), change.lower.map(|l| change.value - l)];
     let width = widths.into_iter().flatten().fold(0.0, f64::max);
     signed_with_width(change.value, width)
 }
 
 /// R of the system before and after at the checkpoints that matter.
-fn reliability_table(answer: &WhatIf) -> Option<DecisionTable> {
+fn reliability_table(answer: &WhatIf) -> Option<Table> {
     let ends = [&answer.before, &answer.after].map(|summary| rows_that_matter(summary, 0));
     let first = ends.iter().filter_map(|rows| rows.first()).map(|row| row.cycles).min()?;
     let last = ends.iter().filter_map(|rows| rows.last()).map(|row| row.cycles).max()?;
@@ -189,17 +148,15 @@ fn reliability_table(answer: &WhatIf) -> Option<DecisionTable> {
             change,
         ]
     };
-    Some(DecisionTable {
-        heading: "Reliability of the system (no limit state exceeded)".to_owned(),
-        head: ["cycles", "R before (95 %)", "R after (95 %)", "after minus before (95 %)"]
-            .map(str::to_owned)
-            .to_vec(),
-        rows: shown.into_iter().map(row).collect(),
-    })
+    Some(Table::new(
+        "Reliability of the system (no limit state exceeded)",
+        ["cycles", "R before (95 %)", "R after (95 %)", "after minus before (95 %)"],
+        shown.into_iter().map(row),
+    ))
 }
 
 /// Lives before and after, per limit state and in total.
-fn lives_table(answer: &WhatIf) -> Option<DecisionTable> {
+fn lives_table(answer: &WhatIf) -> Option<Table> {
     if answer.before.lives.is_empty() || answer.after.lives.is_empty() {
         return None;
     }
@@ -213,7 +170,7 @@ fn lives_table(answer: &WhatIf) -> Option<DecisionTable> {
         let found = answer.lives.iter().find(is_asked).and_then(|row| row.cycles);
         let [before, after] = [&answer.before, &answer.after]
             .map(|summary| life_at(summary, name, level, Included::Statistical));
-        change_of_life(found.map(Change::from), before, after)
+        change_of_life(found, before, after)
     };
     let mut names = curve_names(&answer.before);
     if names.len() == 2 {
@@ -230,17 +187,12 @@ fn lives_table(answer: &WhatIf) -> Option<DecisionTable> {
             ]
         })
     });
-    Some(DecisionTable {
-        heading: "Lives (total: the first failure by any limit state)".to_owned(),
-        head: ["life [cycles] at", "before (95 %)", "after (95 %)", "after minus before (95 %)"]
-            .map(str::to_owned)
-            .to_vec(),
-        rows: rows.collect(),
-    })
+    let head = ["life [cycles] at", "before (95 %)", "after (95 %)", "after minus before (95 %)"];
+    Some(Table::new("Lives (total: the first failure by any limit state)", head, rows))
 }
 
 /// Shares of the first failures at the checkpoint where R of the studied scene is nearest one half, and at the last one.
-fn first_failure_table(answer: &WhatIf) -> Option<DecisionTable> {
+fn first_failure_table(answer: &WhatIf) -> Option<Table> {
     let names = &answer.before.limit_states;
     if names.len() < 2 || answer.before.first_failure.is_empty() {
         return None;
@@ -271,9 +223,95 @@ fn first_failure_table(answer: &WhatIf) -> Option<DecisionTable> {
         ];
         names.iter().map(row).chain([together]).collect::<Vec<_>>()
     });
-    Some(DecisionTable {
-        heading: "First failures".to_owned(),
-        head: ["share of all that failed first by", "before", "after"].map(str::to_owned).to_vec(),
-        rows: rows.collect(),
-    })
+    Some(Table::new("First failures", ["share of all that failed first by", "before", "after"], rows))
+}
+
+/// What the numbers mean, how far they can be trusted, and what would improve them.
+fn sentences(answer: &WhatIf, added: usize, command: &str) -> Vec<String> {
+    let mut all = Vec::new();
+    let new = if added == 0 {
+        "none of them new".to_owned()
+    } else {
+        format!("{} of them new", count(added as u64))
+    };
+    all.push(format!(
+        "Answered from {} simulations, {new}, with a population of {} before and after.",
+        count(answer.simulations as u64),
+        count(answer.after.population as u64)
+    ));
+    all.push(
+        "Both populations are made from the same random numbers, so the sampling error of a change is smaller than that of \
+         its two values; their surrogate errors are taken as independent."
+            .to_owned(),
+    );
+    if states_numerical_errors(&answer.after) {
+        all.push(
+            "The intervals of the lives contain the stated numerical errors of the simulations; those of the changes do not, \
+             because these errors shift both lives in the same direction."
+                .to_owned(),
+        );
+    }
+    let differs = |agreement: &&Agreement| agreement.stated > 0.0 || agreement.largest_difference > 0.0;
+    if let Some(agreement) = answer.agreement.as_ref().filter(differs) {
+        all.push(format!(
+            "Without the changes, R differs from that of the study's own summary by {} at most ({} at {} cycles, where the study states ± {}).",
+            three_digits(agreement.largest_difference),
+            agreement.limit_state,
+            count(agreement.cycles.into()),
+            three_digits(agreement.stated)
+        ));
+    }
+    if answer.is_rare {
+        all.push(
+            "Failures of the study are rare: its own result comes from samples near the limit, this answer from a plain count, \
+             which bounds small failure probabilities only."
+                .to_owned(),
+        );
+    }
+    all.push(region(answer));
+    if answer.surrogate_error > answer.target_error {
+        all.push(format!(
+            "The estimated surrogate error of R after the change is up to {} (a study stops at {}); more simulations where it \
+             arises reduce it: {command} --refine 20",
+            three_digits(answer.surrogate_error),
+            three_digits(answer.target_error)
+        ));
+    }
+    all.extend(unresolved_fall(&answer.after).map(|note| format!("Caution: {note}")));
+    all
+}
+
+/// Where the changed population leaves the simulated region.
+fn region(answer: &WhatIf) -> String {
+    let region = &answer.region;
+    let mut text = format!(
+        "{}{} of the changed population lie outside the range of the simulated values in at least one variable ({} of the \
+         studied population); in {} the surrogates are less certain than for 99 % of the studied population.",
+        if region.is_left() { "Caution: " } else { "" },
+        percent(region.outside_after),
+        percent(region.outside_before),
+        percent(region.uncertain_after)
+    );
+    let most: Vec<String> = region
+        .variables
+        .iter()
+        .filter(|v| v.is_left())
+        .take(3)
+        .map(|v| format!("{} ({}, before {})", v.name, percent(v.outside_after), percent(v.outside_before)))
+        .collect();
+    if !most.is_empty() {
+        text += &format!(" Most of them leave it in {}.", most.join(", "));
+    }
+    if region.is_left() {
+        text += " The stated errors grow there as the surrogates expect; whether the response goes on as inside, only \
+                 simulations show (--refine).";
+    }
+    let unknown = region.unknown_share();
+    if unknown > 0.0 {
+        text += &format!(
+            " That is most of it: the intervals after the change allow that all or none of these {} fail.",
+            percent(unknown)
+        );
+    }
+    text
 }

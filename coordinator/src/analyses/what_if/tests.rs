@@ -79,9 +79,9 @@ fn without_a_change_nothing_changes() {
         assert!(row.change.values().all(|change| change.value == 0.0), "{row:?}");
     }
     assert_eq!(found.before.lives, found.after.lives);
-    let text =
-        text(&found, &[], 0, SceneSource::parse(SCENE, "bar").unwrap().nominal(), "coordinator what-if x");
-    assert!(text.starts_with("what if nothing changes\n") && text.contains("none of them new"), "{text}");
+    let source = SceneSource::parse(SCENE, "bar").unwrap();
+    let text = super::answer(&found, &[], 0, source.nominal(), "coordinator what-if x").text();
+    assert!(text.starts_with("What if: nothing changes\n") && text.contains("none of them new"), "{text}");
 }
 
 /// R of the system for a changed scene, by counting over a large population of another seed.
@@ -143,14 +143,13 @@ fn a_population_outside_of_the_simulations_is_named() {
     }
     let scene = SceneSource::parse(SCENE, "bar").unwrap();
     let sets = ["force.mean=1.5".to_owned()];
-    let text = text(&outside, &sets, 0, scene.nominal(), "coordinator what-if x");
-    for part in
-        ["what if force.mean=1.5", "force: normal, mean 1, std 0.1 -> normal, mean 1.5, std 0.1", "Caution: "]
-    {
+    let answer = super::answer(&outside, &sets, 0, scene.nominal(), "coordinator what-if x");
+    let text = answer.text();
+    let change = "force  normal, mean 1, std 0.1  normal, mean 1.5, std 0.1";
+    for part in ["What if: force.mean=1.5", change, "Caution: "] {
         assert!(text.contains(part), "{part}\n{text}");
     }
-    let page = page(&outside, &sets, 0, scene.nominal(), "coordinator what-if x");
-    assert_eq!(page.all_figures().unwrap().len(), 3);
+    assert_eq!(answer.all_figures().unwrap().len(), 3);
 }
 
 /// Every outcome that a campaign file holds.
@@ -242,7 +241,7 @@ fn issue_a_population_far_outside_of_the_simulations_had_narrow_intervals() {
         );
     }
     let source = SceneSource::parse(SCENE, "bar").unwrap();
-    let text = text(&found, &[], 0, source.nominal(), "coordinator what-if x");
+    let text = super::answer(&found, &[], 0, source.nominal(), "coordinator what-if x").text();
     assert!(text.contains("allow that all or none of these"), "{text}");
     // A moderate change keeps the intervals of the surrogates.
     let near = answer(&["force.std=0.12"]);

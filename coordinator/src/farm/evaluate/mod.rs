@@ -29,6 +29,13 @@ pub struct Request {
     pub accuracy: Option<Accuracy>,
 }
 
+impl Request {
+    /// A request without the first cycle, at an accuracy of its own.
+    pub fn at(id: u64, sample: Vec<f64>, accuracy: Accuracy) -> Self {
+        Self { id, sample, with_first_cycle: false, accuracy: Some(accuracy) }
+    }
+}
+
 /// A finished evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finished {
@@ -155,6 +162,27 @@ pub trait Evaluator {
         record: &mut dyn FnMut(Finished) -> Result<(), EvaluateError>,
     ) -> Result<(), EvaluateError> {
         self.run(&mut Batch { requests: Some(batch.to_vec()), record })
+    }
+
+    /// Evaluates the requests of `batch`, whose numbers follow each other, and calls `progress` with each outcome as it arrives. The
+    /// outcomes are in the order of the requests, `None` where an error, which is returned too, ended the evaluator before.
+    fn outcomes(
+        &mut self,
+        batch: &[Request],
+        progress: &mut dyn FnMut(&Finished),
+    ) -> (Vec<Option<Finished>>, Result<(), EvaluateError>) {
+        let first = batch.first().map_or(0, |request| request.id);
+        let mut found = vec![None; batch.len()];
+        let end = self.evaluate(batch, &mut |finished: Finished| {
+            let place = usize::try_from(finished.id.wrapping_sub(first)).ok();
+            let Some(place) = place.and_then(|place| found.get_mut(place)) else {
+                return Err(EvaluateError::UnrequestedOutcome { id: finished.id });
+            };
+            progress(&finished);
+            *place = Some(finished);
+            Ok(())
+        });
+        (found, end)
     }
 }
 

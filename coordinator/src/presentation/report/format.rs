@@ -133,10 +133,29 @@ pub fn three_digits(value: f64) -> String {
 
 /// A value of a scene with seven digits, e.g. `40.0549`, `1.293e−13`.
 pub fn seven_digits(value: f64) -> String {
-    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
+    shortest(value, 7)
+}
+
+/// A number with at most this many significant digits, without zeros at the end, e.g. `40.05`, `1.293e−13`.
+pub fn shortest(value: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{value:.0$e}", digits - 1).parse().unwrap_or(value);
     let plain = (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0;
     let text = if plain { rounded.to_string() } else { format!("{rounded:e}") };
     text.replace('-', "\u{2212}")
+}
+
+/// A number with this many significant digits, e.g. `40.00`, `1.290e-13`.
+pub fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    if (-4..6).contains(&exponent) {
+        let decimals = usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0);
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.0$e}", digits - 1)
+    }
 }
 
 /// A share in per cent.

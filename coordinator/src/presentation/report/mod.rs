@@ -2,13 +2,12 @@
 //! it as an SVG file in `figures/`, with its numbers as CSV.
 
 mod animation;
+pub mod answer;
 mod bars;
 pub mod compare;
-pub mod decision;
 pub mod drawing;
 mod figure;
 mod figures;
-pub mod fleet;
 pub mod format;
 mod grooves;
 mod input;
@@ -40,14 +39,14 @@ pub use input::{
 pub use life::{failure_probability, reliability};
 pub use mechanism::Mechanism;
 pub use page::{standalone, wrapped};
-pub use plot::{Axis, Plot, PlotError, Scale, Series, Shape};
+pub use plot::{Axis, Plot, PlotError, Points, Scale, Series, Shape};
 pub use png::{PngError, PngMaker};
 pub use stated_errors::StatedAt;
 
 use page::FigureFiles;
 
 use crate::results::result_files::{
-    ResultFileError, reliability_csv, summary_json, write_bytes, write_samples_csv, write_text,
+    ResultFileError, create_folder, reliability_csv, summary_json, write_bytes, write_samples_csv, write_text,
 };
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
@@ -70,6 +69,17 @@ pub enum ReportError {
     /// A figure has no picture.
     #[error(transparent)]
     Png(#[from] PngError),
+}
+
+impl ReportError {
+    /// True if the user named a file or folder that cannot be used (exit code 2), false for other failures (exit code 1).
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            Self::File(error) => error.is_bad_input(),
+            Self::Store(error) => error.is_bad_input(),
+            Self::Plot(_) | Self::Png(_) => false,
+        }
+    }
 }
 
 /// A report in memory.
@@ -128,16 +138,21 @@ fn rendered(input: &ReportInput, files: FigureFiles) -> Result<Report, PlotError
 /// [`ReportError`].
 pub fn write(dir: &Path, input: &ReportInput) -> Result<PathBuf, ReportError> {
     let report = render(input)?;
-    let folder = dir.join("figures");
-    std::fs::create_dir_all(&folder)
-        .map_err(|source| ResultFileError::Write { path: folder.clone(), source })?;
-    for figure in &report.figures {
-        write_text(&folder.join(format!("{}.svg", figure.name)), &page::standalone(figure))?;
-        write_text(&folder.join(format!("{}.csv", figure.name)), &figure.csv)?;
-    }
+    write_figures(dir, &report.figures)?;
     let path = dir.join("report.html");
     write_text(&path, &report.html)?;
     Ok(path)
+}
+
+/// Writes figures as `figures/*.svg` with their numbers as `figures/*.csv` into `dir`.
+fn write_figures(dir: &Path, figures: &[Figure]) -> Result<(), ResultFileError> {
+    let folder = dir.join("figures");
+    create_folder(&folder)?;
+    for figure in figures {
+        write_text(&folder.join(format!("{}.svg", figure.name)), &page::standalone(figure))?;
+        write_text(&folder.join(format!("{}.csv", figure.name)), &figure.csv)?;
+    }
+    Ok(())
 }
 
 /// Ends a study: stores its results in the campaign file, then writes every file of its folder ([`write_all`]);
@@ -167,7 +182,7 @@ pub fn deliver(
 /// [`ReportError`].
 pub fn write_all(campaign: &CampaignFile, scene: &Scene, dir: &Path) -> Result<Option<PathBuf>, ReportError> {
     let Some(input) = ReportInput::from_campaign(campaign, scene)? else { return Ok(None) };
-    std::fs::create_dir_all(dir).map_err(|source| ResultFileError::Write { path: dir.into(), source })?;
+    create_folder(dir)?;
     write_text(&dir.join("summary.json"), &summary_json(&input.summary)?)?;
     write_text(&dir.join("reliability.csv"), &reliability_csv(&input.summary))?;
     write_samples_csv(&dir.join("samples.csv"), campaign, scene)?;

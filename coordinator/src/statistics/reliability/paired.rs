@@ -18,6 +18,8 @@
 //! confidence limits about effect measures, Statistics in Medicine 27(10). Common random numbers: Glasserman (2003), Monte
 //! Carlo Methods in Financial Engineering, Springer.
 
+use serde::Serialize;
+
 /// An estimate with its 95 % interval, in any unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IntervalEstimate {
@@ -31,8 +33,8 @@ pub struct IntervalEstimate {
     pub sampling: f64,
 }
 
-/// A change with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A change with its 95 % interval, as it is also printed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Change {
     /// Best estimate of the change.
     pub value: f64,

@@ -326,7 +326,7 @@ fn what_does_not_fit_is_refused_before_anything_is_done() {
         ("run --scene study.toml --listen tcp/0.0.0.0:0 --out out", &["clients are not authenticated"]),
         (
             "run --scene four-bar --licences 2 --out out",
-            &["--licences is for scenes that name their own simulator"],
+            &["--licences: for scenes that name their own simulator"],
         ),
         ("simulate --scene study.toml --accuracy draft", &["--accuracy is not for study.toml"]),
         ("simulate --scene study.toml --set T=3", &["there is no variable \"T\"", "R, S"]),

@@ -1,0 +1,257 @@
+//! The answer of a command: texts, tables and figures in their order, on a terminal, in Markdown and as a page.
+
+use super::compare::{ComparedStudy, figures};
+use super::figure::Figure;
+use super::page::{self, wrapped};
+use super::plot::PlotError;
+use super::tables::table;
+use super::{ReportError, write_figures};
+use crate::presentation::text_table::in_columns;
+use crate::results::result_files::{create_folder, write_text};
+use crate::results::summary::StudySummary;
+use maud::{Markup, Render, html};
+use std::path::{Path, PathBuf};
+
+/// An answer in every form.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Answer {
+    /// Name of its files without their ending.
+    pub name: &'static str,
+    /// Title, the first line of a terminal.
+    pub title: String,
+    /// Line below the title of the page.
+    pub subtitle: String,
+    /// Its parts in their order.
+    pub parts: Vec<Part>,
+    /// Figures of the page before those of the curves.
+    pub figures: Vec<Figure>,
+    /// Alternatives whose curves are drawn, with their names: two or more of the same limit states and checkpoints.
+    pub curves: Vec<(String, StudySummary)>,
+    /// Further files by name.
+    pub files: Vec<(String, String)>,
+    /// True if it is printed as Markdown, false if in columns.
+    pub prints_markdown: bool,
+}
+
+/// A part of an answer.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Part {
+    /// A paragraph; `**` begins and ends what is important.
+    Text(String),
+    /// A table with its heading.
+    Table(Table),
+    /// Sentences below a heading.
+    Notes(&'static str, Vec<String>),
+    /// The place of the figures on the page.
+    Figures,
+}
+
+/// A table, all as text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Table {
+    /// Heading above the table, empty for none.
+    pub heading: String,
+    /// Names of the columns, empty for none.
+    pub head: Vec<String>,
+    /// Cells by row, as many as there are columns.
+    pub rows: Vec<Vec<String>>,
+    /// Columns that stand to the left on a terminal.
+    pub left: &'static [usize],
+    /// Indices of the rows that a terminal shows, and the line below them; all without it.
+    pub shown: Option<(Vec<usize>, String)>,
+}
+
+impl Table {
+    /// The table with its first column to the left.
+    pub fn new<H: Into<String>>(
+        heading: impl Into<String>,
+        head: impl IntoIterator<Item = H>,
+        rows: impl IntoIterator<Item = Vec<String>>,
+    ) -> Self {
+        Self {
+            heading: heading.into(),
+            head: head.into_iter().map(H::into).collect(),
+            rows: rows.into_iter().collect(),
+            left: &[0],
+            shown: None,
+        }
+    }
+
+    /// The table with these columns to the left on a terminal.
+    #[must_use]
+    pub fn with_left(self, left: &'static [usize]) -> Self {
+        Self { left, ..self }
+    }
+
+    /// The table as text in columns.
+    fn in_columns(&self) -> String {
+        let head = Some(&self.head).filter(|head| !head.is_empty());
+        let (rows, note) = match &self.shown {
+            None => (self.rows.iter().collect(), String::new()),
+            Some((shown, note)) => (shown.iter().map(|k| &self.rows[*k]).collect(), format!("{note}\n")),
+        };
+        let all: Vec<Vec<String>> = head.into_iter().chain::<Vec<_>>(rows).cloned().collect();
+        let heading = if self.heading.is_empty() { String::new() } else { format!("{}\n", self.heading) };
+        format!("{heading}{}{note}", in_columns(&all, self.left))
+    }
+
+    /// The table as Markdown.
+    pub fn in_markdown(&self) -> String {
+        let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+        let columns = self.rows.first().map_or(self.head.len(), Vec::len);
+        let head = if self.head.is_empty() { &vec![String::new(); columns] } else { &self.head };
+        let rows: String = self.rows.iter().map(|row| line(row)).collect();
+        let heading =
+            if self.heading.is_empty() { String::new() } else { format!("## {}\n\n", self.heading) };
+        format!("{heading}{}{}|\n{rows}", line(head), "|---".repeat(columns))
+    }
+
+    fn html(&self) -> Markup {
+        let rows = self.rows.iter().map(|row| row.iter().map(Render::render).collect());
+        html! {
+            @if !self.heading.is_empty() { h2 { (self.heading) } }
+            (table(&self.head, rows))
+        }
+    }
+}
+
+impl Answer {
+    /// The answer as printed, with plain spaces.
+    pub fn text(&self) -> String {
+        if self.prints_markdown {
+            return self.markdown();
+        }
+        let part = |part: &Part| match part {
+            Part::Text(text) => Some(format!("{}\n", text.replace("**", ""))),
+            Part::Table(table) => Some(table.in_columns()),
+            Part::Notes(_, notes) => Some(notes.iter().map(|note| format!("{note}\n")).collect()),
+            Part::Figures => None,
+        };
+        let title = format!("{}\n", self.title);
+        let parts: Vec<String> = std::iter::once(title).chain(self.parts.iter().filter_map(part)).collect();
+        parts.join("\n").replace('\u{a0}', " ")
+    }
+
+    /// The answer as Markdown.
+    pub fn markdown(&self) -> String {
+        let part = |part: &Part| match part {
+            Part::Text(text) => Some(format!("{text}\n")),
+            Part::Table(table) => Some(table.in_markdown()),
+            Part::Notes(heading, notes) => {
+                let notes: String = notes.iter().map(|note| format!("- {note}\n")).collect();
+                Some(format!("## {heading}\n\n{notes}"))
+            }
+            Part::Figures => None,
+        };
+        let title = format!("# {}\n", self.title);
+        let parts: Vec<String> = std::iter::once(title).chain(self.parts.iter().filter_map(part)).collect();
+        parts.join("\n")
+    }
+
+    /// The figures of the page: its own, and the curves of every limit state and of the system.
+    ///
+    /// # Errors
+    /// [`PlotError`].
+    pub fn all_figures(&self) -> Result<Vec<Figure>, PlotError> {
+        let study = |(name, summary): &(String, StudySummary)| ComparedStudy {
+            name: name.clone(),
+            summary: summary.clone(),
+        };
+        let studies: Vec<ComparedStudy> = self.curves.iter().map(study).collect();
+        let curves = if studies.is_empty() { vec![] } else { figures(&studies)? };
+        Ok(self.figures.iter().cloned().chain(curves).collect())
+    }
+
+    /// The page with these figures.
+    fn html(&self, drawn: &[Figure]) -> String {
+        let body = html! {
+            header { p.brand { "Hingewise" } h1 { (self.title) } p.meta { (self.subtitle) } }
+            @for part in &self.parts {
+                @match part {
+                    Part::Text(text) => p { (text.replace("**", "")) },
+                    Part::Table(table) => (table.html()),
+                    Part::Notes(heading, notes) => { h2 { (heading) } @for note in notes { p { (note) } } },
+                    Part::Figures => (page::figures(drawn, "three")),
+                }
+            }
+        };
+        wrapped(&self.title, &body)
+    }
+
+    /// Writes the page as `NAME.html`, the text as `NAME.md`, the figures as `figures/*.svg` with their numbers as `figures/*.csv`,
+    /// and the further files into the folder `dir`, which is created if missing; returns the path of the page.
+    ///
+    /// # Errors
+    /// [`ReportError`].
+    pub fn write(&self, dir: &Path) -> Result<PathBuf, ReportError> {
+        let drawn = self.all_figures()?;
+        create_folder(dir)?;
+        if !drawn.is_empty() {
+            write_figures(dir, &drawn)?;
+        }
+        for (name, text) in &self.files {
+            write_text(&dir.join(name), text)?;
+        }
+        write_text(&dir.join(format!("{}.md", self.name)), &self.markdown())?;
+        let path = dir.join(format!("{}.html", self.name));
+        write_text(&path, &self.html(&drawn))?;
+        Ok(path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_study;
+
+    #[test]
+    fn an_answer_has_the_same_parts_in_every_form() {
+        let summary = test_study::study().summary;
+        let table = |heading: &str, rows: usize| {
+            let rows = (0..rows).map(|k| vec![format!("life {k}"), "63\u{a0}000".to_owned()]);
+            Table::new(heading, ["life", "cycles"], rows)
+        };
+        let short = Table { shown: Some((vec![2], "(1 of 3)".to_owned())), ..table("All", 3) };
+        let answer = Answer {
+            name: "what-if",
+            title: "What if: a < b".to_owned(),
+            parts: vec![
+                Part::Text("**First** this.".to_owned()),
+                Part::Figures,
+                Part::Table(table("Lives", 1)),
+                Part::Table(short),
+                Part::Notes("Errors", vec!["It is so.".to_owned()]),
+            ],
+            curves: vec![("before".to_owned(), summary.clone()), ("after".to_owned(), summary)],
+            files: vec![("more.csv".to_owned(), "a\n".to_owned())],
+            ..Answer::default()
+        };
+        let columns = "life    cycles\nlife 0  63 000\n";
+        let short = "life    cycles\nlife 2  63 000\n(1 of 3)\n";
+        let expected =
+            format!("What if: a < b\n\nFirst this.\n\nLives\n{columns}\nAll\n{short}\nIt is so.\n");
+        assert_eq!(answer.text(), expected);
+        let dir = tempfile::tempdir().unwrap();
+        let html = std::fs::read_to_string(answer.write(dir.path()).unwrap()).unwrap();
+        let cell = "<td>63\u{a0}000</td>";
+        for text in
+            ["<h2>Lives</h2>", cell, "life 1", "<p>It is so.</p>", "a &lt; b", "<svg", "<p>First this."]
+        {
+            assert!(html.contains(text), "{text}");
+        }
+        assert!(!html.contains("http") && !html.contains("<script"));
+        let read = |name: &str| std::fs::read_to_string(dir.path().join(name)).unwrap();
+        let markdown = read("what-if.md");
+        assert!(
+            markdown.starts_with("# What if: a < b\n\n**First** this.\n\n## Lives\n\n| life | cycles |\n")
+        );
+        assert!(
+            markdown.contains("|---|---|\n| life 0 |") && markdown.ends_with("## Errors\n\n- It is so.\n")
+        );
+        assert_eq!(read("more.csv"), "a\n");
+        assert!(dir.path().join("figures/reliability-total.svg").exists());
+        let bare = Table { head: vec![], ..table("", 1) };
+        assert_eq!(bare.in_columns(), "life 0  63\u{a0}000\n");
+        assert_eq!(bare.in_markdown(), "|  |  |\n|---|---|\n| life 0 | 63\u{a0}000 |\n");
+    }
+}
