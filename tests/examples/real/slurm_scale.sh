@@ -3,11 +3,11 @@
 # packages run on this machine, on loopback. From zero workers: time to the first result, number of jobs, nodes back after the study, all jobs
 # cancelled in the middle, and the bits of a local study.
 #   tests/examples/real/slurm_scale.sh [FOLDER OF THE PROGRAMS]
-# About three minutes. Needs no root, systemd or cgroups. Exit code 77 if Slurm is not installed.
+# A few minutes. Needs no root, systemd or cgroups. Exit code 77 if Slurm is not installed.
 set -euo pipefail
 top=$(realpath "$(dirname "$0")/../../..")
 programs=$(realpath "${1:-$top/target/release}")
-: "${EVALUATIONS:=400}" "${MOST:=2}"
+: "${EVALUATIONS:=100}" "${MOST:=2}"
 
 for need in slurmctld slurmd sbatch squeue scancel munged python3; do
     if ! PATH=$PATH:/usr/sbin type -P "$need" >/dev/null; then
@@ -24,7 +24,9 @@ chmod 711 "$work"
 started=()
 finish() {
     squeue --noheader --format %A 2>/dev/null | sort -u | xargs --no-run-if-empty scancel || true
-    sleep 2
+    # Longer than KillWait: the node ends what does not end by itself.
+    [ -z "${study:-}" ] || kill "$study" 2>/dev/null || true
+    sleep 7
     for ((k = ${#started[@]} - 1; k >= 0; k--)); do
         kill "${started[k]}" 2>/dev/null || true
         wait "${started[k]}" 2>/dev/null || true
@@ -133,7 +135,7 @@ within 120 has_first_result
 echo "first result after $((SECONDS - began)) s, from zero workers"
 while kill -0 "$study" 2>/dev/null; do
     watch_jobs
-    if [ -z "${cancelled:-}" ] && ((SECONDS - began > 20)); then
+    if [ -z "${cancelled:-}" ] && ((SECONDS - began > 15)); then
         cancelled=$(squeue --noheader --format %i | wc -l)
         squeue --noheader --format %i | xargs --no-run-if-empty scancel
         echo "all $cancelled jobs cancelled after $((SECONDS - began)) s"
