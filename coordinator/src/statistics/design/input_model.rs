@@ -86,7 +86,7 @@ impl InputModel {
 
     /// The means of the variables `(d,)` [SI].
     pub fn means(&self) -> Vec<f64> {
-        self.variables.iter().map(Distribution::mean).collect()
+        self.variables.iter().map(|variable| variable.mean()).collect()
     }
 
     /// x `(d,)` [SI] from probabilities p in (0, 1) `(d,)` [1] of the independent normals v = Phi^-1(p).
@@ -149,21 +149,10 @@ impl InputModel {
     }
 }
 
-impl From<&[Distribution]> for InputModel {
-    fn from(variables: &[Distribution]) -> Self {
+impl<T: AsRef<[Distribution]> + ?Sized> From<&T> for InputModel {
+    fn from(variables: &T) -> Self {
+        let variables = variables.as_ref();
         Self::new(variables.to_vec(), GaussianCopula::independent(variables.len()))
-    }
-}
-
-impl<const D: usize> From<&[Distribution; D]> for InputModel {
-    fn from(variables: &[Distribution; D]) -> Self {
-        Self::from(variables.as_slice())
-    }
-}
-
-impl From<&Vec<Distribution>> for InputModel {
-    fn from(variables: &Vec<Distribution>) -> Self {
-        Self::from(variables.as_slice())
     }
 }
 
