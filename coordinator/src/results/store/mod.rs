@@ -32,6 +32,7 @@ pub use further::FurtherEvaluations;
 pub use leg::Leg;
 pub use read::StoredEvaluation;
 
+use crate::farm::evaluate::EvaluationResult;
 use common::scene::Scene;
 use connection::connect;
 use read_only::{AfterReading, ReadConnection, connect_read_only};
@@ -109,7 +110,7 @@ impl CampaignFile {
     ///
     /// # Errors
     /// [`StoreError::InUse`], [`StoreError::NoCampaign`], [`StoreError::NotACampaign`],
-    /// [`StoreError::SchemaVersion`], [`StoreError::Migration`], or what the file system or SQLite report.
+    /// [`StoreError::SchemaVersion`], [`StoreError::Outcome`], or what the file system or SQLite report.
     pub fn open(dir: &Path) -> Result<Self, StoreError> {
         let path = campaign_path(dir)?;
         let lock = lock(dir)?;
@@ -206,13 +207,23 @@ impl CampaignFile {
         self.dir.join(FILE_NAME)
     }
 
-    fn database(&self, source: rusqlite::Error) -> StoreError {
-        StoreError::Database { path: self.path(), source }
+    /// What a call of SQLite returns.
+    fn query<'a, T>(
+        &'a self,
+        ask: impl FnOnce(&'a Connection) -> rusqlite::Result<T>,
+    ) -> Result<T, StoreError> {
+        ask(&self.connection).map_err(|source| StoreError::Database { path: self.path(), source })
     }
 
-    /// The error of an outcome that cannot be decoded.
-    fn unreadable_outcome(&self, id: i64, reason: String) -> StoreError {
-        StoreError::Outcome { path: self.path(), id, program: self.meta.version.clone(), reason }
+    /// The outcome of evaluation `id` from its bytes.
+    fn outcome(&self, id: i64, bytes: &[u8]) -> Result<EvaluationResult, StoreError> {
+        let program = || self.meta.version.clone();
+        exact::outcome_from_bytes(bytes).map_err(|reason| StoreError::Outcome {
+            path: self.path(),
+            id,
+            program: program(),
+            reason,
+        })
     }
 
     fn encoding(&self, what: impl Into<String>, reason: impl ToString) -> StoreError {
