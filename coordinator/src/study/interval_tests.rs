@@ -19,7 +19,7 @@ fn learn(output: impl Fn(&[f64]) -> f64, threshold: f64, seed: u64) -> CampaignR
 
 /// The interval of the failure probability of the system, as a study states it.
 fn interval(learned: &CampaignResult) -> (f64, f64) {
-    let rows = learned.shares().rows(&["f".to_owned(), "total".to_owned()], &[1]);
+    let rows = learned.shares.rows(&["f".to_owned(), "total".to_owned()], &[1]);
     let ReliabilityRange { lower, upper } = rows[0].interval["total"];
     (1.0 - upper, 1.0 - lower)
 }
