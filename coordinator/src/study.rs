@@ -40,7 +40,6 @@ mod observations;
 mod outcome_check;
 mod plan;
 mod prediction_check;
-mod predictions;
 mod rare;
 mod requests;
 mod result;
@@ -48,9 +47,9 @@ mod round;
 mod run_times;
 mod samples;
 mod settings;
-mod sobol;
 mod step;
 mod stopped;
+mod surrogate_rows;
 mod surrogates;
 mod untested;
 mod verification;
@@ -98,7 +97,7 @@ use crate::results::progress::{Observer, Progress};
 use common::scene::Scene;
 use dispatching::Dispatcher;
 use monte_carlo::DirectSimulation;
-use result::{Computed, from_learning};
+use result::from_learning;
 
 /// Runs a study of `scene` to its end: evaluations by `evaluator`, recorded in `journal`, reported to `observer`.
 ///
@@ -123,7 +122,7 @@ pub fn run(
             dispatcher.run(&mut campaign)?;
             dispatcher.notice(&Progress::Ending);
             let learned = campaign.finish().expect("a campaign that is done has learned something");
-            from_learning(scene, settings, &learned, Computed::Whole)
+            from_learning(scene, settings, &learned)
         }
         Method::MonteCarlo | Method::LatinHypercube => {
             let mut direct = DirectSimulation::new(&problem, settings);

@@ -34,12 +34,12 @@ pub enum Family {
     Exponential,
 }
 
-/// A fitted family: y = location + scale z.
+/// Location and scale of a variable: y = location + scale z.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StandardFit {
-    /// Location of y.
+pub struct LocationScale {
+    /// Location, y at z = 0 [unit of y].
     pub location: f64,
-    /// Scale of y, > 0.
+    /// Scale, the difference of y at z = 1 and z = 0, > 0 [unit of y].
     pub scale: f64,
 }
 
@@ -81,7 +81,7 @@ impl Family {
         if samples.iter().all(|x| *x == samples[0]) {
             return Err(FitError::AllEqual);
         }
-        let StandardFit { location, scale } = self.standard_fit(&self.transformed(samples));
+        let LocationScale { location, scale } = self.standard_fit(&self.transformed(samples));
         Ok(match self {
             Self::Normal => Distribution::normal(location, scale),
             Self::Lognormal => {
@@ -119,15 +119,15 @@ impl Family {
     }
 
     /// Location and scale of largest likelihood of the values y `(n,)`, which are not all equal.
-    pub fn standard_fit(self, y: &[f64]) -> StandardFit {
+    pub fn standard_fit(self, y: &[f64]) -> LocationScale {
         let n = y.len() as f64;
         let mean = y.iter().sum::<f64>() / n;
         match self.standard() {
             Standard::Normal => {
                 let variance = y.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>() / n;
-                StandardFit { location: mean, scale: variance.sqrt() }
+                LocationScale { location: mean, scale: variance.sqrt() }
             }
-            Standard::Exponential => StandardFit { location: 0.0, scale: mean },
+            Standard::Exponential => LocationScale { location: 0.0, scale: mean },
             Standard::Gumbel => gumbel_fit(y, mean),
         }
     }
@@ -143,7 +143,7 @@ impl Family {
 }
 
 /// Scale and location of a Gumbel distribution of maxima by Newton's method within a bracket.
-fn gumbel_fit(y: &[f64], mean: f64) -> StandardFit {
+fn gumbel_fit(y: &[f64], mean: f64) -> LocationScale {
     let n = y.len() as f64;
     let least = y.iter().copied().fold(f64::INFINITY, f64::min);
     let variance = y.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>() / n;
@@ -176,7 +176,7 @@ fn gumbel_fit(y: &[f64], mean: f64) -> StandardFit {
         scale = next;
     }
     let [w, ..] = sums(scale);
-    StandardFit { location: least - scale * libm::log(w / n), scale }
+    LocationScale { location: least - scale * libm::log(w / n), scale }
 }
 
 #[cfg(test)]

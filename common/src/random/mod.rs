@@ -18,7 +18,7 @@ mod standard_normal;
 
 pub use copula::{Correlation, GaussianCopula, NotPositiveDefinite, normal_from_rank_correlation};
 pub use distribution::{Distribution, Extreme, FitError, Law, LawError};
-pub use family::{Family, StandardFit};
+pub use family::{Family, LocationScale};
 pub use iso286::{Feature, Fit, ToleranceClass, ToleranceError};
 pub use standard::{Standard, Tail};
 pub use standard_normal::{

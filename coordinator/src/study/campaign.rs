@@ -18,7 +18,7 @@ use super::prediction_check::{judge, largest_prediction_error};
 use super::requests::{PendingSample, Requests};
 use super::round::{Assessment, RoundInput, assess};
 use super::step::{CampaignError, Step, StopReason};
-use super::surrogates::{Surrogate, SurrogateState};
+use super::surrogates::SurrogateState;
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, choose_by_latin_hypercube};
 use crate::statistics::learning::{Rule, Stopping};
@@ -340,11 +340,6 @@ impl Campaign {
     /// The assessment of all outcomes received; `None` if the newest have not been assessed yet.
     pub fn assessment(&self) -> Option<&Assessment> {
         self.progress.assessment.as_ref()
-    }
-
-    /// The surrogates of the last round, one per limit state; empty before the first.
-    pub(super) fn into_surrogates(self) -> Vec<Surrogate> {
-        self.surrogates.models
     }
 
     /// Number of evaluations whose outcome has been recorded, failed ones included.

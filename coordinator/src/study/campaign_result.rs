@@ -38,11 +38,6 @@ impl CampaignResult {
     pub fn reliability(&self) -> Vec<Vec<CurvePoint>> {
         self.shares.curves()
     }
-
-    /// Share of the population that cannot be simulated, as far as the failed simulations tell [1].
-    pub(super) fn barred_share(&self) -> f64 {
-        self.shares.missing
-    }
 }
 
 impl Campaign {

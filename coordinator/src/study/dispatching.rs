@@ -170,11 +170,17 @@ impl Record<'_> {
     fn store(&mut self, outcomes: &[(Request, Finished)]) -> Result<(), EvaluateError> {
         self.journal.record_all(outcomes)?;
         for (_, finished) in outcomes {
-            self.done += 1;
             self.times.add_worker(&finished.worker);
-            notice(self.observer, self.done, finished, false);
+            self.note_evaluated(finished, false);
         }
         self.note_times(false)
+    }
+
+    /// Counts an evaluation that ended, or was `recalled`, and notifies the observer.
+    fn note_evaluated(&mut self, Finished { outcome, wall, .. }: &Finished, recalled: bool) {
+        self.done += 1;
+        let (done, failed) = (self.done, outcome.is_err());
+        self.observer.notice(&Progress::Evaluated { done, failed, recalled, wall: *wall });
     }
 
     /// Notes the times of the study in the journal, if it is time to or if the run ends.
@@ -337,8 +343,7 @@ impl StudyRequests<'_, '_> {
             let request = Request { id, sample: wanted.sample, with_first_cycle, accuracy };
             match recalled(self.record.journal, &request, &self.record.shape)? {
                 Some(finished) => {
-                    self.record.done += 1;
-                    notice(self.record.observer, self.record.done, &finished, true);
+                    self.record.note_evaluated(&finished, true);
                     self.settle(finished);
                 }
                 None => {
@@ -355,9 +360,4 @@ impl StudyRequests<'_, '_> {
         });
         Ok(missing)
     }
-}
-
-fn notice(observer: &mut dyn Observer, done: usize, outcome: &Finished, recalled: bool) {
-    let failed = outcome.outcome.is_err();
-    observer.notice(&Progress::Evaluated { done, failed, recalled, wall: outcome.wall });
 }

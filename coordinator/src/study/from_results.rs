@@ -13,7 +13,7 @@ use super::campaign_result::CampaignResult;
 use super::dispatching::Dispatcher;
 use super::observations::ObservedOutcome;
 use super::plan::{Plan, Problem, ResponseLayout};
-use super::result::{Computed, from_learning};
+use super::result::curves_from_learning;
 use super::step::CampaignError;
 use super::surrogates::Surrogate;
 use super::verification::StoredOutcome;
@@ -202,7 +202,7 @@ pub fn result_of(
     learned: &CampaignResult,
     started: Instant,
 ) -> StudyResult {
-    let findings = from_learning(scene, settings, learned, Computed::Curves);
+    let findings = curves_from_learning(scene, settings, learned);
     let timing = Timing { total: started.elapsed().as_secs_f64(), ..Timing::default() };
     findings.result(scene, timing, vec![])
 }

@@ -65,7 +65,7 @@ fn issue_a_failing_half_space_ended_the_study() {
         let learned = learn_by(normals(), simulate, limits, 12, seed, StoppingTargets::default()).unwrap();
         assert!(matches!(learned.stop, StopReason::Rule(_)), "{side} {seed}: {:?}", learned.stop);
         // Failing requests are few, and the interval contains that all or none of the region fails.
-        let (failed, barred) = (learned.failed.len(), learned.barred_share());
+        let (failed, barred) = (learned.failed.len(), learned.shares.missing);
         assert!(failed * 2 < learned.evaluations, "{side} {seed}: {failed} of {}", learned.evaluations);
         let (least, most) = interval(&learned);
         assert!(barred < 4.0 * standard_normal_cdf(-2.0), "{side} {seed}: {barred}");

@@ -89,6 +89,26 @@ impl<'a> DirectSimulation<'a> {
         1.0 - self.points.len() as f64 / recorded.max(1) as f64
     }
 
+    /// Counts the failure shares anew, after this number of evaluations.
+    fn add_round(&mut self, evaluations: usize) {
+        let (modes, points) = (self.problem.modes.len(), self.points.len());
+        let now = curves(&self.first_failures[..modes], self.problem.checkpoints.len());
+        let system = &now[modes];
+        let governing = governing_checkpoint(system);
+        let failed = system[governing];
+        let smaller = failed.min(1.0 - failed).max(1.0 / points as f64);
+        self.rounds.push(Round {
+            round: self.rounds.len(),
+            evaluations,
+            change_of_r: self.curves.as_ref().map(|before| largest_change(before, &now) / smaller),
+            cov_pf: coefficient_of_variation(failed, points),
+            cycles: self.problem.checkpoints[governing],
+            reliability_total: 1.0 - failed,
+            ..Round::default()
+        });
+        self.curves = Some(now);
+    }
+
     /// The findings, after the outcomes of all samples.
     ///
     /// # Errors
@@ -184,12 +204,7 @@ impl Learner for DirectSimulation<'_> {
         }
         check_failures(self.failures.iter().map(|failed| &failed.cause), range.end + 1, self.failed_share)?;
         if !self.points.is_empty() {
-            let modes = self.problem.modes.len();
-            let now = curves(&self.first_failures[..modes], self.problem.checkpoints.len());
-            let previous = self.curves.as_deref();
-            let (points, round) = (self.points.len(), self.rounds.len());
-            self.rounds.push(round_of(self.problem, &now, previous, points, range.end + 1, round));
-            self.curves = Some(now);
+            self.add_round(range.end + 1);
         }
         Ok(())
     }
@@ -216,31 +231,6 @@ impl Learner for DirectSimulation<'_> {
             condition: Condition::NONE,
             untested: Untested::default(),
         })
-    }
-}
-
-/// The row of one round in the summary.
-fn round_of(
-    problem: &Problem,
-    now: &[Vec<f64>],
-    previous: Option<&[Vec<f64>]>,
-    points: usize,
-    evaluations: usize,
-    round: usize,
-) -> Round {
-    let system = &now[now.len() - 1];
-    let governing = governing_checkpoint(system);
-    let failed = system[governing];
-    let change = previous
-        .map(|previous| largest_change(previous, now) / failed.min(1.0 - failed).max(1.0 / points as f64));
-    Round {
-        round,
-        evaluations,
-        change_of_r: change,
-        cov_pf: coefficient_of_variation(failed, points),
-        cycles: problem.checkpoints[governing],
-        reliability_total: 1.0 - failed,
-        ..Round::default()
     }
 }
 

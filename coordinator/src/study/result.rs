@@ -3,9 +3,8 @@
 use super::failure_points::failure_points;
 use super::interim::InterimResult;
 use super::lives::{add_lives, learned_lives};
-use super::predictions::{predictions, simulations_beyond_a_limit};
-use super::sobol::sobol;
 use super::stopped::{stop_in_words, targets_met};
+use super::surrogate_rows::{predictions, simulations_beyond_a_limit, sobol};
 use super::{CampaignResult, ClassifiedPopulation, Failed, Settings, StopReason, Surrogate};
 use crate::results::scene_summary::{limit_rows, variable_rows};
 use crate::results::summary::{
@@ -86,29 +85,15 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
     }
 }
 
-/// What is computed from a campaign.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Computed {
-    /// Everything that a summary contains.
-    Whole,
-    /// Reliability, lives and first failures.
-    Curves,
-}
-
-/// The findings of active learning.
-pub(super) fn from_learning(
-    scene: &Scene,
-    settings: &Settings,
-    learned: &CampaignResult,
-    extent: Computed,
-) -> Findings {
+/// The findings of active learning as far as reliability, lives and first failures need them.
+pub(super) fn curves_from_learning(scene: &Scene, settings: &Settings, learned: &CampaignResult) -> Findings {
     let assessment = &learned.assessment;
     let summary = StudySummary {
         failures: failures(
             scene,
             learned.classified.population.inputs(),
             &learned.failed,
-            learned.barred_share(),
+            learned.shares.missing,
         ),
         evaluations: EvaluationCounts {
             total: learned.evaluations,
@@ -126,10 +111,19 @@ pub(super) fn from_learning(
         surrogates: scene.limit_states.iter().zip(&assessment.surrogates).map(surrogate_row).collect(),
         ..blank(scene, settings)
     };
-    let (shares, lives) = (learned.shares.clone(), learned_lives(scene, learned));
-    if extent == Computed::Curves {
-        return Findings { shares, lives, distributions: vec![], derivatives: vec![], summary };
+    Findings {
+        shares: learned.shares.clone(),
+        lives: learned_lives(scene, learned),
+        distributions: vec![],
+        derivatives: vec![],
+        summary,
     }
+}
+
+/// The findings of active learning, everything that a summary contains.
+pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &CampaignResult) -> Findings {
+    let Findings { shares, lives, summary, .. } = curves_from_learning(scene, settings, learned);
+    let assessment = &learned.assessment;
     let ClassifiedPopulation { population, condition, .. } = &learned.classified;
     let first_failures = assessment.first_failures();
     let points: Vec<usize> = (0..population.len()).collect();

@@ -11,7 +11,7 @@ use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
     Classification, ClassifiedMode, Coupled, CurveErrors, Exploration, Figures, JointPool, SURROGATE_SAFETY,
     Selection, SelectionOptions, UNCERTAIN, choose_pool, classify_cached, coupled_criterion, curves,
-    dominance, estimate_errors, explore, farthest, noise_shifts,
+    dominance, estimate_errors, explore, farthest, noise_shifts, with_system,
 };
 use crate::statistics::reliability::governing_checkpoint;
 use crate::statistics::surrogate::{Effort, Kriging, PredictionCache};
@@ -67,11 +67,7 @@ impl Assessment {
     /// Index of the checkpoint by which each point of the population has failed `(modes + 1)(N,)`, the system last; m if
     /// never.
     pub fn first_failures(&self) -> Vec<Vec<u32>> {
-        let mut all: Vec<Vec<u32>> = self.modes.iter().map(|mode| mode.first_failure.clone()).collect();
-        let earliest = |j: usize| all.iter().map(|first| first[j]).min().expect("there is a mode");
-        let system = (0..all[0].len()).map(earliest).collect();
-        all.push(system);
-        all
+        with_system(self.modes.iter().map(|mode| mode.first_failure.clone()).collect())
     }
 
     /// Returns `count` points of the population with the largest predicted variance, as indices, and removes

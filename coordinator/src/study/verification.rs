@@ -21,7 +21,7 @@ use super::result::curve_names;
 use super::surrogates::{FitOptions, Surrogate, fit_surrogates};
 use super::{Campaign, CampaignError, Plan, Problem, SampleRequest, Settings};
 use crate::statistics::design::InputModel;
-use crate::statistics::learning::Mode;
+use crate::statistics::learning::{Mode, with_system};
 use crate::statistics::surrogate::Effort;
 use common::scene::Scene;
 use faer::Mat;
@@ -134,7 +134,7 @@ fn repeat_learning(
         Ok(if same { found.into_iter().map(complete).collect() } else { vec![] })
     };
     campaign.run(recalled, |_| {})?;
-    Ok(Some(campaign.into_surrogates()).filter(|surrogates| same && !surrogates.is_empty()))
+    Ok(Some(campaign.surrogates.models).filter(|surrogates| same && !surrogates.is_empty()))
 }
 
 /// Fits surrogates to `learned`, in one fit from several starts, and compares them with `unseen`.
@@ -186,7 +186,7 @@ fn compare(
         points: unseen.len(),
         surrogates,
         curves: curve_names(scene),
-        rows: rows(&scene.life.checkpoints(), &simulated, &predicted),
+        rows: rows(&scene.life.checkpoints(), simulated, predicted),
     }
 }
 
@@ -260,12 +260,8 @@ fn verified(
 }
 
 /// First failures per limit state `(modes)(N,)` as reliabilities over life.
-fn rows(cycles: &[u32], simulated: &[Vec<u32>], predicted: &[Vec<u32>]) -> Vec<VerifiedRow> {
+fn rows(cycles: &[u32], simulated: Vec<Vec<u32>>, predicted: Vec<Vec<u32>>) -> Vec<VerifiedRow> {
     let m = cycles.len();
-    let with_system = |modes: &[Vec<u32>]| -> Vec<Vec<u32>> {
-        let system = (0..modes[0].len()).map(|j| modes.iter().map(|first| first[j]).min().unwrap_or(0));
-        modes.iter().cloned().chain([system.collect()]).collect()
-    };
     let (simulated, predicted) = (with_system(simulated), with_system(predicted));
     let points = simulated[0].len() as f64;
     let survives = |first: u32, n: usize| f64::from(u8::from(first as usize > n));

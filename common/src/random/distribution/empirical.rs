@@ -16,8 +16,7 @@
 //! # Source
 //! Hyndman, Fan (1996), Sample quantiles in statistical packages, The American Statistician 50, 361-365.
 
-use super::fit_error::FitError;
-use super::law::{Law, LawError, moments};
+use super::law::{FitError, Law, LawError, moments};
 use super::tilted::tilted;
 use crate::random::standard::Tail;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! The functions that every distribution implements, and the parameters that it rejects.
+//! The functions that every distribution implements, and the parameters and measured values that it rejects.
 //!
 //! Values are transformed to and from standard normals by inversion, x = F^-1(Phi(u)): from the lower tail for u <= 0,
 //! from the upper tail for u > 0, so that both keep their digits.
@@ -149,6 +149,31 @@ pub enum LawError {
         /// Upper bound [unit of the variable].
         upper: f64,
     },
+}
+
+/// Why a distribution cannot be taken from measured values.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum FitError {
+    /// Fewer values than the distribution needs.
+    #[error("{found} values, at least {least} are needed")]
+    TooFew {
+        /// Number of values.
+        found: usize,
+        /// Fewest values that it needs.
+        least: usize,
+    },
+    /// All values are equal.
+    #[error("all values are equal")]
+    AllEqual,
+    /// A value that is not positive in a family of positive values.
+    #[error("value {} is not positive", place + 1)]
+    NotPositive {
+        /// Index of the value.
+        place: usize,
+    },
+    /// The fitted parameters are outside the range of the distribution.
+    #[error(transparent)]
+    Law(#[from] LawError),
 }
 
 fn interval(above: f64, below: f64) -> String {

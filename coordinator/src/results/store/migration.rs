@@ -42,7 +42,7 @@ fn add_stated_errors(path: &Path, transaction: &Transaction<'_>) -> Result<(), S
         .map_err(failed)?;
     for (id, bytes) in outcomes {
         let outcome = exact::outcome_from_bytes(&bytes).map_err(|reason| {
-            let program = super::program_version(transaction).unwrap_or_default();
+            let program = schema::program_version(transaction).unwrap_or_default();
             StoreError::Outcome { path: path.into(), id, program, reason }
         })?;
         if let Ok(evaluation) = outcome {

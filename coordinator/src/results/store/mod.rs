@@ -20,7 +20,6 @@ mod leg;
 mod leg_tests;
 mod migration;
 mod read;
-mod read_only;
 mod schema;
 #[cfg(test)]
 mod tests;
@@ -34,8 +33,7 @@ pub use read::StoredEvaluation;
 
 use crate::farm::evaluate::EvaluationResult;
 use common::scene::Scene;
-use connection::connect;
-use read_only::{AfterReading, ReadConnection, connect_read_only};
+use connection::{AfterReading, ReadConnection, connect, connect_read_only};
 use rusqlite::{Connection, OpenFlags};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
@@ -304,12 +302,6 @@ fn start(connection: &mut Connection, meta: &CampaignMeta, scene: &Scene) -> rus
     transaction.commit()
 }
 
-/// Version of the program that wrote a file of any layout, if it is where all layouts so far have it.
-fn program_version(connection: &Connection) -> Option<String> {
-    let sql = "SELECT value FROM campaign WHERE key = 'version'";
-    connection.query_row(sql, [], |row| row.get(0)).ok()
-}
-
 /// Version of the layout, one that this program reads.
 fn version(path: &Path, connection: &Connection) -> Result<i64, StoreError> {
     let pragma = |name: &str| {
@@ -325,7 +317,7 @@ fn version(path: &Path, connection: &Connection) -> Result<i64, StoreError> {
         found => Err(StoreError::SchemaVersion {
             path: path.into(),
             found,
-            program: program_version(connection),
+            program: schema::program_version(connection),
             earliest: migration::FROM,
             latest: schema::SCHEMA_VERSION,
         }),

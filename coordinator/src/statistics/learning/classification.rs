@@ -161,6 +161,14 @@ fn classify_blocks(
     Classification { mean, variance_factor, sigma, first_failure, threshold }
 }
 
+/// First failures of the modes `(modes)(N,)` and of the system, the last row.
+pub fn with_system(mut first_failures: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
+    let earliest = |j: usize| first_failures.iter().map(|first| first[j]).min().unwrap_or(0);
+    let system = (0..first_failures[0].len()).map(earliest).collect();
+    first_failures.push(system);
+    first_failures
+}
+
 /// Failure shares by checkpoint `(modes + 1, m)` [1], each mode alone and last the system, from the first
 /// failures of the modes `(modes, N)`; `m` is the number of checkpoints.
 pub fn curves<F: AsRef<[u32]>>(first_failures: &[F], m: usize) -> Vec<Vec<f64>> {
