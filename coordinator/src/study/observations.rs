@@ -182,20 +182,25 @@ impl Observations {
             let history: Vec<f64> = result.histories[output].iter().map(distance).collect();
             (result.start[output].as_ref().map(distance), history)
         };
-        let both = |result: &Observed, of: &dyn Fn(Option<f64>, &[f64]) -> Vec<f64>| -> Vec<f64> {
-            let row = |sign: f64| {
+        let values_of = |result: &Observed| {
+            let one = |sign| {
                 let (start, history) = side(result, sign);
-                of(start, &history)
+                running_maximum(start, &history)
             };
-            signs.into_iter().flat_map(row).collect()
+            signs.into_iter().flat_map(one).collect()
+        };
+        let errors_of = |result: &Observed| {
+            let one = |sign| {
+                let (start, history) = side(result, sign);
+                errors_of_maximum(start, &history, &result.errors[output])
+            };
+            signs.into_iter().flat_map(one).collect()
         };
         let starts = |sign: f64| self.results.iter().map(|result| side(result, sign).0).collect();
         let [first, second]: [Option<Vec<f64>>; 2] = signs.map(starts);
         Some(Sides {
-            values: self.matrix(|result| both(result, &running_maximum)),
-            errors: self.matrix(|result| {
-                both(result, &|start, side| errors_of_maximum(start, side, &result.errors[output]))
-            }),
+            values: self.matrix(values_of),
+            errors: self.matrix(errors_of),
             starts: first.zip(second).map(|(first, second)| [first, second]),
         })
     }
