@@ -32,9 +32,7 @@ mod failure_points;
 mod failures;
 mod from_results;
 mod interim;
-mod learn_from;
 mod learner;
-mod learner_thread;
 mod life_model;
 mod lives;
 mod monte_carlo;
@@ -42,20 +40,16 @@ mod observations;
 mod outcome_check;
 mod plan;
 mod prediction_check;
-mod predictions;
 mod rare;
 mod requests;
-mod response_layout;
 mod result;
 mod round;
-mod rows;
 mod run_times;
 mod samples;
 mod settings;
-mod sobol;
 mod step;
 mod stopped;
-mod surrogate_state;
+mod surrogate_rows;
 mod surrogates;
 mod untested;
 mod verification;
@@ -80,14 +74,13 @@ pub use error::StudyError;
 pub use failures::{Failed, Feasibility};
 pub use from_results::{
     FurtherLearning, Thresholds, campaign_from_results, complete_outcomes, learn_from_results,
-    learn_with_surrogates, reassess, result_of,
+    learn_with_surrogates, result_of,
 };
 pub use life_model::{LifeModel, LifeResponses};
 pub use lives::LEVELS;
 pub use observations::{Observations, Observed, ObservedOutcome};
 pub use plan::{Plan, Problem};
-pub use result::blank;
-pub use result::{OutputHistory, StudyResult, SurrogateReport};
+pub use result::{OutputHistory, StudyResult, blank};
 pub use round::Assessment;
 pub use samples::simulate_samples;
 pub use settings::{LARGEST_POPULATION, Method, SettingError, Settings, StudyAccuracy};
@@ -104,7 +97,7 @@ use crate::results::progress::{Observer, Progress};
 use common::scene::Scene;
 use dispatching::Dispatcher;
 use monte_carlo::DirectSimulation;
-use result::{Computed, Findings};
+use result::from_learning;
 
 /// Runs a study of `scene` to its end: evaluations by `evaluator`, recorded in `journal`, reported to `observer`.
 ///
@@ -120,20 +113,26 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<StudyResult, StudyError> {
     settings.check(scene)?;
-    let problem = problem_of(scene);
+    let problem = Problem::from_scene(scene);
     let stricter = settings.stricter(scene);
     let mut dispatcher = Dispatcher::new(scene, stricter, settings.budget(), evaluator, journal, observer);
     let findings = match settings.method {
-        Method::ActiveLearning => learn(scene, settings, problem, &mut dispatcher)?,
+        Method::ActiveLearning => {
+            let mut campaign = Campaign::new(problem, Plan::new(settings, scene));
+            dispatcher.run(&mut campaign)?;
+            dispatcher.notice(&Progress::Ending);
+            let learned = campaign.finish().expect("a campaign that is done has learned something");
+            from_learning(scene, settings, &learned)
+        }
         Method::MonteCarlo | Method::LatinHypercube => {
             let mut direct = DirectSimulation::new(&problem, settings);
             dispatcher.run(&mut direct)?;
             dispatcher.notice(&Progress::Ending);
-            direct.findings(scene)?
+            direct.findings(scene, settings)?
         }
     };
     dispatcher.end()?;
-    let result = findings.result(scene, settings, dispatcher.timing(), dispatcher.shares());
+    let result = findings.result(scene, dispatcher.timing(), dispatcher.shares());
     let failures = result.summary.reliability.iter().any(|row| row.reliability["total"] < 1.0);
     if settings.method == Method::ActiveLearning && !failures {
         dispatcher.notice(&Progress::Warning(format!(
@@ -142,23 +141,4 @@ pub fn run(
         )));
     }
     Ok(result)
-}
-
-/// The reliability problem of a scene.
-pub fn problem_of(scene: &Scene) -> Problem {
-    Problem::from_scene(scene)
-}
-
-/// Active learning to its end.
-fn learn(
-    scene: &Scene,
-    settings: &Settings,
-    problem: Problem,
-    dispatcher: &mut Dispatcher<'_>,
-) -> Result<Findings, StudyError> {
-    let mut campaign = Campaign::new(problem, Plan::new(settings, scene));
-    dispatcher.run(&mut campaign)?;
-    dispatcher.notice(&Progress::Ending);
-    let learned = campaign.finish().expect("a campaign that is done has learned something");
-    Ok(result::from_learning(scene, settings, &learned, Computed::Whole))
 }

@@ -11,6 +11,7 @@
 //! has not sent it a new time limit within the last one ([`limit_contact`]).
 
 use super::executable::{check_executable, program_path};
+use super::slot::locked;
 use rustix::io::{FdFlags, fcntl_setfd};
 use std::collections::BTreeMap;
 use std::io::{Error, PipeReader, PipeWriter, Result, Write};
@@ -18,7 +19,7 @@ use std::os::fd::AsRawFd;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Script of the shell; its arguments are the number of the pipe and the command.
@@ -168,8 +169,4 @@ fn guard_of(guards: &mut BTreeMap<Option<usize>, Arc<Guard>>, contact: Option<us
     let guard = Arc::new(Guard::new(contact.is_some())?);
     guards.insert(contact, Arc::clone(&guard));
     Ok(guard)
-}
-
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -3,7 +3,7 @@
 //! end with it. The group also ends when this process is killed.
 
 use super::guard::{Guard, guarded};
-use super::slot::{StopSignal, WaitError};
+use super::slot::{StopSignal, WaitError, locked};
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 use std::collections::{BTreeSet, VecDeque};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -11,7 +11,7 @@ use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
 use std::process::{Child, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Longest line read from a program [bytes]; the rest of a longer one counts as the next line.
@@ -317,11 +317,6 @@ fn each_line(from: impl Read, mut take: impl FnMut(String) -> bool) {
 
 fn spawn(what: &str, work: impl FnOnce() + Send + 'static) -> std::io::Result<()> {
     std::thread::Builder::new().name(format!("simulator {what}")).spawn(work).map(drop)
-}
-
-/// Locks a mutex. No code panics while it holds one of these locks, so poisoning is ignored.
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

@@ -12,13 +12,12 @@ use super::process::{LineError, Process};
 use super::reply::{Expected, parse, shown};
 use super::results_file::{self, of_object};
 use super::slot::{SampleResult, Slot, SlotError, StopSignal};
-use super::working_folder::{FileProgram, Inputs, RunError};
+use super::working_folder::{FileProgram, Inputs};
 use crate::failure::SimulationFailure;
-use crate::random::Distribution;
 use crate::scene::{Exchange, Program, Scene};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -29,10 +28,7 @@ const ATTEMPTS: usize = 2;
 /// Command, time limit and expected shape, shared by all slots.
 #[derive(Debug)]
 pub struct Setup {
-    command: Vec<String>,
-    folder: PathBuf,
-    /// The files of a program that runs once per evaluation.
-    files: Option<FileProgram>,
+    program: Program,
     /// Time limit of one evaluation as stated in the scene [s].
     seconds: f64,
     timeout: Duration,
@@ -47,19 +43,17 @@ impl Setup {
     /// Setup of `program` for `scene`; `timeout` bounds one evaluation [s].
     pub fn new(program: &Program, timeout: f64, scene: &Scene) -> Self {
         Self {
-            command: program.command.clone(),
-            folder: PathBuf::from(&program.folder),
-            files: file_program(program),
+            program: program.clone(),
             seconds: timeout,
             timeout: Duration::try_from_secs_f64(timeout).unwrap_or(Duration::MAX),
             expected: Expected::from_scene(scene),
-            nominal: scene.variables.iter().map(|v| Distribution::mean(&v.distribution)).collect(),
+            nominal: scene.variables.iter().map(|v| v.distribution.mean()).collect(),
             answered: AtomicBool::new(false),
         }
     }
 
     fn name(&self) -> String {
-        self.command.join(" ")
+        self.program.command.join(" ")
     }
 
     fn line(&self, id: u64, sample: &[f64]) -> String {
@@ -89,10 +83,10 @@ impl Setup {
     }
 }
 
-fn file_program(program: &Program) -> Option<FileProgram> {
+/// The files of a program that runs once per evaluation.
+fn file_program(program: &Program) -> Option<FileProgram<'_>> {
     let Exchange::Files(exchange) = &program.exchange else { return None };
-    let (command, folder) = (program.command.clone(), PathBuf::from(&program.folder));
-    Some(FileProgram { command, folder, exchange: exchange.clone() })
+    Some(FileProgram { command: &program.command, folder: Path::new(&program.folder), exchange })
 }
 
 /// Values of the inputs by name, in the order of the scene, which a map would not keep.
@@ -113,16 +107,16 @@ impl Serialize for SampleByName<'_> {
 /// # Errors
 /// [`SimulatorError::Start`].
 pub fn check_program_file(program: &Program, scene: &Scene) -> Result<(), SimulatorError> {
-    let folder = PathBuf::from(&program.folder);
-    let found = check_executable(&program.command, &folder).and_then(|()| match file_program(program) {
+    let found = check_executable(&program.command, Path::new(&program.folder));
+    let files = || match file_program(program) {
         Some(files) => files.check(&Expected::from_scene(scene).inputs),
         None => Ok(()),
-    });
-    found.map_err(|reason| start_error(&program.command, &folder, reason))
+    };
+    found.and_then(|()| files()).map_err(|reason| start_error(program, reason))
 }
 
-fn start_error(command: &[String], folder: &Path, reason: std::io::Error) -> SimulatorError {
-    SimulatorError::Start { program: command.join(" "), folder: folder.display().to_string(), reason }
+fn start_error(program: &Program, reason: std::io::Error) -> SimulatorError {
+    SimulatorError::Start { program: program.command.join(" "), folder: program.folder.clone(), reason }
 }
 
 /// A slot with at most one running process.
@@ -131,17 +125,6 @@ pub struct ProgramSlot {
     setup: Arc<Setup>,
     number: usize,
     process: Option<Process>,
-}
-
-/// How a process responded to one request.
-enum RunReply {
-    /// A line, or the text of the results file.
-    Text(String),
-    Crashed {
-        status: String,
-        stderr: String,
-    },
-    TimedOut,
 }
 
 impl ProgramSlot {
@@ -154,36 +137,36 @@ impl ProgramSlot {
     fn start_process(&mut self, contact: Option<usize>) -> Result<(), SimulatorError> {
         if self.process.as_ref().is_none_or(|process| !process.serves(contact)) {
             self.process = None;
-            let Setup { command, folder, .. } = &*self.setup;
-            let started = Process::start(command, folder, folder, contact);
-            self.process = Some(started.map_err(|reason| start_error(command, folder, reason))?);
+            let program = &self.setup.program;
+            let folder = Path::new(&program.folder);
+            let started = Process::start(&program.command, folder, folder, contact);
+            self.process = Some(started.map_err(|reason| start_error(program, reason))?);
         }
         Ok(())
     }
 
-    /// Sends a sample and waits for the reply line, or runs the program once.
-    fn attempt(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<RunReply, SlotError> {
+    /// The reply line to a sample, or the text of the results file of a program that runs once.
+    fn attempt(
+        &mut self,
+        id: u64,
+        sample: &[f64],
+        stop: &StopSignal,
+    ) -> Result<Result<String, LineError>, SlotError> {
         let line = self.setup.line(id, sample);
-        if let Some(files) = &self.setup.files {
+        if let Some(files) = file_program(&self.setup.program) {
             let inputs = Inputs { names: &self.setup.expected.inputs, values: sample, request: &line };
-            return match files.run(inputs, self.setup.timeout, stop) {
-                Ok(text) => Ok(RunReply::Text(text)),
-                Err(RunError::Start(reason)) => {
-                    Err(start_error(&files.command, &files.folder, reason).into())
-                }
-                Err(RunError::Line(none)) => without_line(none),
-            };
+            let run = files.run(inputs, self.setup.timeout, stop);
+            return run.map_err(|reason| start_error(&self.setup.program, reason).into());
         }
         self.start_process(stop.contact())?;
         let process = self.process.as_mut().expect("the program was started above");
-        let none = match process.ask(line, self.setup.timeout, stop) {
-            Ok(line) => return Ok(RunReply::Text(line)),
-            Err(none) => none,
-        };
-        if let Some(process) = self.process.take() {
+        let reply = process.ask(line, self.setup.timeout, stop);
+        if reply.is_err()
+            && let Some(process) = self.process.take()
+        {
             process.kill();
         }
-        without_line(none)
+        Ok(reply)
     }
 
     /// Distinguishes a broken program from a bad sample: if no process has ever replied, the program is run at the means of the
@@ -197,17 +180,18 @@ impl ProgramSlot {
         }
         let nominal = self.setup.nominal.clone();
         match self.attempt(id, &nominal, stop)? {
-            RunReply::Crashed { status, stderr } => {
+            Err(LineError::Ended { status, stderr }) => {
                 Err(SimulatorError::Dead { program: self.setup.name(), status, stderr }.into())
             }
-            RunReply::Text(text) => self.accept(id, &text).map(drop),
-            RunReply::TimedOut => Ok(()),
+            Err(LineError::TimedOut) => Ok(()),
+            Err(LineError::Stopped) => Err(SlotError::Stopped),
+            Ok(text) => self.accept(id, &text).map(drop),
         }
     }
 
     /// Parses a reply; kills the process if its line breaks the protocol.
     fn accept(&mut self, id: u64, text: &str) -> Result<SampleResult, SlotError> {
-        let stated = match &self.setup.files {
+        let stated = match file_program(&self.setup.program) {
             None => self.setup.outcome(id, text),
             Some(files) => results_file::read(&self.setup.expected, text)
                 .map_err(|fault| format!("{}: {fault}", files.exchange.results)),
@@ -229,29 +213,21 @@ impl ProgramSlot {
     }
 }
 
-/// The reply that stands for a missing line.
-fn without_line(none: LineError) -> Result<RunReply, SlotError> {
-    match none {
-        LineError::TimedOut => Ok(RunReply::TimedOut),
-        LineError::Ended { status, stderr } => Ok(RunReply::Crashed { status, stderr }),
-        LineError::Stopped => Err(SlotError::Stopped),
-    }
-}
-
 impl Slot for ProgramSlot {
     fn start(&mut self) -> Result<(), SimulatorError> {
-        if self.setup.files.is_some() { Ok(()) } else { self.start_process(None) }
+        if file_program(&self.setup.program).is_some() { Ok(()) } else { self.start_process(None) }
     }
 
     fn evaluate(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<SampleResult, SlotError> {
         let mut crash = None;
         for _ in 0..ATTEMPTS {
             match self.attempt(id, sample, stop)? {
-                RunReply::Text(text) => return self.accept(id, &text),
-                RunReply::TimedOut => {
+                Ok(text) => return self.accept(id, &text),
+                Err(LineError::TimedOut) => {
                     return Ok(Err(SimulationFailure::TimedOut { seconds: self.setup.seconds }));
                 }
-                RunReply::Crashed { status, stderr } => {
+                Err(LineError::Stopped) => return Err(SlotError::Stopped),
+                Err(LineError::Ended { status, stderr }) => {
                     tracing::debug!("the simulator ended with {status} at evaluation {id}");
                     crash = Some(SimulationFailure::Crashed { status, stderr });
                 }

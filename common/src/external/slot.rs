@@ -3,9 +3,9 @@
 use super::error::SimulatorError;
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -93,18 +93,9 @@ pub enum SlotError {
     Simulator(#[from] SimulatorError),
 }
 
-impl Slot for Box<dyn Slot> {
-    fn start(&mut self) -> Result<(), SimulatorError> {
-        (**self).start()
-    }
-
-    fn evaluate(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<SampleResult, SlotError> {
-        (**self).evaluate(id, sample, stop)
-    }
-
-    fn name(&self) -> String {
-        (**self).name()
-    }
+/// Locks a mutex. No code here panics while it holds one of these locks, so poisoning is ignored.
+pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Evaluates one sample at a time.

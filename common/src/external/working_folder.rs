@@ -18,14 +18,14 @@ const LARGEST_RESULTS: u64 = 64 << 20;
 const FOLDER: &str = "{folder}";
 
 /// The program and its files.
-#[derive(Debug)]
-pub struct FileProgram {
+#[derive(Debug, Clone, Copy)]
+pub struct FileProgram<'a> {
     /// Program and arguments; `{folder}` in an argument stands for the folder.
-    pub command: Vec<String>,
+    pub command: &'a [String],
     /// The folder with the files and templates.
-    pub folder: PathBuf,
+    pub folder: &'a Path,
     /// Names of the files.
-    pub exchange: FileExchange,
+    pub exchange: &'a FileExchange,
 }
 
 /// What one evaluation gives to the program.
@@ -39,16 +39,7 @@ pub struct Inputs<'a> {
     pub request: &'a str,
 }
 
-/// Reasons for a run without results.
-#[derive(Debug)]
-pub enum RunError {
-    /// A file of the scene cannot be used, or the program cannot be started.
-    Start(Error),
-    /// The program gave no results.
-    Line(LineError),
-}
-
-impl FileProgram {
+impl FileProgram<'_> {
     /// Checks that the files exist and the templates name inputs only.
     ///
     /// # Errors
@@ -67,31 +58,33 @@ impl FileProgram {
         Ok(())
     }
 
-    /// Runs the program; the text of its results.
+    /// Runs the program; the text of its results. A program that ends with status 0 and without results counts as ended.
     ///
     /// # Errors
-    /// [`RunError`]; a program that ends with status 0 and without results counts as ended.
-    pub fn run(&self, inputs: Inputs<'_>, timeout: Duration, stop: &StopSignal) -> Result<String, RunError> {
-        let folder = WorkingFolder::create().map_err(RunError::Start)?;
-        self.fill(&folder, inputs).map_err(RunError::Start)?;
-        let place = self.folder.canonicalize().unwrap_or_else(|_| self.folder.clone());
-        let mut command = self.command.clone();
+    /// A file of the scene cannot be used, or the program cannot be started.
+    pub fn run(
+        &self,
+        inputs: Inputs<'_>,
+        timeout: Duration,
+        stop: &StopSignal,
+    ) -> Result<Result<String, LineError>, Error> {
+        let folder = WorkingFolder::create()?;
+        self.fill(&folder, inputs)?;
+        let place = self.folder.canonicalize().unwrap_or_else(|_| self.folder.to_path_buf());
+        let mut command = self.command.to_vec();
         for argument in &mut command[1..] {
             *argument = argument.replace(FOLDER, &place.display().to_string());
         }
-        let started = Process::start(&command, &place, &folder.0, stop.contact());
-        let mut process = started.map_err(RunError::Start)?;
-        let ended = process.complete(timeout, stop);
-        let results = match ended {
-            Ok(()) => self.results(&folder).map_err(|reason| LineError::Ended {
+        let mut process = Process::start(&command, &place, &folder.0, stop.contact())?;
+        let results = process.complete(timeout, stop).and_then(|()| {
+            self.results(&folder).map_err(|reason| LineError::Ended {
                 status: format!("exit status: 0 and no {} ({reason})", self.exchange.results),
                 stderr: process.last_lines(),
-            }),
-            Err(none) => Err(none),
-        };
+            })
+        });
         // Before its folder is removed.
         process.kill();
-        results.map_err(RunError::Line)
+        Ok(results)
     }
 
     fn fill(&self, folder: &WorkingFolder, inputs: Inputs<'_>) -> Result<(), Error> {

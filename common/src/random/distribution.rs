@@ -11,7 +11,6 @@ mod beta;
 mod constant;
 mod empirical;
 mod exponential;
-mod fit_error;
 mod gumbel;
 mod law;
 mod lognormal;
@@ -28,9 +27,8 @@ pub use beta::Beta;
 pub use constant::Constant;
 pub use empirical::Empirical;
 pub use exponential::Exponential;
-pub use fit_error::FitError;
 pub use gumbel::{Extreme, Gumbel};
-pub use law::LawError;
+pub use law::{FitError, Law, LawError};
 pub use lognormal::Lognormal;
 pub use normal::Normal;
 pub use triangular::Triangular;
@@ -38,8 +36,8 @@ pub use truncated_normal::TruncatedNormal;
 pub use uniform::Uniform;
 pub use weibull::Weibull;
 
-use law::Law;
 use serde::{Deserialize, Serialize};
+use std::ops::Deref;
 
 /// A distribution of one continuous random variable; x, bounds, mean and standard deviation are in the variable's
 /// unit.
@@ -153,8 +151,11 @@ impl Distribution {
     }
 }
 
-impl Distribution {
-    fn law(&self) -> &dyn Law {
+impl Deref for Distribution {
+    type Target = dyn Law;
+
+    /// The functions of the distribution.
+    fn deref(&self) -> &Self::Target {
         match self {
             Self::TruncatedNormal(law) => law,
             Self::Normal(law) => law,
@@ -169,12 +170,9 @@ impl Distribution {
             Self::Empirical(law) => law,
         }
     }
+}
 
-    /// The name of the distribution for people, e.g. `truncated normal`.
-    pub fn name(&self) -> &'static str {
-        self.law().name()
-    }
-
+impl Distribution {
     /// Its word in scenes and result files, e.g. `truncated-normal`.
     pub fn word(&self) -> &'static str {
         match self {
@@ -182,7 +180,8 @@ impl Distribution {
             Self::Normal(_) => "normal",
             Self::Lognormal(_) => "lognormal",
             Self::Uniform(_) => "uniform",
-            Self::Gumbel(law) => law.word(),
+            Self::Gumbel(Gumbel { extreme: Extreme::Maxima, .. }) => "gumbel",
+            Self::Gumbel(_) => "gumbel-minima",
             Self::Weibull(_) => "weibull",
             Self::Exponential(_) => "exponential",
             Self::Beta(_) => "beta",
@@ -192,11 +191,22 @@ impl Distribution {
         }
     }
 
+    /// The name of the distribution for people, e.g. `truncated normal`.
+    pub fn name(&self) -> &'static str {
+        match self.word() {
+            "truncated-normal" => "truncated normal",
+            "gumbel" => "Gumbel",
+            "gumbel-minima" => "Gumbel of minima",
+            "weibull" => "Weibull",
+            word => word,
+        }
+    }
+
     /// The likeliest value of a triangular distribution, which its moments and bounds state only together [unit of the
     /// variable]; `None` for others.
     pub fn mode(&self) -> Option<f64> {
         match self {
-            Self::Triangular(law) => Some(law.mode()),
+            Self::Triangular(law) => Some(law.mode),
             _ => None,
         }
     }
@@ -206,104 +216,9 @@ impl Distribution {
         matches!(self, Self::Constant(_))
     }
 
-    /// Location by which the variable is standardised: the mean, of the parent for the truncated normal [unit of the
-    /// variable].
-    pub fn parent_mean(&self) -> f64 {
-        self.law().parent_mean()
-    }
-
     /// Scale by which the variable is standardised: the standard deviation, of the parent for the truncated normal;
     /// 1 for a constant, whose distance from its location is 0 whatever divides it [unit of the variable].
     pub fn parent_std(&self) -> f64 {
-        if self.is_constant() { 1.0 } else { self.law().given_std() }
-    }
-
-    /// The standard deviation that derivatives refer to: of the parent for the truncated normal, else of the variable;
-    /// 0 for a constant [unit of the variable].
-    pub fn given_std(&self) -> f64 {
-        self.law().given_std()
-    }
-
-    /// Density f(x) [1/unit of the variable]; zero outside the support, infinite at the value of a constant. The jumps of an
-    /// empirical distribution at equal values are not in it.
-    pub fn pdf(&self, x: f64) -> f64 {
-        self.law().pdf(x)
-    }
-
-    /// Distribution function F(x) = P(X <= x) [1], relative accuracy kept in the lower tail; at a jump of an empirical
-    /// distribution its middle.
-    pub fn cdf(&self, x: f64) -> f64 {
-        self.law().cdf(x)
-    }
-
-    /// 1 - F(x) [1], relative accuracy kept in the upper tail.
-    pub fn survival(&self, x: f64) -> f64 {
-        self.law().survival(x)
-    }
-
-    /// Quantile F^-1(p) for p in [0, 1] [unit of the variable], never outside the support; infinite at the ends of an
-    /// unbounded distribution.
-    ///
-    /// With p uniform this is sampling by inverse transform.
-    pub fn quantile(&self, p: f64) -> f64 {
-        self.law().quantile(p)
-    }
-
-    /// Quantile F^-1(1 - q) for q in [0, 1] [unit of the variable], with the digits that 1 - q has lost.
-    pub fn upper_quantile(&self, q: f64) -> f64 {
-        self.law().upper_quantile(q)
-    }
-
-    /// The value x with F(x) = Phi(u), u a standard normal [unit of the variable]; digits are kept in both tails.
-    pub fn from_standard_normal(&self, u: f64) -> f64 {
-        self.law().at_standard_normal(u)
-    }
-
-    /// The standard normal u with Phi(u) = F(x) [1]; infinite at the bounds of a bounded distribution, 0 for a
-    /// constant.
-    pub fn to_standard_normal(&self, x: f64) -> f64 {
-        self.law().to_standard_normal(x)
-    }
-
-    /// Mean `E[X]` [unit of the variable].
-    pub fn mean(&self) -> f64 {
-        self.law().mean()
-    }
-
-    /// Standard deviation `sqrt(Var[X])` [unit of the variable].
-    pub fn std(&self) -> f64 {
-        self.law().std()
-    }
-
-    /// Closed interval of the values that are possible, `(lower, upper)`; infinite where there is no bound [unit of
-    /// the variable].
-    pub fn support(&self) -> (f64, f64) {
-        self.law().support()
-    }
-
-    /// The smallest and the largest value that a scene must admit, `(lower, upper)`: a bound that was chosen, else the
-    /// 1e-6 or 1 - 1e-6 quantile [unit of the variable].
-    pub fn limits(&self) -> (f64, f64) {
-        self.law().limits()
-    }
-
-    /// Scores d ln f(x) / d mean and d ln f(x) / d std `(2,)` [1/unit of the variable], bounds held fixed.
-    ///
-    /// For uniform, exponential and triangular distributions, whose bounds would move with the mean: the score of the
-    /// least change of the density, at fixed bounds, that moves the mean or the standard deviation alone (the module
-    /// `tilted` derives it). 0 for a constant.
-    pub fn scores(&self, x: f64) -> [f64; 2] {
-        self.law().scores(x)
-    }
-
-    /// [`Self::scores`] for many values: what does not depend on the value is computed once.
-    pub fn score_function(&self) -> Box<dyn Fn(f64) -> [f64; 2] + '_> {
-        self.law().score_function()
-    }
-
-    /// dF(x) / d mean and dF(x) / d std `(2,)` [1/unit of the variable], in the same sense as the scores: the
-    /// integrals of score times density from the lower end to x.
-    pub fn cdf_derivatives(&self, x: f64) -> [f64; 2] {
-        self.law().cdf_derivatives(x)
+        if self.is_constant() { 1.0 } else { self.given_std() }
     }
 }

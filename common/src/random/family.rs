@@ -13,13 +13,11 @@
 //! Johnson, Kotz, Balakrishnan (1994, 1995), Continuous Univariate Distributions, vol. 1, chapters 13, 14, 19, 21, vol. 2, chapter 22.
 
 use super::distribution::{Distribution, Extreme, FitError};
-use super::standard_normal::{standard_normal_cdf, standard_normal_quantile};
+use super::standard::Standard;
+use std::f64::consts::EULER_GAMMA;
 
 /// Fewest values of a fit with two parameters.
 const FEWEST: usize = 5;
-
-/// Euler's constant, the mean of a standard Gumbel variable.
-const EULER: f64 = 0.577_215_664_901_532_9;
 
 /// A family of distributions that can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,12 +34,12 @@ pub enum Family {
     Exponential,
 }
 
-/// A fitted family: y = location + scale z.
+/// Location and scale of a variable: y = location + scale z.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StandardFit {
-    /// Location of y.
+pub struct LocationScale {
+    /// Location, y at z = 0 [unit of y].
     pub location: f64,
-    /// Scale of y, > 0.
+    /// Scale, the difference of y at z = 1 and z = 0, > 0 [unit of y].
     pub scale: f64,
 }
 
@@ -83,8 +81,7 @@ impl Family {
         if samples.iter().all(|x| *x == samples[0]) {
             return Err(FitError::AllEqual);
         }
-        let StandardFit { location, scale } = self.standard_fit(&self.transformed(samples));
-        let gumbel_std = std::f64::consts::PI / 6.0_f64.sqrt() * scale;
+        let LocationScale { location, scale } = self.standard_fit(&self.transformed(samples));
         Ok(match self {
             Self::Normal => Distribution::normal(location, scale),
             Self::Lognormal => {
@@ -97,11 +94,14 @@ impl Family {
                 let ratio = libm::expm1(libm::lgamma(1.0 + 2.0 * scale) - 2.0 * half);
                 Distribution::weibull(mean, mean * ratio.max(0.0).sqrt())
             }
-            Self::Gumbel(Extreme::Maxima) => {
-                Distribution::gumbel(location + EULER * scale, gumbel_std, Extreme::Maxima)
-            }
-            Self::Gumbel(Extreme::Minima) => {
-                Distribution::gumbel(-location - EULER * scale, gumbel_std, Extreme::Minima)
+            Self::Gumbel(extreme) => {
+                let mean = location + EULER_GAMMA * scale;
+                let gumbel_std = std::f64::consts::PI / 6.0_f64.sqrt() * scale;
+                Distribution::gumbel(
+                    if extreme == Extreme::Maxima { mean } else { -mean },
+                    gumbel_std,
+                    extreme,
+                )
             }
             Self::Exponential => Distribution::exponential_from(0.0, scale),
         }?)
@@ -119,51 +119,31 @@ impl Family {
     }
 
     /// Location and scale of largest likelihood of the values y `(n,)`, which are not all equal.
-    pub fn standard_fit(self, y: &[f64]) -> StandardFit {
+    pub fn standard_fit(self, y: &[f64]) -> LocationScale {
         let n = y.len() as f64;
         let mean = y.iter().sum::<f64>() / n;
-        match self {
-            Self::Normal | Self::Lognormal => {
+        match self.standard() {
+            Standard::Normal => {
                 let variance = y.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>() / n;
-                StandardFit { location: mean, scale: variance.sqrt() }
+                LocationScale { location: mean, scale: variance.sqrt() }
             }
-            Self::Exponential => StandardFit { location: 0.0, scale: mean },
-            Self::Gumbel(_) | Self::Weibull => gumbel_fit(y, mean),
+            Standard::Exponential => LocationScale { location: 0.0, scale: mean },
+            Standard::Gumbel => gumbel_fit(y, mean),
         }
     }
 
-    /// The distribution function of a standard variable [1].
-    pub fn standard_cdf(self, z: f64) -> f64 {
+    /// The standard distribution of z.
+    pub fn standard(self) -> Standard {
         match self {
-            Self::Normal | Self::Lognormal => standard_normal_cdf(z),
-            Self::Exponential => -libm::expm1(-z.max(0.0)),
-            Self::Gumbel(_) | Self::Weibull => libm::exp(-libm::exp(-z)),
-        }
-    }
-}
-
-impl Family {
-    /// 1 - F of a standard variable [1], with its digits where it is small.
-    pub fn standard_survival(self, z: f64) -> f64 {
-        match self {
-            Self::Normal | Self::Lognormal => standard_normal_cdf(-z),
-            Self::Exponential => libm::exp(-z.max(0.0)),
-            Self::Gumbel(_) | Self::Weibull => -libm::expm1(-libm::exp(-z)),
-        }
-    }
-
-    /// The standard value z with F(z) = p, for 0 < p < 1 [1].
-    pub fn standard_quantile(self, p: f64) -> f64 {
-        match self {
-            Self::Normal | Self::Lognormal => standard_normal_quantile(p),
-            Self::Exponential => -libm::log1p(-p),
-            Self::Gumbel(_) | Self::Weibull => -libm::log(-libm::log(p)),
+            Self::Normal | Self::Lognormal => Standard::Normal,
+            Self::Exponential => Standard::Exponential,
+            Self::Gumbel(_) | Self::Weibull => Standard::Gumbel,
         }
     }
 }
 
 /// Scale and location of a Gumbel distribution of maxima by Newton's method within a bracket.
-fn gumbel_fit(y: &[f64], mean: f64) -> StandardFit {
+fn gumbel_fit(y: &[f64], mean: f64) -> LocationScale {
     let n = y.len() as f64;
     let least = y.iter().copied().fold(f64::INFINITY, f64::min);
     let variance = y.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>() / n;
@@ -196,7 +176,7 @@ fn gumbel_fit(y: &[f64], mean: f64) -> StandardFit {
         scale = next;
     }
     let [w, ..] = sums(scale);
-    StandardFit { location: least - scale * libm::log(w / n), scale }
+    LocationScale { location: least - scale * libm::log(w / n), scale }
 }
 
 #[cfg(test)]

@@ -24,6 +24,15 @@ pub fn standard_normal_cdf(z: f64) -> f64 {
     0.5 * libm::erfc(-z * FRAC_1_SQRT_2)
 }
 
+/// Probability Phi(b) - Phi(a) [1] of a standard normal variable between a and b, computed in the tail where it has most digits.
+pub fn standard_normal_mass(a: f64, b: f64) -> f64 {
+    if a > 0.0 {
+        standard_normal_cdf(-a) - standard_normal_cdf(-b)
+    } else {
+        standard_normal_cdf(b) - standard_normal_cdf(a)
+    }
+}
+
 /// Standard normal quantile Phi^-1(p) [1] for p in [0, 1]; infinite at the ends.
 ///
 /// One Newton step on the distribution function removes the rounding of the rational approximation; in the tails

@@ -1,8 +1,8 @@
 //! One published problem, learned once.
 
+use super::problems::PublishedProblem;
 use coordinator::statistics::design::InputModel;
 use coordinator::statistics::learning::Mode;
-use coordinator::statistics::models::PublishedProblem;
 use coordinator::statistics::surrogate::StatedErrors;
 use coordinator::study::{
     Campaign, CampaignError, CampaignResult, ClassifiedPopulation, LARGEST_POPULATION, Observed, Plan,

@@ -8,12 +8,13 @@
 //! ```
 
 mod learn;
+mod problems;
 mod table;
 
 use clap::Parser;
 use coordinator::statistics::learning::LearningFunction;
-use coordinator::statistics::models::{PublishedProblem, published_problems};
 use coordinator::study::Settings;
+use problems::{PublishedProblem, published_problems};
 use std::error::Error;
 use table::{Row, markdown, row};
 

@@ -1,7 +1,7 @@
 //! The runs of a problem as one row of a table.
 
 use super::learn::Run;
-use coordinator::statistics::models::PublishedProblem;
+use super::problems::PublishedProblem;
 use coordinator::study::StopReason;
 use serde::Serialize;
 use std::fmt::Write;
@@ -120,8 +120,8 @@ pub fn markdown(rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problems::published_problems;
     use coordinator::statistics::learning::Rule;
-    use coordinator::statistics::models::published_problems;
 
     fn with(calls: usize, pf: f64, stop: StopReason) -> Run {
         Run { calls, pf, standard_error: 1e-4, population: 1000, misclassified: calls, stop, seconds: 1.0 }

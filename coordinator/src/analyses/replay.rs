@@ -3,8 +3,10 @@
 //! on a real mechanism in seconds.
 
 use crate::statistics::learning::{StoppingTargets, curves};
-use crate::study::{Campaign, Observed, Plan, SimulatedPoint, StopReason, StudyError, Surrogate, problem_of};
-use crate::study::{Settings, completed, first_failures};
+use crate::study::{
+    Campaign, Observed, Plan, Problem, Settings, SimulatedPoint, StopReason, StudyError, Surrogate,
+    completed, first_failures,
+};
 use common::failure::SimulationFailure;
 use common::scene::Scene;
 use serde::Serialize;
@@ -68,7 +70,7 @@ pub fn replay(
     nominal: &SimulatedPoint,
     samples: &[SimulatedPoint],
 ) -> Result<Replayed, ReplayError> {
-    let problem = problem_of(scene);
+    let problem = Problem::from_scene(scene);
     let settings = Settings { samples: samples.len(), ..settings.clone() };
     // The population is all there is: it neither grows nor becomes conditional.
     let targets = StoppingTargets { cov: f64::INFINITY, ..settings.targets() };

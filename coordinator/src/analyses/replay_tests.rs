@@ -4,7 +4,7 @@ use super::replay::{ReplayError, replay};
 use crate::statistics::design::Population;
 use crate::statistics::surrogate::Kernel;
 use crate::study::{
-    Campaign, Observed, Plan, Settings, SimulatedPoint, StoredOutcome, completed, problem_of, verify,
+    Campaign, Observed, Plan, Problem, Settings, SimulatedPoint, StoredOutcome, completed, verify,
     verify_study,
 };
 use common::scene::{Scene, SceneSource};
@@ -35,7 +35,7 @@ fn settings(scene: &Scene) -> Settings {
 }
 
 fn samples(scene: &Scene, count: usize) -> Vec<SimulatedPoint> {
-    let population = Population::draw(&problem_of(scene).inputs, count, scene.study.seed);
+    let population = Population::draw(&Problem::from_scene(scene).inputs, count, scene.study.seed);
     (0..count).map(|j| simulated(population.physical(j))).collect()
 }
 
@@ -98,7 +98,7 @@ fn issue_a_study_is_judged_by_the_surrogates_it_ended_with() {
     let scene = scene();
     let settings = settings(&scene);
     let mut stored = Vec::new();
-    let learned = Campaign::new(problem_of(&scene), Plan::new(&settings, &scene))
+    let learned = Campaign::new(Problem::from_scene(&scene), Plan::new(&settings, &scene))
         .learn_from(
             |x| {
                 let point = simulated(x.to_vec());

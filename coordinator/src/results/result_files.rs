@@ -3,7 +3,7 @@
 
 use crate::results::csv_table::{CsvTable, number, plain_text};
 use crate::results::store::{CampaignFile, StoreError, is_unusable_path};
-use crate::results::summary::{PerLimitState, StudySummary};
+use crate::results::summary::{PerLimitState, ReliabilityRange, StudySummary};
 use common::scene::Scene;
 use std::fs::File;
 use std::io::Write;
@@ -129,28 +129,20 @@ pub fn summary_json(summary: &StudySummary) -> Result<String, ResultFileError> {
 pub fn reliability_csv(summary: &StudySummary) -> String {
     let keys: Vec<&str> = summary.limit_states.iter().map(String::as_str).chain(["total"]).collect();
     let mut columns = vec!["cycles".to_owned()];
-    columns.extend(keys.iter().flat_map(|key| [format!("R_{key}"), format!("se_{key}")]));
-    columns.extend(
-        keys.iter().flat_map(|key| [format!("numerical_low_{key}"), format!("numerical_high_{key}")]),
-    );
-    columns.extend(keys.iter().flat_map(|key| [format!("low_{key}"), format!("high_{key}")]));
+    for [first, second] in [["R_", "se_"], ["numerical_low_", "numerical_high_"], ["low_", "high_"]] {
+        columns.extend(keys.iter().flat_map(|key| [format!("{first}{key}"), format!("{second}{key}")]));
+    }
     let mut table = CsvTable::new(&columns);
+    let value = |values: &PerLimitState, key: &str| values.get(key).copied().map_or(String::new(), number);
+    let ends = |range: Option<ReliabilityRange>| {
+        range.map(|range| [number(range.lower), number(range.upper)]).unwrap_or_default()
+    };
     for row in &summary.reliability {
-        let value =
-            |values: &PerLimitState, key: &str| values.get(key).copied().map_or(String::new(), number);
-        let mut cells = vec![row.cycles.to_string()];
-        for key in &keys {
-            cells.extend([value(&row.reliability, key), value(&row.standard_error, key)]);
-        }
-        for key in &keys {
-            let range = row.numerical.get(*key).map(|range| [number(range.lower), number(range.upper)]);
-            cells.extend(range.unwrap_or_default());
-        }
-        for key in &keys {
-            let range = row.interval_of(key).map(|range| [number(range.lower), number(range.upper)]);
-            cells.extend(range.unwrap_or_default());
-        }
-        table.push(&cells);
+        let estimates =
+            keys.iter().flat_map(|key| [value(&row.reliability, key), value(&row.standard_error, key)]);
+        let numerical = keys.iter().flat_map(|key| ends(row.numerical.get(*key).copied()));
+        let intervals = keys.iter().flat_map(|key| ends(row.interval_of(key)));
+        table.push([row.cycles.to_string()].into_iter().chain(estimates).chain(numerical).chain(intervals));
     }
     table.into_text()
 }

@@ -80,20 +80,18 @@ pub fn limit_rows(scene: &Scene) -> Vec<LimitRow> {
     let row = |limit: &common::scene::LimitState| {
         let output = &scene.outputs[limit.output];
         let unit = output.kind.unit();
+        let (fails, lower) = match limit.fails {
+            Fails::Above => ("above", None),
+            Fails::Below => ("below", None),
+            Fails::Outside { lower } => ("outside", Some(unit.to_file(lower))),
+        };
         LimitRow {
             name: limit.name.clone(),
             output: output.name.clone(),
             threshold: unit.to_file(limit.threshold),
-            lower: match limit.fails {
-                Fails::Outside { lower } => Some(unit.to_file(lower)),
-                Fails::Above | Fails::Below => None,
-            },
+            lower,
             unit: unit.suffix().to_owned(),
-            fails: match limit.fails {
-                Fails::Above => "above".to_owned(),
-                Fails::Below => "below".to_owned(),
-                Fails::Outside { .. } => "outside".to_owned(),
-            },
+            fails: fails.to_owned(),
         }
     };
     scene.limit_states.iter().map(row).collect()

@@ -20,7 +20,7 @@ pub type PerLimitState = BTreeMap<String, f64>;
 pub const SCHEMA: u32 = 1;
 
 /// Result of a study.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct StudySummary {
     /// Version of the form of the file; 0 in studies by earlier versions.
     #[serde(default)]

@@ -14,7 +14,7 @@
 //! Anderson, Darling (1954), A test of goodness of fit, JASA 49, 765-769; Stute, Gonzalez Manteiga, Presedo Quindimil (1993), Bootstrap based
 //! goodness-of-fit tests, Metrika 40, 243-256.
 
-use common::random::{Family, StandardFit};
+use common::random::{Family, LocationScale, Tail};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -39,7 +39,8 @@ pub fn anderson_darling(family: Family, samples: &[f64]) -> GoodnessOfFit {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let n = samples.len().min(LARGEST);
     let replication = || {
-        let drawn = (0..n).map(|_| family.standard_quantile(rng.random_range(f64::MIN_POSITIVE..1.0)));
+        let uniforms = (0..n).map(|_| rng.random_range(f64::MIN_POSITIVE..1.0));
+        let drawn = uniforms.map(|p| family.standard().at(p, Tail::Lower));
         fitted_statistic(family, drawn.collect())
     };
     let beyond = std::iter::repeat_with(replication).take(REPLICATIONS).filter(|drawn| *drawn >= statistic);
@@ -48,15 +49,15 @@ pub fn anderson_darling(family: Family, samples: &[f64]) -> GoodnessOfFit {
 
 /// A^2 of values in the form of the family `(n,)` against its fit to them [1].
 fn fitted_statistic(family: Family, mut y: Vec<f64>) -> f64 {
-    let StandardFit { location, scale } = family.standard_fit(&y);
+    let LocationScale { location, scale } = family.standard_fit(&y);
     y.sort_by(f64::total_cmp);
     let n = y.len();
     let z = |i: usize| (y[i] - location) / scale;
     // A probability of zero has no logarithm; the smallest number stands for it.
     let log = |p: f64| p.max(f64::MIN_POSITIVE).ln();
     let term = |i: usize| {
-        let (below, above) = (family.standard_cdf(z(i)), family.standard_survival(z(n - 1 - i)));
-        (2 * i + 1) as f64 * (log(below) + log(above))
+        let probability = |i: usize, tail: Tail| family.standard().probability(z(i), tail);
+        (2 * i + 1) as f64 * (log(probability(i, Tail::Lower)) + log(probability(n - 1 - i, Tail::Upper)))
     };
     -(n as f64) - (0..n).map(term).sum::<f64>() / n as f64
 }
@@ -84,7 +85,9 @@ mod tests {
             let mut rng = ChaCha8Rng::seed_from_u64(7);
             let total = 4000;
             let beyond = (0..total).filter(|_| {
-                let y = (0..50).map(|_| family.standard_quantile(rng.random_range(1e-300..1.0))).collect();
+                let y = (0..50)
+                    .map(|_| family.standard().at(rng.random_range(1e-300..1.0), Tail::Lower))
+                    .collect();
                 fitted_statistic(family, y) > critical
             });
             let share = beyond.count() as f64 / f64::from(total);

@@ -18,8 +18,7 @@ use super::prediction_check::{judge, largest_prediction_error};
 use super::requests::{PendingSample, Requests};
 use super::round::{Assessment, RoundInput, assess};
 use super::step::{CampaignError, Step, StopReason};
-use super::surrogate_state::SurrogateState;
-use super::surrogates::Surrogate;
+use super::surrogates::SurrogateState;
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, choose_by_latin_hypercube};
 use crate::statistics::learning::{Rule, Stopping};
@@ -64,7 +63,7 @@ impl Campaign {
         let population = Population::draw(&problem.inputs, plan.settings.samples, plan.settings.seed);
         Self {
             requests: Requests::new(population.len()),
-            data: CampaignData::new(problem.inputs.dimension(), problem.outputs),
+            data: CampaignData::new(problem.inputs.dimension()),
             surrogates: SurrogateState::new(problem.modes.len()),
             progress: LearningProgress::default(),
             classified: ClassifiedPopulation::new(population),
@@ -341,17 +340,6 @@ impl Campaign {
     /// The assessment of all outcomes received; `None` if the newest have not been assessed yet.
     pub fn assessment(&self) -> Option<&Assessment> {
         self.progress.assessment.as_ref()
-    }
-
-    /// Indices of the limit states whose outputs were the same in every simulation so far.
-    pub(super) fn constant_limit_states(&self) -> Vec<usize> {
-        let constant = |mode: &usize| self.data.observations.is_constant(self.problem.modes[*mode].output);
-        (0..self.problem.modes.len()).filter(constant).collect()
-    }
-
-    /// The surrogates of the last round, one per limit state; empty before the first.
-    pub(super) fn into_surrogates(self) -> Vec<Surrogate> {
-        self.surrogates.models
     }
 
     /// Number of evaluations whose outcome has been recorded, failed ones included.

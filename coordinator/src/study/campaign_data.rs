@@ -24,10 +24,10 @@ pub(super) struct CampaignData {
 }
 
 impl CampaignData {
-    /// Nothing yet, of `d` variables and `outputs` outputs.
-    pub fn new(d: usize, outputs: usize) -> Self {
+    /// Nothing yet, of `d` variables.
+    pub fn new(d: usize) -> Self {
         Self {
-            observations: Observations::new(d, outputs),
+            observations: Observations::new(d),
             confirmed: Vec::new(),
             approaches: Vec::new(),
             failed: Vec::new(),
@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn issue_one_corner_without_results_counts_once() {
-        let mut data = CampaignData::new(1, 1);
+        let mut data = CampaignData::new(1);
         data.observations.add(&[0.0], Observed::exact(vec![vec![1.0]]));
         let cause = SimulationFailure::NotModelled { what: "beyond".into() };
         // The first failure of a corner counts, the requests of learning that follow it do not, another corner does, and
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn a_result_nearer_to_a_limit_than_predicted_draws_exploring_points() {
-        let mut data = CampaignData::new(1, 1);
+        let mut data = CampaignData::new(1);
         data.observations.add(&[0.0], Observed::exact(vec![vec![1.0]]));
         let result = || Observed::exact(vec![vec![1.0]]);
         let judged = |verdict, approach| Judgement { verdict, approach };

@@ -1,15 +1,16 @@
-//! The result of an active-learning campaign.
+//! The loop of an active-learning campaign whose simulations are made in place, for published problems, replays, designs and
+//! tests; and the result of a campaign.
 
 use super::campaign::Campaign;
 use super::classified_population::ClassifiedPopulation;
 use super::failures::Failed;
 use super::interim::InterimResult;
-use super::observations::Observations;
+use super::observations::{Observations, ObservedOutcome};
 use super::round::Assessment;
-use super::step::StopReason;
-use super::untested::Untested;
+use super::step::{CampaignError, SampleRequest, Step, StopReason};
 use crate::results::summary::Round;
 use crate::statistics::reliability::CurvePoint;
+use std::collections::VecDeque;
 
 /// Result of an active-learning campaign.
 #[derive(Debug)]
@@ -28,36 +29,70 @@ pub struct CampaignResult {
     pub failed: Vec<Failed>,
     /// Reason for the end of learning.
     pub stop: StopReason,
-    /// Curves whose failures no simulation has tested.
-    pub(super) untested: Untested,
+    /// Failure shares with their errors.
+    pub(super) shares: InterimResult,
 }
 
 impl CampaignResult {
     /// R(n) with its standard error, as a study states it, per curve `(limit states + 1)(m,)`, the system last.
     pub fn reliability(&self) -> Vec<Vec<CurvePoint>> {
-        self.shares().curves()
-    }
-
-    /// Share of the population that cannot be simulated, as far as the failed simulations tell [1].
-    pub(super) fn barred_share(&self) -> f64 {
-        self.assessment.feasibility.barred_share(self.classified.unconditional())
-    }
-
-    /// Failure shares with their errors.
-    pub(super) fn shares(&self) -> InterimResult {
-        InterimResult {
-            failed: self.assessment.curves.clone(),
-            points: self.classified.population.len(),
-            missing: self.barred_share(),
-            surrogate: self.assessment.combined_errors(),
-            condition: self.classified.condition,
-            untested: self.untested.clone(),
-        }
+        self.shares.curves()
     }
 }
 
 impl Campaign {
-    /// The result, once [`Step::Done`](super::step::Step::Done) has been returned.
+    /// Runs the campaign to its end. Where it waits, `simulate` returns the outcomes of all samples requested since its last
+    /// call, in their order; if it returns fewer, the campaign stays where they end. `observe` receives the campaign after each
+    /// step.
+    ///
+    /// # Errors
+    /// [`CampaignError`], or the error of `simulate`.
+    pub fn run<E: From<CampaignError>>(
+        &mut self,
+        mut simulate: impl FnMut(&[SampleRequest]) -> Result<Vec<ObservedOutcome>, E>,
+        mut observe: impl FnMut(&Self),
+    ) -> Result<(), E> {
+        let (mut requested, mut chunks, mut received) = (Vec::new(), VecDeque::new(), Vec::new());
+        loop {
+            let step = self.next_step()?;
+            observe(self);
+            match step {
+                Step::Evaluate(requests) => {
+                    chunks.push_back(requests.len());
+                    requested.extend(requests);
+                }
+                Step::Wait => {
+                    if !requested.is_empty() {
+                        received.extend(simulate(&std::mem::take(&mut requested))?);
+                    }
+                    let oldest = chunks.pop_front().expect("a campaign waits for requested samples only");
+                    if received.len() < oldest {
+                        return Ok(());
+                    }
+                    self.record(received.drain(..oldest).collect())?;
+                }
+                Step::Done => return Ok(()),
+            }
+        }
+    }
+
+    /// Runs the campaign to its end with simulations made one by one, see [`Campaign::run`].
+    ///
+    /// # Errors
+    /// [`CampaignError`].
+    pub fn learn_from(
+        mut self,
+        mut simulate: impl FnMut(&[f64]) -> ObservedOutcome,
+        observe: impl FnMut(&Self),
+    ) -> Result<CampaignResult, CampaignError> {
+        let each = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, CampaignError> {
+            Ok(requests.iter().map(|request| simulate(&request.sample)).collect())
+        };
+        self.run(each, observe)?;
+        Ok(self.finish().expect("a campaign that is done has a result"))
+    }
+
+    /// The result, once [`Step::Done`] has been returned.
     pub fn finish(mut self) -> Option<CampaignResult> {
         let stop = self.progress.stop?;
         // Failures that the budget left no repetition for.
@@ -67,12 +102,11 @@ impl Campaign {
             expected: false,
         });
         self.data.failed.extend(retries);
-        let assessment = self.progress.assessment.take()?;
         Some(CampaignResult {
-            untested: self.untested(&assessment),
+            shares: self.interim()?,
+            assessment: self.progress.assessment?,
             classified: self.classified,
             observations: self.data.observations,
-            assessment,
             rounds: self.progress.rounds,
             evaluations: self.requests.received,
             failed: self.data.failed,

@@ -5,7 +5,7 @@ use super::{
     Campaign, CampaignError, CampaignResult, ClassifiedPopulation, Observed, Plan, Problem, Settings,
 };
 use crate::results::summary::Round;
-use crate::statistics::design::InputModel;
+use crate::statistics::design::{InputModel, Population};
 use crate::statistics::learning::{Mode, StoppingTargets};
 use crate::statistics::models;
 use crate::statistics::reliability::reliability_curve;
@@ -338,4 +338,20 @@ fn a_budget_that_ends_a_conditional_study_draws_its_population_once_more() {
     let change = (pf(last) / pf(before) - 1.0).abs();
     eprintln!("{:.3e} to {:.3e}, cov {:.3} to {:.3}", pf(before), pf(last), before.cov_pf, last.cov_pf);
     assert!(change > 0.0 && last.cov_pf >= 0.5 * change, "{change} {}", last.cov_pf);
+}
+
+#[test]
+fn direct_simulation_agrees_with_the_references() {
+    for problem in models::published_problems() {
+        let n = if problem.variables.len() > 10 { 100_000 } else { 400_000 };
+        let population = Population::draw(&problem.variables, n, 11);
+        let fails = |j: &usize| {
+            let outputs = (problem.evaluate)(&population.physical(*j));
+            assert_eq!((outputs.len(), outputs[0].len()), problem.shape, "{}", problem.name);
+            outputs.iter().any(|history| history.iter().any(|y| *y >= 0.0))
+        };
+        let pf = (0..n).filter(fails).count() as f64 / n as f64;
+        let error = (problem.pf / n as f64).sqrt().hypot(problem.pf_error * problem.pf);
+        assert!((pf - problem.pf).abs() < 4.0 * error, "{}: {pf} {}", problem.name, problem.pf);
+    }
 }

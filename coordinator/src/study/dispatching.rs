@@ -2,11 +2,10 @@
 //! file and otherwise evaluated; outcomes are checked and returned in the order of the requests.
 
 use super::interim::InterimResult;
-use super::learner::Learner;
-use super::learner_thread::{LearnerStep, run_learner};
-use super::observations::ObservedOutcome;
-use super::outcome_check::{check, observed, recalled};
-use super::response_layout::ResponseLayout;
+use super::learner::{Learner, LearnerStep, run_learner};
+use super::observations::{Observed, ObservedOutcome};
+use super::outcome_check::{check, recalled};
+use super::plan::ResponseLayout;
 use super::result;
 use super::run_times::RunTimes;
 use super::{CampaignError, SampleRequest, Step, StudyError};
@@ -32,6 +31,12 @@ struct Chunk {
 
 /// Evaluates the samples of a learner, each under the next request number.
 pub(super) struct Dispatcher<'a> {
+    evaluator: &'a mut dyn Evaluator,
+    record: Record<'a>,
+}
+
+/// The scene of a study, its journal, observer and counters.
+struct Record<'a> {
     scene: &'a Scene,
     responses: ResponseLayout,
     /// Names of the limit states and, last, of the system.
@@ -42,12 +47,6 @@ pub(super) struct Dispatcher<'a> {
     stricter: Option<Accuracy>,
     /// Bound on the evaluations, for the observer.
     budget: usize,
-    evaluator: &'a mut dyn Evaluator,
-    record: Record<'a>,
-}
-
-/// Journal, observer and counters.
-struct Record<'a> {
     journal: &'a mut dyn Journal,
     observer: &'a mut dyn Observer,
     next_id: u64,
@@ -70,10 +69,7 @@ impl<'a> Dispatcher<'a> {
         journal: &'a mut dyn Journal,
         observer: &'a mut dyn Observer,
     ) -> Self {
-        let (times, earlier) = (RunTimes::start(evaluator.concurrency()), Timing::default());
-        let record =
-            Record { journal, observer, next_id: 0, done: 0, shares: BTreeMap::new(), times, earlier };
-        Self {
+        let record = Record {
             scene,
             responses: ResponseLayout::from_scene(scene),
             names: result::curve_names(scene),
@@ -81,9 +77,15 @@ impl<'a> Dispatcher<'a> {
             shape: EvaluationShape::of(scene),
             stricter,
             budget,
-            evaluator,
-            record,
-        }
+            journal,
+            observer,
+            next_id: 0,
+            done: 0,
+            shares: BTreeMap::new(),
+            times: RunTimes::start(evaluator.concurrency()),
+            earlier: Timing::default(),
+        };
+        Self { evaluator, record }
     }
 
     /// Numbers the requests from `first` on, after evaluations that exist.
@@ -105,19 +107,12 @@ impl<'a> Dispatcher<'a> {
     }
 
     fn answer(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
-        let Self { scene, responses, names, checkpoints, shape, stricter, budget, evaluator, record } = self;
+        let Self { evaluator, record } = self;
         let (outcomes, recorded) = channel();
         let (sender, steps) = channel();
         std::thread::scope(|scope| {
             scope.spawn(move || run_learner(learner, &recorded, &sender));
             let mut study = StudyRequests {
-                scene,
-                responses,
-                names,
-                checkpoints,
-                shape,
-                stricter: *stricter,
-                budget: *budget,
                 record,
                 chunks: VecDeque::new(),
                 requests: BTreeMap::new(),
@@ -134,7 +129,7 @@ impl<'a> Dispatcher<'a> {
             }
             ended?;
             match requests.keys().next() {
-                Some(id) => Err(StudyError::Unanswered { id: *id }),
+                Some(id) => Err(EvaluateError::NoOutcome { id: *id }.into()),
                 None => Ok(()),
             }
         })
@@ -175,11 +170,17 @@ impl Record<'_> {
     fn store(&mut self, outcomes: &[(Request, Finished)]) -> Result<(), EvaluateError> {
         self.journal.record_all(outcomes)?;
         for (_, finished) in outcomes {
-            self.done += 1;
             self.times.add_worker(&finished.worker);
-            notice(self.observer, self.done, finished, false);
+            self.note_evaluated(finished, false);
         }
         self.note_times(false)
+    }
+
+    /// Counts an evaluation that ended, or was `recalled`, and notifies the observer.
+    fn note_evaluated(&mut self, Finished { outcome, wall, .. }: &Finished, recalled: bool) {
+        self.done += 1;
+        let (done, failed) = (self.done, outcome.is_err());
+        self.observer.notice(&Progress::Evaluated { done, failed, recalled, wall: *wall });
     }
 
     /// Notes the times of the study in the journal, if it is time to or if the run ends.
@@ -194,15 +195,15 @@ impl Record<'_> {
     }
 
     /// Notifies the observer of the interim reliability.
-    fn note_interim(&mut self, interim: &InterimResult, names: &[String], checkpoints: &[u32]) {
-        let rows = interim.rows(names, checkpoints);
+    fn note_interim(&mut self, interim: &InterimResult) {
+        let rows = interim.rows(&self.names, &self.checkpoints);
         self.observer.notice(&Progress::Reliability { rows, samples: interim.points });
     }
 
     /// Warns of a limit state whose output was the same in every simulation of the initial design.
-    fn note_constant(&mut self, limit_state: &str) {
+    fn note_constant(&mut self, mode: usize) {
         let what = "its output is the same in every simulation of the initial design";
-        let text = format!("limit state {limit_state}: {what}; it does not depend on any variable");
+        let text = format!("limit state {}: {what}; it does not depend on any variable", self.names[mode]);
         self.observer.notice(&Progress::Warning(text));
     }
 
@@ -218,13 +219,6 @@ impl Record<'_> {
 
 /// A study in progress, between the learner thread and the evaluator.
 struct StudyRequests<'s, 'a> {
-    scene: &'s Scene,
-    responses: &'s ResponseLayout,
-    names: &'s [String],
-    checkpoints: &'s [u32],
-    shape: &'s EvaluationShape,
-    stricter: Option<Accuracy>,
-    budget: usize,
     record: &'s mut Record<'a>,
     /// Chunks that have not been returned to the learner, the oldest first.
     chunks: VecDeque<Chunk>,
@@ -263,7 +257,7 @@ impl RequestSource for StudyRequests<'_, '_> {
             };
             outcomes.push((request, finished));
         }
-        let checked = outcomes.iter().try_for_each(|(_, finished)| check(finished, self.shape));
+        let checked = outcomes.iter().try_for_each(|(_, finished)| check(finished, &self.record.shape));
         checked.map_err(|error| self.fail(error))?;
         self.record.store(&outcomes)?;
         self.polled = Instant::now();
@@ -286,12 +280,12 @@ impl StudyRequests<'_, '_> {
             match self.steps.try_recv() {
                 Ok(answer) => {
                     let LearnerStep { step, purpose, rounds, interim, constant, took } =
-                        answer.map_err(|error| StudyError::from_campaign(error, self.scene))?;
+                        answer.map_err(|error| StudyError::from_campaign(error, self.record.scene))?;
                     self.record.times.learner += took;
                     self.record.note_rounds(rounds)?;
-                    constant.into_iter().for_each(|mode| self.record.note_constant(&self.names[mode]));
+                    constant.into_iter().for_each(|mode| self.record.note_constant(mode));
                     if let Some(interim) = interim {
-                        self.record.note_interim(&interim, self.names, self.checkpoints);
+                        self.record.note_interim(&interim);
                     }
                     match step {
                         Step::Done => return Ok(Demand::End),
@@ -328,7 +322,8 @@ impl StudyRequests<'_, '_> {
         share.0 += 1;
         share.1 += finished.wall;
         let id = finished.id;
-        let outcome = observed(finished).map(|observed| self.responses.complete(observed));
+        let outcome =
+            finished.outcome.map(|found| self.record.responses.complete(Observed::from_evaluation(found)));
         let chunk = self.chunks.iter_mut().rev().find(|chunk| chunk.first <= id);
         let chunk = chunk.expect("every request has a chunk");
         chunk.outcomes[(id - chunk.first) as usize] = Some(outcome);
@@ -343,13 +338,12 @@ impl StudyRequests<'_, '_> {
         self.chunks.push_back(Chunk { first, outcomes: vec![None; size] });
         let mut missing = Vec::new();
         for (id, wanted) in (first..).zip(samples) {
-            let accuracy = self.stricter.filter(|_| wanted.stricter);
+            let accuracy = self.record.stricter.filter(|_| wanted.stricter);
             let with_first_cycle = id == 0 || (id == 1 && wanted.stricter); // The nominal point, or its repetition.
             let request = Request { id, sample: wanted.sample, with_first_cycle, accuracy };
-            match recalled(self.record.journal, &request, self.shape)? {
+            match recalled(self.record.journal, &request, &self.record.shape)? {
                 Some(finished) => {
-                    self.record.done += 1;
-                    notice(self.record.observer, self.record.done, &finished, true);
+                    self.record.note_evaluated(&finished, true);
                     self.settle(finished);
                 }
                 None => {
@@ -361,14 +355,9 @@ impl StudyRequests<'_, '_> {
         self.record.observer.notice(&Progress::BatchStarted {
             size,
             planned: self.record.next_id as usize,
-            budget: self.budget,
+            budget: self.record.budget,
             purpose: purpose.to_owned(),
         });
         Ok(missing)
     }
-}
-
-fn notice(observer: &mut dyn Observer, done: usize, outcome: &Finished, recalled: bool) {
-    let failed = outcome.outcome.is_err();
-    observer.notice(&Progress::Evaluated { done, failed, recalled, wall: outcome.wall });
 }

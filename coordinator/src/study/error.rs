@@ -27,12 +27,6 @@ pub enum StudyError {
         /// Error of the fit.
         source: SurrogateError,
     },
-    /// The evaluator ended without the outcome of a request.
-    #[error("evaluation {id} has no outcome")]
-    Unanswered {
-        /// Number of the request.
-        id: u64,
-    },
     /// An outcome does not have the shape of the scene, or contains a value that is not finite.
     #[error("evaluation {id} by {worker} does not fit the scene: {what}")]
     Malformed {

@@ -73,7 +73,7 @@ mod tests {
                     variables = [{ name = \"x\", mean = 10, std = 2, distribution = \"normal\" },\n\
                     { name = \"y\", mean = -1, std = 0.5, distribution = \"normal\" }]\n";
         let scene = SceneSource::parse(text, "s").unwrap().nominal().clone();
-        let population = Population::draw(crate::study::problem_of(&scene).inputs, 100_000, 3);
+        let population = Population::draw(crate::study::Problem::from_scene(&scene).inputs, 100_000, 3);
         let points: Vec<usize> = (0..population.len()).collect();
         let bound = 2.0 * 2.0f64.sqrt();
         // Few fail at the first checkpoint, P(v > 2) at the second, all at the last.

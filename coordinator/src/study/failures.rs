@@ -58,7 +58,7 @@ pub(super) fn check_failures<'a>(
     if total < FAILED_AFTER || failed as f64 <= share * total as f64 {
         return Ok(());
     }
-    let MostFrequent { cause, count } = MostFrequent::among(failures).expect("more than a share failed");
+    let (cause, count) = most_frequent(failures).expect("more than a share failed");
     Err(CampaignError::TooManyFailures { failed, total, count, cause: cause.clone() })
 }
 
@@ -79,36 +79,23 @@ pub(super) fn check_results<'a>(
     failures: impl Iterator<Item = &'a SimulationFailure> + Clone,
     total: usize,
 ) -> Result<(), CampaignError> {
-    match MostFrequent::among(failures) {
-        Some(MostFrequent { cause, count }) if results < SMALLEST_DESIGN => {
+    match most_frequent(failures) {
+        Some((cause, count)) if results < SMALLEST_DESIGN => {
             Err(CampaignError::TooFewResults { results, total, count, cause: cause.clone() })
         }
         _ => Ok(()),
     }
 }
 
-/// The most frequent kind of failure.
-pub(super) struct MostFrequent<'a> {
-    /// The first failure of this kind.
-    pub cause: &'a SimulationFailure,
-    /// Number of failures of this kind.
-    pub count: usize,
-}
-
-impl<'a> MostFrequent<'a> {
-    /// The most frequent kind among these failures, the earliest of equally frequent ones; `None` without failures.
-    pub fn among(failures: impl Iterator<Item = &'a SimulationFailure> + Clone) -> Option<Self> {
-        let like =
-            |a: &SimulationFailure| failures.clone().filter(|b| discriminant(a) == discriminant(b)).count();
-        failures.clone().fold(None, |best: Option<Self>, cause| {
-            let count = like(cause);
-            if best.as_ref().is_some_and(|best| count <= best.count) {
-                best
-            } else {
-                Some(Self { cause, count })
-            }
-        })
-    }
+/// The first failure of the most frequent kind, the earliest of equally frequent ones, and the number of its kind; `None` without
+/// failures.
+pub(super) fn most_frequent<'a>(
+    failures: impl Iterator<Item = &'a SimulationFailure> + Clone,
+) -> Option<(&'a SimulationFailure, usize)> {
+    let like =
+        |a: &SimulationFailure| failures.clone().filter(|b| discriminant(a) == discriminant(b)).count();
+    let counted = failures.clone().map(|cause| (cause, like(cause)));
+    counted.reduce(|best, next| if next.1 > best.1 { next } else { best })
 }
 
 /// Estimated probability that a simulation gives a result.

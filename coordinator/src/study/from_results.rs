@@ -12,10 +12,9 @@ use super::campaign::Campaign;
 use super::campaign_result::CampaignResult;
 use super::dispatching::Dispatcher;
 use super::observations::ObservedOutcome;
-use super::plan::{Plan, Problem};
-use super::response_layout::ResponseLayout;
-use super::result::{Computed, from_learning};
-use super::step::{CampaignError, Step};
+use super::plan::{Plan, Problem, ResponseLayout};
+use super::result::curves_from_learning;
+use super::step::CampaignError;
 use super::surrogates::Surrogate;
 use super::verification::StoredOutcome;
 use super::{Method, Settings, StudyError, StudyResult};
@@ -114,16 +113,6 @@ impl Campaign {
         self.progress.assessment = Some(assessment);
         Ok(())
     }
-
-    /// Runs a campaign without further budget to its end.
-    ///
-    /// # Errors
-    /// [`CampaignError`].
-    fn assess_results(mut self) -> Result<CampaignResult, CampaignError> {
-        let step = self.next_step()?;
-        assert_eq!(step, Step::Done, "a campaign without budget requests nothing");
-        Ok(self.finish().expect("a campaign that is done has a result"))
-    }
 }
 
 /// Stored outcomes of a scene in the form that a campaign receives: `(sample, outcome)`, where the outcome has also the
@@ -201,23 +190,8 @@ pub fn learn_with_surrogates(
         let thresholds = if same { Thresholds::Same } else { Thresholds::Others };
         campaign = campaign.with_surrogates(surrogates, thresholds);
     }
-    campaign.assess_results().map_err(|error| StudyError::from_campaign(error, changed))
-}
-
-/// The result of a study of the changed scene from the results of a study of `studied`, without any simulation: as that of
-/// a study, but without sensitivities, Sobol indices and distributions of the outputs.
-///
-/// # Errors
-/// [`StudyError`].
-pub fn reassess(
-    changed: &Scene,
-    studied: &Scene,
-    settings: &Settings,
-    stored: &[StoredOutcome],
-) -> Result<StudyResult, StudyError> {
-    let started = Instant::now();
-    let learned = learn_from_results(changed, studied, settings, stored)?;
-    Ok(result_of(changed, settings, &learned, started))
+    let learned = campaign.learn_from(|_| unreachable!("a campaign without budget requests nothing"), |_| {});
+    learned.map_err(|error| StudyError::from_campaign(error, changed))
 }
 
 /// The result of a campaign that began with results at the time `started`, without sensitivities, Sobol indices and
@@ -228,9 +202,9 @@ pub fn result_of(
     learned: &CampaignResult,
     started: Instant,
 ) -> StudyResult {
-    let findings = from_learning(scene, settings, learned, Computed::Curves);
+    let findings = curves_from_learning(scene, settings, learned);
     let timing = Timing { total: started.elapsed().as_secs_f64(), ..Timing::default() };
-    findings.result(scene, settings, timing, vec![])
+    findings.result(scene, timing, vec![])
 }
 
 /// A question about a finished study that may ask for further simulations.

@@ -103,7 +103,7 @@ impl Campaign {
     }
 
     /// Curves whose failures no simulation has tested.
-    pub(super) fn untested(&self, assessment: &Assessment) -> Untested {
+    fn untested(&self, assessment: &Assessment) -> Untested {
         let probability = self.classified.condition.probability;
         let pf = |curve: &Vec<f64>| probability * curve.last().copied().unwrap_or(0.0);
         let pf: Vec<f64> = assessment.curves.iter().map(pf).collect();

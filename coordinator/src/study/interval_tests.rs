@@ -19,7 +19,7 @@ fn learn(output: impl Fn(&[f64]) -> f64, threshold: f64, seed: u64) -> CampaignR
 
 /// The interval of the failure probability of the system, as a study states it.
 fn interval(learned: &CampaignResult) -> (f64, f64) {
-    let rows = learned.shares().rows(&["f".to_owned(), "total".to_owned()], &[1]);
+    let rows = learned.shares.rows(&["f".to_owned(), "total".to_owned()], &[1]);
     let ReliabilityRange { lower, upper } = rows[0].interval["total"];
     (1.0 - upper, 1.0 - lower)
 }
@@ -65,7 +65,7 @@ fn issue_a_failing_half_space_ended_the_study() {
         let learned = learn_by(normals(), simulate, limits, 12, seed, StoppingTargets::default()).unwrap();
         assert!(matches!(learned.stop, StopReason::Rule(_)), "{side} {seed}: {:?}", learned.stop);
         // Failing requests are few, and the interval contains that all or none of the region fails.
-        let (failed, barred) = (learned.failed.len(), learned.barred_share());
+        let (failed, barred) = (learned.failed.len(), learned.shares.missing);
         assert!(failed * 2 < learned.evaluations, "{side} {seed}: {failed} of {}", learned.evaluations);
         let (least, most) = interval(&learned);
         assert!(barred < 4.0 * standard_normal_cdf(-2.0), "{side} {seed}: {barred}");

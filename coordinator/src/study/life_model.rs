@@ -10,7 +10,7 @@
 //! 141(3), for likelihoods by a surrogate; the persistent deviation is this project's own, see `deviation.rs`.
 
 use super::observations::Sides;
-use super::response_layout::ResponseLayout;
+use super::plan::ResponseLayout;
 use super::{CampaignResult, Surrogate};
 use crate::statistics::design::InputModel;
 use crate::statistics::reliability::{ErrorLine, Track};
@@ -148,7 +148,7 @@ impl LifeModel {
                 mode,
                 deviation,
                 limit: watching.map(|s| scene.limit_states[s].clone()),
-                errors: error_lines(&values, &observations.errors(output)),
+                errors: ErrorLine::by_checkpoint(values.as_ref(), observations.errors(output).as_ref()),
                 noise: history.model.sigma2()[first..].iter().map(|s| (s * noise).sqrt()).collect(),
                 history,
             }
@@ -268,13 +268,6 @@ fn sign_of_deviation(limit: &LimitState, means: &[f64]) -> f64 {
         (_, Some(middle)) if end < middle => -1.0,
         _ => 1.0,
     }
-}
-
-/// Stated error over the value at each checkpoint `(m,)`, from simulated values and errors `(n, m)`.
-fn error_lines(values: &Mat<f64>, errors: &Mat<f64>) -> Vec<ErrorLine> {
-    let (n, m) = values.shape();
-    let pairs = |k: usize| (0..n).map(|i| (values[(i, k)], errors[(i, k)])).collect::<Vec<_>>();
-    (0..m).map(|k| ErrorLine::fit(&pairs(k))).collect()
 }
 
 /// Factor on the predicted variances of an output with the correlation of another one, from leave-one-out errors [1].

@@ -3,9 +3,11 @@
 
 use super::interim::InterimResult;
 use super::observations::Observed;
-use super::response_layout::ResponseLayout;
+use super::plan::ResponseLayout;
 use super::{CampaignResult, Problem};
 use crate::results::life_summary::{CyclesRange, LifeCurveRow, LifeRow, UnresolvedFall};
+use crate::results::summary::StudySummary;
+use crate::statistics::learning::Mode;
 use crate::statistics::reliability::{
     LifeAtLevel, LifeCounts, LifeCurve, LifeCurveInput, ModeLives, PredictedMode, ResponseErrors, Track,
     mode_lives, population_lives,
@@ -64,47 +66,44 @@ pub(super) fn learned_lives(scene: &Scene, learned: &CampaignResult) -> LifeCoun
     population_lives(&modes, &learned.classified.population, &times(&scene.life.checkpoints()))
 }
 
-/// Adds the lives of one simulation.
-pub(super) fn add_simulated(problem: &Problem, observed: &Observed, lives: &mut LifeCounts) {
+/// Adds the lives of one simulation, and the indices of the checkpoints by which it has failed `(modes + 1)`, the system last; m if
+/// never.
+pub(super) fn add_simulated(
+    problem: &Problem,
+    observed: &Observed,
+    lives: &mut LifeCounts,
+    first_failures: &mut [Vec<u32>],
+) {
     let times = times(&problem.checkpoints);
-    let mut room = Vec::new();
-    let mut by_mode = |mode: &crate::statistics::learning::Mode| -> ModeLives {
+    let (mut room, mut earliest) = (Vec::new(), times.len());
+    let mut by_mode = |(mode, all): (&Mode, &mut Vec<u32>)| -> ModeLives {
         let values = observed.running_maximum(mode.output);
         let first = values.iter().position(|y| *y >= mode.threshold).unwrap_or(times.len());
+        earliest = earliest.min(first);
+        all.push(first as u32);
         let start = observed.start.get(mode.output).copied().flatten();
         let errors = ResponseErrors { numerical: &observed.errors[mode.output], predicted: &[] };
-        mode_lives(
-            &Track { times: &times, values: &values, start },
-            &errors,
-            mode.threshold,
-            first,
-            &mut room,
-        )
+        let track = Track { times: &times, values: &values, start };
+        mode_lives(&track, &errors, mode.threshold, first, &mut room)
     };
-    let all: Vec<ModeLives> = problem.modes.iter().map(&mut by_mode).collect();
+    let all: Vec<ModeLives> = problem.modes.iter().zip(first_failures.iter_mut()).map(&mut by_mode).collect();
     lives.add(&all);
+    first_failures[problem.modes.len()].push(earliest as u32);
 }
 
-/// Curves, lives and the fall that the checkpoints do not resolve, for the summary.
-#[derive(Debug, Default)]
-pub(super) struct LifeFindings {
-    pub curves: Vec<LifeCurveRow>,
-    pub lives: Vec<LifeRow>,
-    pub unresolved: Option<UnresolvedFall>,
-}
-
-/// Reads curves and lives from the counts. `names` are those of the curves, the system last; `numerical` tells whether the
-/// simulations state errors.
-pub(super) fn life_findings(
+/// Reads curves, lives and the fall that the checkpoints do not resolve from the counts. `names` are those of the curves, the
+/// system last; `numerical` tells whether the simulations state errors.
+pub(super) fn add_lives(
+    summary: &mut StudySummary,
     counts: &LifeCounts,
     shares: &InterimResult,
     names: &[String],
     checkpoints: &[u32],
     numerical: bool,
-) -> LifeFindings {
+) {
     // A study with one checkpoint has no life.
     if checkpoints.len() < 2 {
-        return LifeFindings::default();
+        return;
     }
     let none = Vec::new();
     let curve = |c: usize| {
@@ -124,12 +123,12 @@ pub(super) fn life_findings(
     let curves: Vec<LifeCurve> = (0..names.len()).map(bounded).collect();
     let row =
         |(name, curve): (&String, &LifeCurve)| LEVELS.map(|level| life_row(name, curve, level, numerical));
-    let lives: Vec<LifeRow> = names.iter().zip(&curves).flat_map(row).collect();
-    let unresolved = curves
-        .last()
-        .and_then(|total| unresolved_fall(total, shares, checkpoints, &lives[lives.len() - 3..]));
+    summary.lives = names.iter().zip(&curves).flat_map(row).collect();
+    let of_system = &summary.lives[summary.lives.len() - LEVELS.len()..];
+    let total = curves.last();
+    summary.unresolved_fall = total.and_then(|total| unresolved_fall(total, shares, checkpoints, of_system));
     let rows = names.iter().zip(curves).map(|(name, curve)| curve_row(name, curve, numerical));
-    LifeFindings { curves: rows.collect(), lives, unresolved }
+    summary.curves = rows.collect();
 }
 
 fn life_row(name: &str, curve: &LifeCurve, level: f64, numerical: bool) -> LifeRow {

@@ -10,13 +10,12 @@ use super::failures::{Failed, check_failures};
 use super::interim::InterimResult;
 use super::learner::Learner;
 use super::lives::add_simulated;
-use super::observations::{Observed, ObservedOutcome};
-use super::result::{Findings, LearnerFindings};
+use super::observations::ObservedOutcome;
+use super::result::{Findings, blank, failures};
 use super::round::largest_change;
-use super::rows::failure_rows;
 use super::untested::Untested;
 use super::{CampaignError, Method, Problem, SampleRequest, SettingError, Settings, Step, StudyError};
-use crate::results::summary::{Convergence, EvaluationCounts, Failures, Round};
+use crate::results::summary::{Convergence, EvaluationCounts, Round, StudySummary};
 use crate::statistics::design::Population;
 use crate::statistics::learning::curves;
 use crate::statistics::reliability::{
@@ -90,14 +89,33 @@ impl<'a> DirectSimulation<'a> {
         1.0 - self.points.len() as f64 / recorded.max(1) as f64
     }
 
+    /// Counts the failure shares anew, after this number of evaluations.
+    fn add_round(&mut self, evaluations: usize) {
+        let (modes, points) = (self.problem.modes.len(), self.points.len());
+        let now = curves(&self.first_failures[..modes], self.problem.checkpoints.len());
+        let system = &now[modes];
+        let governing = governing_checkpoint(system);
+        let failed = system[governing];
+        let smaller = failed.min(1.0 - failed).max(1.0 / points as f64);
+        self.rounds.push(Round {
+            round: self.rounds.len(),
+            evaluations,
+            change_of_r: self.curves.as_ref().map(|before| largest_change(before, &now) / smaller),
+            cov_pf: coefficient_of_variation(failed, points),
+            cycles: self.problem.checkpoints[governing],
+            reliability_total: 1.0 - failed,
+            ..Round::default()
+        });
+        self.curves = Some(now);
+    }
+
     /// The findings, after the outcomes of all samples.
     ///
     /// # Errors
     /// [`StudyError::Setting`] if no sample gave a result.
-    pub fn findings(self, scene: &Scene) -> Result<Findings, StudyError> {
+    pub fn findings(self, scene: &Scene, settings: &Settings) -> Result<Findings, StudyError> {
         let samples = self.population.len();
-        let missing = self.missing();
-        let Some(failed) = self.curves else {
+        let Some(shares) = self.interim() else {
             let error = SettingError {
                 key: "samples",
                 value: samples.to_string(),
@@ -106,42 +124,34 @@ impl<'a> DirectSimulation<'a> {
             return Err(error.into());
         };
         let m = self.problem.checkpoints.len();
-        let grid: Vec<usize> = undecided(&failed);
+        let grid: Vec<usize> = undecided(&shares.failed);
         let sampled = Sampled { population: &self.population, points: &self.points, probability: 1.0 };
+        let distributions = |all: &Vec<Vec<f64>>| {
+            distributions_from_samples(&all.iter().map(Vec::as_slice).collect::<Vec<_>>())
+        };
+        let modes = self.problem.modes.len();
         Ok(Findings {
-            shares: InterimResult {
-                failed,
-                points: self.points.len(),
-                missing,
-                surrogate: vec![],
-                condition: Condition::NONE,
-                untested: Untested::default(),
+            summary: StudySummary {
+                failures: failures(scene, &self.problem.inputs, &self.failures, shares.missing),
+                failure_points: failure_points(scene, &sampled, &self.first_failures[..modes]),
+                evaluations: EvaluationCounts {
+                    total: samples + 1,
+                    initial: 1,
+                    added: samples,
+                    failed: self.failures.len(),
+                },
+                convergence: Convergence {
+                    stopped_because: format!("all {samples} samples were simulated"),
+                    targets_met: true,
+                    larger_budget: None,
+                    rounds: self.rounds,
+                },
+                ..blank(scene, settings)
             },
-            failures: Failures {
-                barred_share: missing,
-                simulations: failure_rows(scene, &self.problem.inputs, &self.failures),
-            },
+            shares,
             lives: self.lives,
-            distributions: self
-                .histories
-                .iter()
-                .map(|all| distributions_from_samples(&all.iter().map(Vec::as_slice).collect::<Vec<_>>()))
-                .collect(),
+            distributions: self.histories.iter().map(distributions).collect(),
             derivatives: sensitivities(&sampled, &self.first_failures, &grid, m),
-            failure_points: failure_points(scene, &sampled, &self.first_failures[..self.problem.modes.len()]),
-            evaluations: EvaluationCounts {
-                total: samples + 1,
-                initial: 1,
-                added: samples,
-                failed: self.failures.len(),
-            },
-            convergence: Convergence {
-                stopped_because: format!("all {samples} samples were simulated"),
-                targets_met: true,
-                larger_budget: None,
-                rounds: self.rounds,
-            },
-            learner: LearnerFindings::default(),
         })
     }
 }
@@ -182,8 +192,7 @@ impl Learner for DirectSimulation<'_> {
             match outcome {
                 Ok(observed) => {
                     self.points.push(j);
-                    add_first_failures(self.problem, &observed, &mut self.first_failures);
-                    add_simulated(self.problem, &observed, &mut self.lives);
+                    add_simulated(self.problem, &observed, &mut self.lives, &mut self.first_failures);
                     let all = self.histories.iter_mut();
                     all.zip(observed.histories).for_each(|(all, history)| all.push(history));
                 }
@@ -195,11 +204,7 @@ impl Learner for DirectSimulation<'_> {
         }
         check_failures(self.failures.iter().map(|failed| &failed.cause), range.end + 1, self.failed_share)?;
         if !self.points.is_empty() {
-            let now = curves_of(self.problem, &self.first_failures);
-            let previous = self.curves.as_deref();
-            let (points, round) = (self.points.len(), self.rounds.len());
-            self.rounds.push(round_of(self.problem, &now, previous, points, range.end + 1, round));
-            self.curves = Some(now);
+            self.add_round(range.end + 1);
         }
         Ok(())
     }
@@ -226,50 +231,6 @@ impl Learner for DirectSimulation<'_> {
             condition: Condition::NONE,
             untested: Untested::default(),
         })
-    }
-}
-
-/// Appends the first failures of one evaluation, by mode and last of the system.
-fn add_first_failures(problem: &Problem, observed: &Observed, first_failures: &mut [Vec<u32>]) {
-    let m = problem.checkpoints.len();
-    let mut earliest = m as u32;
-    for (mode, all) in problem.modes.iter().zip(first_failures.iter_mut()) {
-        let history = observed.running_maximum(mode.output);
-        let first = history.iter().position(|y| *y >= mode.threshold).unwrap_or(m) as u32;
-        earliest = earliest.min(first);
-        all.push(first);
-    }
-    first_failures[problem.modes.len()].push(earliest);
-}
-
-/// Failure shares `(modes + 1, m)` from the first failures of the modes and the system.
-fn curves_of(problem: &Problem, first_failures: &[Vec<u32>]) -> Vec<Vec<f64>> {
-    let modes: Vec<&[u32]> = first_failures[..problem.modes.len()].iter().map(Vec::as_slice).collect();
-    curves(&modes, problem.checkpoints.len())
-}
-
-/// The row of one round in the summary.
-fn round_of(
-    problem: &Problem,
-    now: &[Vec<f64>],
-    previous: Option<&[Vec<f64>]>,
-    points: usize,
-    evaluations: usize,
-    round: usize,
-) -> Round {
-    let system = &now[now.len() - 1];
-    let governing = governing_checkpoint(system);
-    let failed = system[governing];
-    let change = previous
-        .map(|previous| largest_change(previous, now) / failed.min(1.0 - failed).max(1.0 / points as f64));
-    Round {
-        round,
-        evaluations,
-        change_of_r: change,
-        cov_pf: coefficient_of_variation(failed, points),
-        cycles: problem.checkpoints[governing],
-        reliability_total: 1.0 - failed,
-        ..Round::default()
     }
 }
 

@@ -77,52 +77,29 @@ impl Observed {
     }
 }
 
-/// Points and histories of the successful evaluations, in the order of their requests.
+/// Points and results of the successful evaluations, in the order of their requests.
 #[derive(Debug, Clone)]
 pub struct Observations {
     /// Number of variables.
     d: usize,
     /// Standardised points `(n, d)` row-major [1].
     z: Vec<f64>,
-    /// Histories per output `(outputs)(n)(m,)` [unit of the output].
-    histories: Vec<Vec<Vec<f64>>>,
-    /// Stated errors `(outputs)(n)(m,)` [unit of the output].
-    errors: Vec<Vec<Vec<f64>>>,
-    /// Values at the start of life `(outputs)(n,)` [unit of the output].
-    start: Vec<Vec<Option<f64>>>,
-    /// Which responses are distances from a middle.
-    distances: Vec<Distance>,
+    /// Their results `(n,)`.
+    results: Vec<Observed>,
     /// Number of points of the initial design.
     design: usize,
 }
 
 impl Observations {
-    /// No observations yet, of `d` variables and `outputs` outputs.
-    pub fn new(d: usize, outputs: usize) -> Self {
-        Self {
-            d,
-            z: Vec::new(),
-            histories: vec![Vec::new(); outputs],
-            errors: vec![Vec::new(); outputs],
-            start: vec![Vec::new(); outputs],
-            distances: Vec::new(),
-            design: 0,
-        }
+    /// No observations yet, of `d` variables.
+    pub fn new(d: usize) -> Self {
+        Self { d, z: Vec::new(), results: Vec::new(), design: 0 }
     }
 
     /// Adds a standardised point `(d,)` and its result.
     pub fn add(&mut self, z: &[f64], observed: Observed) {
         self.z.extend_from_slice(z);
-        self.distances = observed.distances;
-        for (all, history) in self.histories.iter_mut().zip(observed.histories) {
-            all.push(history);
-        }
-        for (all, errors) in self.errors.iter_mut().zip(observed.errors) {
-            all.push(errors);
-        }
-        for (all, start) in self.start.iter_mut().zip(observed.start) {
-            all.push(start);
-        }
+        self.results.push(observed);
     }
 
     /// Declares all points so far the initial design.
@@ -155,72 +132,76 @@ impl Observations {
         Mat::from_fn(self.d, self.len(), |k, i| self.z[i * self.d + k])
     }
 
-    /// Histories of one output `(n)(m,)` [unit of the output].
-    pub fn histories(&self, output: usize) -> &[Vec<f64>] {
-        &self.histories[output]
-    }
-
     /// True if all histories of one output are equal.
     pub fn is_constant(&self, output: usize) -> bool {
-        self.histories[output].windows(2).all(|pair| pair[0] == pair[1])
+        self.results.windows(2).all(|pair| pair[0].histories[output] == pair[1].histories[output])
     }
 
     /// Values of one output at the start of life `(n,)` [unit of the output], if all of them are known.
     pub fn starts(&self, output: usize) -> Option<Vec<f64>> {
-        self.start[output].iter().copied().collect()
+        self.results.iter().map(|result| result.start[output]).collect()
     }
 
     /// Histories of one output as a matrix `(n, m)` [unit of the output].
     pub fn values(&self, output: usize) -> Mat<f64> {
-        as_matrix(&self.histories[output])
+        self.matrix(|result| result.histories[output].clone())
     }
 
     /// Stated errors of the histories of one output `(n, m)` [unit of the output].
     pub fn errors(&self, output: usize) -> Mat<f64> {
-        as_matrix(&self.errors[output])
+        self.matrix(|result| result.errors[output].clone())
     }
 
     /// Running maxima of the histories of one output from the start of life `(n, m)` [unit of the output].
     pub fn running_maxima(&self, output: usize) -> Mat<f64> {
-        let rows = self.histories[output].iter().zip(&self.start[output]);
-        let maxima: Vec<Vec<f64>> = rows.map(|(history, start)| running_maximum(*start, history)).collect();
-        as_matrix(&maxima)
+        self.matrix(|result| result.running_maximum(output))
     }
 
     /// Stated errors of the running maxima of one output `(n, m)` [unit of the output]: at each checkpoint
     /// the error of the largest value so far, for the start of life that of the first checkpoint.
     pub fn errors_of_running_maxima(&self, output: usize) -> Mat<f64> {
-        let rows = self.histories[output].iter().zip(&self.errors[output]).zip(&self.start[output]);
-        let errors: Vec<Vec<f64>> =
-            rows.map(|((history, errors), start)| errors_of_maximum(*start, history, errors)).collect();
-        as_matrix(&errors)
+        self.matrix(|Observed { histories, errors, start, .. }| {
+            errors_of_maximum(start[output], &histories[output], &errors[output])
+        })
+    }
+
+    /// The matrix of a row of numbers of each result.
+    fn matrix(&self, row: impl Fn(&Observed) -> Vec<f64>) -> Mat<f64> {
+        let rows: Vec<Vec<f64>> = self.results.iter().map(row).collect();
+        Mat::from_fn(rows.len(), rows.first().map_or(0, Vec::len), |i, n| rows[i][n])
     }
 
     /// The two sides of a response; `None` if it is no distance from a middle.
     pub(super) fn sides(&self, response: usize) -> Option<Sides> {
+        let distances = &self.results.last()?.distances;
         let Distance { output, middle, .. } =
-            *self.distances.iter().find(|distance| distance.response == response)?;
-        let (mut values, mut errors) = (Vec::new(), Vec::new());
-        let mut starts = [Vec::new(), Vec::new()];
-        let rows = self.histories[output].iter().zip(&self.errors[output]).zip(&self.start[output]);
-        for ((history, stated), start) in rows {
-            let (mut both, mut both_errors) = (Vec::new(), Vec::new());
-            for (sign, starts) in [1.0, -1.0].into_iter().zip(&mut starts) {
-                let distance = |y: &f64| sign * (y - middle);
-                let (side, start) =
-                    (history.iter().map(distance).collect::<Vec<_>>(), start.as_ref().map(distance));
-                both.extend(running_maximum(start, &side));
-                both_errors.extend(errors_of_maximum(start, &side, stated));
-                starts.extend(start);
-            }
-            values.push(both);
-            errors.push(both_errors);
-        }
-        let known = starts[0].len() == values.len();
+            *distances.iter().find(|distance| distance.response == response)?;
+        let signs = [1.0, -1.0];
+        let side = |result: &Observed, sign: f64| {
+            let distance = |y: &f64| sign * (y - middle);
+            let history: Vec<f64> = result.histories[output].iter().map(distance).collect();
+            (result.start[output].as_ref().map(distance), history)
+        };
+        let values_of = |result: &Observed| {
+            let one = |sign| {
+                let (start, history) = side(result, sign);
+                running_maximum(start, &history)
+            };
+            signs.into_iter().flat_map(one).collect()
+        };
+        let errors_of = |result: &Observed| {
+            let one = |sign| {
+                let (start, history) = side(result, sign);
+                errors_of_maximum(start, &history, &result.errors[output])
+            };
+            signs.into_iter().flat_map(one).collect()
+        };
+        let starts = |sign: f64| self.results.iter().map(|result| side(result, sign).0).collect();
+        let [first, second]: [Option<Vec<f64>>; 2] = signs.map(starts);
         Some(Sides {
-            values: as_matrix(&values),
-            errors: as_matrix(&errors),
-            starts: known.then_some(starts),
+            values: self.matrix(values_of),
+            errors: self.matrix(errors_of),
+            starts: first.zip(second).map(|(first, second)| [first, second]),
         })
     }
 
@@ -246,18 +227,13 @@ fn errors_of_maximum(start: Option<f64>, history: &[f64], errors: &[f64]) -> Vec
     history.iter().zip(errors).map(take).collect()
 }
 
-fn as_matrix(rows: &[Vec<f64>]) -> Mat<f64> {
-    let m = rows.first().map_or(0, Vec::len);
-    Mat::from_fn(rows.len(), m, |i, n| rows[i][n])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn a_running_maximum_keeps_the_error_of_its_value() {
-        let mut observations = Observations::new(1, 1);
+        let mut observations = Observations::new(1);
         let histories = vec![vec![1.0, 3.0, 2.0, 4.0]];
         observations.add(
             &[0.0],
@@ -286,7 +262,7 @@ mod tests {
 
     #[test]
     fn a_distance_is_the_larger_of_its_sides() {
-        let mut observations = Observations::new(1, 2);
+        let mut observations = Observations::new(1);
         let (y, middle) = (vec![0.5, 3.0, -2.0], 1.0);
         let distance = y.iter().map(|y: &f64| (y - middle).abs()).collect();
         let observed = Observed {
@@ -308,7 +284,7 @@ mod tests {
 
     #[test]
     fn an_output_that_no_variable_changes_is_constant() {
-        let mut observations = Observations::new(1, 2);
+        let mut observations = Observations::new(1);
         for z in [0.0, 1.0, 2.0] {
             observations.add(&[z], Observed::exact(vec![vec![3.0, 4.0], vec![3.0, z]]));
         }

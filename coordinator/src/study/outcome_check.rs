@@ -1,7 +1,6 @@
 //! Checks outcomes of evaluations before a study records or uses them.
 
-use super::observations::ObservedOutcome;
-use super::{Observed, StudyError};
+use super::StudyError;
 use crate::farm::evaluate::{EvaluateError, Finished, Request};
 use crate::results::journal::Journal;
 use common::evaluation_shape::EvaluationShape;
@@ -31,9 +30,4 @@ pub(super) fn recalled(
     tracing::warn!("{misfit}; it is set aside, and the sample is evaluated again");
     journal.set_aside(request.id, &misfit.to_string())?;
     Ok(None)
-}
-
-/// What a study uses of an outcome that fits its scene.
-pub(super) fn observed(outcome: Finished) -> ObservedOutcome {
-    outcome.outcome.map(Observed::from_evaluation)
 }

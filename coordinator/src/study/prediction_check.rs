@@ -74,16 +74,7 @@ pub(super) fn largest_prediction_error(
 ) -> f64 {
     let points = observations.points();
     let error_of = |(surrogate, mode): (&Surrogate, &Mode)| {
-        let values = observations.running_maxima(mode.output);
-        let errors = observations.errors_of_running_maxima(mode.output);
-        let threshold = mode.threshold;
-        surrogate.prediction_error(&ModeResults {
-            points: &points,
-            values: &values,
-            errors: &errors,
-            sides: None,
-            threshold,
-        })
+        surrogate.prediction_error(&ModeResults::new(observations, &points, mode))
     };
     surrogates.iter().zip(modes).map(error_of).fold(0.0, f64::max)
 }

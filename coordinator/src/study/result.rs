@@ -2,22 +2,23 @@
 
 use super::failure_points::failure_points;
 use super::interim::InterimResult;
-use super::lives::{learned_lives, life_findings};
-use super::predictions::{predictions, simulations_beyond_a_limit};
-use super::rows::{failures, first_failure, moments, sensitivity_row};
-use super::sobol::sobol;
+use super::lives::{add_lives, learned_lives};
 use super::stopped::{stop_in_words, targets_met};
-use super::{CampaignResult, ClassifiedPopulation, Settings, StopReason, Surrogate};
-use crate::results::point_summary::{FailurePointRow, PredictionRow};
+use super::surrogate_rows::{predictions, simulations_beyond_a_limit, sobol};
+use super::{CampaignResult, ClassifiedPopulation, Failed, Settings, StopReason, Surrogate};
 use crate::results::scene_summary::{limit_rows, variable_rows};
 use crate::results::summary::{
-    ConditionRow, Convergence, EvaluationCounts, Failures, ReliabilityRange, ReliabilityRow, SCHEMA,
-    SobolRow, StudySummary, SurrogateRow, Timing, WorkerShare,
+    ConditionRow, Convergence, EvaluationCounts, FailureRow, Failures, FirstFailureRow, MomentsRow,
+    ReliabilityRange, ReliabilityRow, SCHEMA, SensitivityError, SensitivityRow, StudySummary, SurrogateRow,
+    Timing, WorkerShare,
 };
-use crate::statistics::reliability::{LifeCounts, NumericalBand, OutputDistribution, predict_distributions};
+use crate::statistics::design::InputModel;
+use crate::statistics::reliability::{
+    Condition, LifeCounts, NumericalBand, OutputDistribution, predict_distributions,
+};
 use crate::statistics::sensitivity::{Sampled, Sensitivity, sensitivities};
-use crate::statistics::surrogate::{Correlation, LeaveOneOut, Sharing, Trend};
 use common::scene::{LimitState, Output, Scene};
+use std::collections::BTreeMap;
 
 /// Result of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +28,6 @@ pub struct StudyResult {
     /// Distributions over the population (from simulations alone with the Monte Carlo method), per output of the
     /// scene, in its order.
     pub distributions: Vec<OutputHistory>,
-    /// The surrogates at the end, per limit state; empty with the Monte Carlo method.
-    pub surrogates: Vec<SurrogateReport>,
 }
 
 /// Distribution of one output at every checkpoint.
@@ -42,43 +41,6 @@ pub struct OutputHistory {
     pub at: Vec<OutputDistribution>,
 }
 
-/// Surrogate of one limit state.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SurrogateReport {
-    /// Name of the limit state.
-    pub limit_state: String,
-    /// Correlation of the surrogate.
-    pub correlation: Correlation,
-    /// Trend of the surrogate.
-    pub trend: Trend,
-    /// Comparison of one correlation for all checkpoints with separate ones, if it was made.
-    pub sharing: Option<Sharing>,
-    /// Checkpoints whose likelihood determined the correlation lengths [cycles].
-    pub cycles: Vec<u32>,
-    /// Leave-one-out errors at these checkpoints.
-    pub leave_one_out: Vec<LeaveOneOut>,
-}
-
-impl SurrogateReport {
-    fn row(&self, surrogate: &Surrogate) -> SurrogateRow {
-        SurrogateRow {
-            limit_state: self.limit_state.clone(),
-            q2: self.leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min),
-            q2_cross_validated: surrogate.cross_validation.as_ref().map(|crossed| crossed.q2),
-            variance_factor: Some(surrogate.inflation()),
-            nugget: self.correlation.nugget,
-            stated_noise: self.correlation.stated,
-            kernel: self.correlation.kernel.name().to_owned(),
-            trend: self.trend.name().to_owned(),
-            different_values: surrogate.threshold.coarse,
-            separate_would_gain: self.sharing.map(|sharing| sharing.separate_would_gain),
-            share_of_stated_error: surrogate.share_of_stated,
-            noise_share: Some(surrogate.noise_share),
-            outlier: surrogate.outlier,
-        }
-    }
-}
-
 /// Findings of a study, from which [`Findings::result`] makes its result.
 pub(super) struct Findings {
     /// Failure shares and their errors.
@@ -89,28 +51,9 @@ pub(super) struct Findings {
     pub distributions: Vec<Vec<OutputDistribution>>,
     /// Derivatives of the failure probabilities.
     pub derivatives: Vec<Sensitivity>,
-    /// Most probable failures per limit state.
-    pub failure_points: Vec<FailurePointRow>,
-    /// Simulations without a result.
-    pub failures: Failures,
-    /// Counts of evaluations.
-    pub evaluations: EvaluationCounts,
-    /// Rounds and the reason of the stop.
-    pub convergence: Convergence,
-    /// Findings of the learner; empty with direct simulation.
-    pub learner: LearnerFindings,
-}
-
-/// Findings that only active learning has.
-#[derive(Default)]
-pub(super) struct LearnerFindings {
-    /// Simulations that exceeded a limit.
-    exceeding: Option<usize>,
-    sobol: Vec<SobolRow>,
-    predictions: Vec<PredictionRow>,
-    surrogates: Vec<SurrogateReport>,
-    /// Rows of the summary, in the order of `surrogates`.
-    rows: Vec<SurrogateRow>,
+    /// What needs none of these: most probable failures, simulations without a result, counts, convergence, and what only
+    /// active learning has.
+    pub summary: StudySummary,
 }
 
 /// Names of the curves: the limit states, in the scene's order, and the system.
@@ -124,8 +67,6 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
     let mechanism = scene.simulator.is_none();
     StudySummary {
         schema: SCHEMA,
-        created: String::new(),
-        scene_sha256: String::new(),
         scene: scene.name.clone(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         seed: settings.seed,
@@ -137,72 +78,23 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
         },
         accuracy_settings: mechanism.then_some(settings.accuracy.setting.accuracy),
         max_error: settings.accuracy.max_error,
-        population: 0,
-        evaluations: EvaluationCounts::default(),
-        designs: Vec::new(),
         limit_states: scene.limit_states.iter().map(|limit| limit.name.clone()).collect(),
         limits: limit_rows(scene),
         variables: variable_rows(scene),
-        reliability: Vec::new(),
-        lives: Vec::new(),
-        curves: Vec::new(),
-        unresolved_fall: None,
-        control_points: Vec::new(),
-        first_failure: Vec::new(),
-        failures: Failures::default(),
-        simulations_beyond_a_limit: None,
-        untested: None,
-        conditional: None,
-        sobol: Vec::new(),
-        moments: Vec::new(),
-        sensitivity: Vec::new(),
-        failure_points: Vec::new(),
-        predictions: Vec::new(),
-        convergence: Convergence::default(),
-        surrogates: Vec::new(),
-        timing_s: Timing::default(),
-        workers: Vec::new(),
+        ..StudySummary::default()
     }
 }
 
-/// What is computed from a campaign.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Computed {
-    /// Everything that a summary contains.
-    Whole,
-    /// Reliability, lives and first failures.
-    Curves,
-}
-
-/// The findings of active learning.
-pub(super) fn from_learning(
-    scene: &Scene,
-    settings: &Settings,
-    learned: &CampaignResult,
-    extent: Computed,
-) -> Findings {
-    let is_whole = extent == Computed::Whole;
+/// The findings of active learning as far as reliability, lives and first failures need them.
+pub(super) fn curves_from_learning(scene: &Scene, settings: &Settings, learned: &CampaignResult) -> Findings {
     let assessment = &learned.assessment;
-    let ClassifiedPopulation { population, condition, .. } = &learned.classified;
-    let m = scene.life.checkpoints().len();
-    let first_failures = assessment.first_failures();
-    let points: Vec<usize> = (0..population.len()).collect();
-    let sampled = Sampled { population, points: &points, probability: condition.probability };
-    Findings {
-        shares: learned.shares(),
-        lives: learned_lives(scene, learned),
-        distributions: if is_whole { output_distributions(scene, learned) } else { vec![] },
-        derivatives: if is_whole {
-            sensitivities(&sampled, &first_failures, &assessment.grid, m)
-        } else {
-            vec![]
-        },
-        failure_points: if is_whole {
-            failure_points(scene, &sampled, &first_failures[..scene.limit_states.len()])
-        } else {
-            vec![]
-        },
-        failures: failures(scene, learned),
+    let summary = StudySummary {
+        failures: failures(
+            scene,
+            learned.classified.population.inputs(),
+            &learned.failed,
+            learned.shares.missing,
+        ),
         evaluations: EvaluationCounts {
             total: learned.evaluations,
             initial: settings.initial.min(learned.evaluations),
@@ -215,28 +107,58 @@ pub(super) fn from_learning(
             larger_budget: matches!(learned.stop, StopReason::Budget).then_some(2 * settings.max_evaluations),
             rounds: learned.rounds.clone(),
         },
-        learner: learner_findings(scene, learned, extent),
+        simulations_beyond_a_limit: Some(simulations_beyond_a_limit(scene, learned)),
+        surrogates: scene.limit_states.iter().zip(&assessment.surrogates).map(surrogate_row).collect(),
+        ..blank(scene, settings)
+    };
+    Findings {
+        shares: learned.shares.clone(),
+        lives: learned_lives(scene, learned),
+        distributions: vec![],
+        derivatives: vec![],
+        summary,
     }
 }
 
-fn learner_findings(scene: &Scene, learned: &CampaignResult, extent: Computed) -> LearnerFindings {
-    let cycles = scene.life.checkpoints();
-    let fitted = &learned.assessment.surrogates;
-    let report = |(limit, surrogate): (&LimitState, &Surrogate)| SurrogateReport {
+/// The findings of active learning, everything that a summary contains.
+pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &CampaignResult) -> Findings {
+    let Findings { shares, lives, summary, .. } = curves_from_learning(scene, settings, learned);
+    let assessment = &learned.assessment;
+    let ClassifiedPopulation { population, condition, .. } = &learned.classified;
+    let first_failures = assessment.first_failures();
+    let points: Vec<usize> = (0..population.len()).collect();
+    let sampled = Sampled { population, points: &points, probability: condition.probability };
+    let m = scene.life.checkpoints().len();
+    Findings {
+        shares,
+        lives,
+        distributions: output_distributions(scene, learned),
+        derivatives: sensitivities(&sampled, &first_failures, &assessment.grid, m),
+        summary: StudySummary {
+            failure_points: failure_points(scene, &sampled, &first_failures[..scene.limit_states.len()]),
+            sobol: sobol(scene, learned),
+            predictions: predictions(scene, learned),
+            ..summary
+        },
+    }
+}
+
+fn surrogate_row((limit, surrogate): (&LimitState, &Surrogate)) -> SurrogateRow {
+    let correlation = surrogate.model.correlation();
+    SurrogateRow {
         limit_state: limit.name.clone(),
-        correlation: surrogate.model.correlation().clone(),
-        trend: surrogate.model.trend(),
-        sharing: surrogate.sharing,
-        cycles: surrogate.fitted_on.iter().map(|n| cycles[*n]).collect(),
-        leave_one_out: surrogate.leave_one_out.clone(),
-    };
-    let surrogates: Vec<SurrogateReport> = scene.limit_states.iter().zip(fitted).map(report).collect();
-    LearnerFindings {
-        exceeding: Some(simulations_beyond_a_limit(scene, learned)),
-        sobol: if extent == Computed::Whole { sobol(scene, learned) } else { vec![] },
-        predictions: if extent == Computed::Whole { predictions(scene, learned) } else { vec![] },
-        rows: surrogates.iter().zip(fitted).map(|(report, surrogate)| report.row(surrogate)).collect(),
-        surrogates,
+        q2: surrogate.leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min),
+        q2_cross_validated: surrogate.cross_validation.as_ref().map(|crossed| crossed.q2),
+        variance_factor: Some(surrogate.inflation()),
+        nugget: correlation.nugget,
+        stated_noise: correlation.stated,
+        kernel: correlation.kernel.name().to_owned(),
+        trend: surrogate.model.trend().name().to_owned(),
+        different_values: surrogate.threshold.coarse,
+        separate_would_gain: surrogate.sharing.map(|sharing| sharing.separate_would_gain),
+        share_of_stated_error: surrogate.share_of_stated,
+        noise_share: Some(surrogate.noise_share),
+        outlier: surrogate.outlier,
     }
 }
 
@@ -255,13 +177,7 @@ fn output_distributions(scene: &Scene, learned: &CampaignResult) -> Vec<Vec<Outp
 
 impl Findings {
     /// The result of the study; `timing` and `workers` are what it cost.
-    pub fn result(
-        self,
-        scene: &Scene,
-        settings: &Settings,
-        timing: Timing,
-        workers: Vec<WorkerShare>,
-    ) -> StudyResult {
+    pub fn result(self, scene: &Scene, timing: Timing, workers: Vec<WorkerShare>) -> StudyResult {
         let cycles = scene.life.checkpoints();
         let names = curve_names(scene);
         let limits = &names[..scene.limit_states.len()];
@@ -271,50 +187,33 @@ impl Findings {
             |(n, cycles): (usize, &u32)| first_failure(limits, &first_failures, condition, *cycles, n);
         let numerical = self.lives.numerical_band();
         let states_errors = scene.simulator.is_none() || numerical.most != numerical.least;
-        let life = life_findings(&self.lives, &self.shares, &names, &cycles, states_errors);
         let has_moments = !self.distributions.is_empty();
         let moments = |(n, cycles): (usize, &u32)| moments(scene, &self.distributions, *cycles, n);
-        let summary = StudySummary {
+        let derivatives = self.derivatives.iter();
+        let mut summary = StudySummary {
             population: self.shares.points,
             conditional: (condition.levels > 0).then_some(ConditionRow {
                 probability: condition.probability,
                 coefficient_of_variation: condition.cov,
                 levels: condition.levels,
             }),
-            evaluations: self.evaluations,
             reliability: self.reliability(states_errors.then_some(&numerical), &names, &cycles),
-            lives: life.lives,
-            curves: life.curves,
-            unresolved_fall: life.unresolved,
             first_failure: cycles.iter().enumerate().map(first_failure).collect(),
-            failures: self.failures,
-            simulations_beyond_a_limit: self.learner.exceeding,
             untested: self.shares.untested_row(&names),
             moments: cycles.iter().enumerate().filter(|_| has_moments).map(moments).collect(),
-            sensitivity: self
-                .derivatives
-                .iter()
-                .map(|row| sensitivity_row(scene, &names, &cycles, row))
-                .collect(),
-            sobol: self.learner.sobol,
-            failure_points: self.failure_points,
-            predictions: self.learner.predictions,
-            convergence: self.convergence,
-            surrogates: self.learner.rows,
+            sensitivity: derivatives.map(|row| sensitivity_row(scene, &names, &cycles, row)).collect(),
             timing_s: timing,
             workers,
-            ..blank(scene, settings)
+            ..self.summary
         };
+        add_lives(&mut summary, &self.lives, &self.shares, &names, &cycles, states_errors);
         let history = |(output, at): (&Output, Vec<OutputDistribution>)| OutputHistory {
             output: output.name.clone(),
             cycles: cycles.clone(),
             at,
         };
-        StudyResult {
-            summary,
-            distributions: scene.outputs.iter().zip(self.distributions).map(history).collect(),
-            surrogates: self.learner.surrogates,
-        }
+        let distributions = scene.outputs.iter().zip(self.distributions).map(history).collect();
+        StudyResult { summary, distributions }
     }
 
     /// R(n) of every curve, with its range under numerical errors unless the simulator states none.
@@ -336,5 +235,67 @@ impl Findings {
             }
         }
         rows
+    }
+}
+
+/// Shares of first failures by checkpoint `n`; `shares` `(modes + 1, m)` as from
+/// [`crate::statistics::reliability::LifeCounts::first_failure_shares`].
+fn first_failure(
+    names: &[String],
+    shares: &[Vec<f64>],
+    condition: &Condition,
+    cycles: u32,
+    n: usize,
+) -> FirstFailureRow {
+    let share = |(name, curve): (&String, &Vec<f64>)| (name.clone(), condition.probability * curve[n]);
+    FirstFailureRow {
+        cycles,
+        together: condition.probability * shares[names.len()][n],
+        first: names.iter().zip(shares).map(share).collect(),
+    }
+}
+
+/// The failed simulations with their causes and samples, and the share of the population they represent.
+pub(super) fn failures(scene: &Scene, inputs: &InputModel, failed: &[Failed], barred_share: f64) -> Failures {
+    let sample = |z: &[f64]| -> BTreeMap<String, f64> {
+        let values = inputs.to_physical(z);
+        scene.variables.iter().zip(values).map(|(variable, x)| (variable.name.clone(), x)).collect()
+    };
+    let row = |failed: &Failed| FailureRow { cause: failed.cause.to_string(), sample: sample(&failed.z) };
+    Failures { barred_share, simulations: failed.iter().map(row).collect() }
+}
+
+/// Moments at one checkpoint: `{limit state}_mean_m` and `_std_m`, or `_rpm` for angular velocities; one that is too large for a
+/// number is left out.
+fn moments(scene: &Scene, distributions: &[Vec<OutputDistribution>], cycles: u32, n: usize) -> MomentsRow {
+    let mut row = BTreeMap::new();
+    for limit in &scene.limit_states {
+        let unit = scene.outputs[limit.output].kind.unit();
+        let at = &distributions[limit.output][n];
+        for (name, value) in [("mean", at.mean), ("std", at.std)] {
+            let value = unit.to_file(value);
+            if value.is_finite() {
+                row.insert(unit.key(&format!("{}_{name}", limit.name)), value);
+            }
+        }
+    }
+    MomentsRow { cycles, moments: row }
+}
+
+/// A derivative in the names of the scene.
+fn sensitivity_row(scene: &Scene, curves: &[String], cycles: &[u32], row: &Sensitivity) -> SensitivityRow {
+    let variable = &scene.variables[row.variable];
+    let std = variable.distribution.parent_std();
+    SensitivityRow {
+        cycles: cycles[row.checkpoint],
+        limit_state: curves[row.curve].clone(),
+        variable: variable.name.clone(),
+        d_pf_d_mean: row.to_mean.value,
+        d_pf_d_std: row.to_std.value,
+        standard_error: SensitivityError {
+            d_pf_d_mean: row.to_mean.standard_error,
+            d_pf_d_std: row.to_std.standard_error,
+        },
+        scaled: SensitivityError { d_pf_d_mean: row.to_mean.value * std, d_pf_d_std: row.to_std.value * std },
     }
 }

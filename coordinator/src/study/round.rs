@@ -5,22 +5,19 @@ use super::failures::{Failed, Feasibility};
 use super::observations::Observations;
 use super::plan::{Plan, Problem};
 use super::step::CampaignError;
-use super::surrogates::{FitOptions, ModeResults, Surrogate};
+use super::surrogates::{FitOptions, GRID, Surrogate, fit_surrogates};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
     Classification, ClassifiedMode, Coupled, CurveErrors, Exploration, Figures, JointPool, SURROGATE_SAFETY,
-    Selection, SelectionOptions, UNCERTAIN, checkpoints_that_matter, choose_pool, classify_cached,
-    coupled_criterion, curves, dominance, estimate_errors, explore, farthest, noise_shifts,
+    Selection, SelectionOptions, UNCERTAIN, choose_pool, classify_cached, coupled_criterion, curves,
+    dominance, estimate_errors, explore, farthest, noise_shifts, with_system,
 };
 use crate::statistics::reliability::governing_checkpoint;
 use crate::statistics::surrogate::{Effort, Kriging, PredictionCache};
 use faer::{Mat, MatRef};
-use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Most checkpoints used for one mode, and for all modes together.
-const GRID: usize = 24;
 /// Least size of the pool per point of a batch.
 const POOL_PER_BATCH: usize = 8;
 /// Numbers per point of the population besides its values and classification: coupled criterion, marks of requests,
@@ -70,11 +67,7 @@ impl Assessment {
     /// Index of the checkpoint by which each point of the population has failed `(modes + 1)(N,)`, the system last; m if
     /// never.
     pub fn first_failures(&self) -> Vec<Vec<u32>> {
-        let mut all: Vec<Vec<u32>> = self.modes.iter().map(|mode| mode.first_failure.clone()).collect();
-        let earliest = |j: usize| all.iter().map(|first| first[j]).min().expect("there is a mode");
-        let system = (0..all[0].len()).map(earliest).collect();
-        all.push(system);
-        all
+        with_system(self.modes.iter().map(|mode| mode.first_failure.clone()).collect())
     }
 
     /// Returns `count` points of the population with the largest predicted variance, as indices, and removes
@@ -174,7 +167,10 @@ pub(super) fn assess(
     effort: Effort,
 ) -> Result<Assessment, CampaignError> {
     let points = input.observations.points();
-    let surrogates = fit_surrogates(input, &points, effort)?;
+    let RoundInput { problem, plan, observations, previous, .. } = *input;
+    let options =
+        FitOptions { forms: plan.settings.forms, stated_errors: plan.settings.stated_errors, effort };
+    let surrogates = fit_surrogates(observations, &problem.modes, (input.surrogates, previous), options)?;
     let grid = common_grid(&surrogates);
     let modes = classify_modes(input, &surrogates, caches, &grid);
     let curves = failure_curves(input, &modes);
@@ -220,38 +216,6 @@ pub(super) fn assess(
         feasibility,
         settled,
     })
-}
-
-/// Fits one surrogate per mode to the results at `points` `(d, n)`, in parallel.
-fn fit_surrogates(
-    input: &RoundInput<'_>,
-    points: &Mat<f64>,
-    effort: Effort,
-) -> Result<Vec<Surrogate>, CampaignError> {
-    let RoundInput { problem, plan, observations, previous, .. } = *input;
-    let options =
-        FitOptions { forms: plan.settings.forms, stated_errors: plan.settings.stated_errors, effort };
-    problem
-        .modes
-        .par_iter()
-        .enumerate()
-        .map(|(s, mode)| {
-            let values = observations.running_maxima(mode.output);
-            let share = observations.design_share(&values, mode.threshold);
-            let fitted_on = checkpoints_that_matter(&share, previous.map(|p| p[s].as_slice()), GRID);
-            let errors = observations.errors_of_running_maxima(mode.output);
-            let sides = observations.sides(mode.output);
-            let results = ModeResults {
-                points,
-                values: &values,
-                errors: &errors,
-                sides: sides.as_ref(),
-                threshold: mode.threshold,
-            };
-            Surrogate::fit(&results, fitted_on, input.surrogates.get(s), options)
-                .map_err(|source| CampaignError::Surrogate { mode: s, source })
-        })
-        .collect()
 }
 
 /// Checkpoints that matter to any mode, ascending; evenly thinned to [`GRID`].

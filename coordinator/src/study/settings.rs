@@ -54,24 +54,12 @@ impl StudyAccuracy {
     /// Restores the last bits of an accuracy that was read from JSON: its name defines it exactly. If the name stands
     /// for other parameters by now, those of the file are kept.
     fn exact(self) -> Self {
-        let kept = self.setting.accuracy;
-        let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs();
-        let named = self.setting.name.parse::<NamedAccuracy>().ok().filter(|named| {
-            let a = named.accuracy;
-            let rounded = Accuracy {
-                step_tolerance: a.step_tolerance,
-                largest_step: a.largest_step,
-                wear_tolerance: a.wear_tolerance,
-                warm_up: a.warm_up,
-                ..kept
-            };
-            near(a.step_tolerance, kept.step_tolerance)
-                && near(a.largest_step, kept.largest_step)
-                && near(a.wear_tolerance, kept.wear_tolerance)
-                && near(a.warm_up, kept.warm_up)
-                && rounded == a
-        });
-        StudyAccuracy { setting: named.unwrap_or(self.setting), ..self }
+        let as_read = |named: &NamedAccuracy| {
+            serde_json::to_string(named).and_then(|text| serde_json::from_str::<NamedAccuracy>(&text))
+        };
+        let named = self.setting.name.parse().ok();
+        let same = named.filter(|named| as_read(named).is_ok_and(|read| read == self.setting));
+        StudyAccuracy { setting: same.unwrap_or(self.setting), ..self }
     }
 }
 

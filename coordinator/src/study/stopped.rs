@@ -13,7 +13,7 @@ pub(super) fn targets_met(learned: &CampaignResult, settings: &Settings) -> bool
 
 /// True if the share of the population that cannot be simulated outweighs the sampling of the failure probability.
 fn is_within_barred(learned: &CampaignResult) -> bool {
-    learned.classified.is_within_barred(learned.assessment.governing_failed(), learned.barred_share())
+    learned.classified.is_within_barred(learned.assessment.governing_failed(), learned.shares.missing)
 }
 
 /// What the intervals contain besides the surrogate error that the rules ask for, as the end of a sentence: noise and simulations
@@ -21,7 +21,7 @@ fn is_within_barred(learned: &CampaignResult) -> bool {
 fn beyond_the_rules(learned: &CampaignResult, error: f64) -> String {
     let noise =
         learned.assessment.noise_shift.iter().flatten().fold(0.0, |most: f64, shift| most.max(*shift));
-    let (noise, barred) = (learned.classified.condition.probability * noise, learned.barred_share());
+    let (noise, barred) = (learned.classified.condition.probability * noise, learned.shares.missing);
     let mut text = String::new();
     if noise > error {
         text +=

@@ -1,13 +1,18 @@
-//! The surrogate of one limit state: fitted anew, or extended by the latest results.
+//! The surrogate of one limit state: fitted anew, or extended by the latest results; and the surrogates of a campaign between
+//! two rounds, with their cached predictions.
 
-use super::observations::Sides;
-use crate::statistics::learning::{LearnedThreshold, learned_threshold};
+use super::observations::{Observations, Sides};
+use super::step::CampaignError;
+use crate::statistics::learning::{LearnedThreshold, Mode, checkpoints_that_matter, learned_threshold};
 use crate::statistics::surrogate::{
-    CrossValidation, Effort, Form, FormSettings, Incumbent, Kriging, LeaveOneOut, NoiseShape, Sharing,
-    StatedErrors, SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
+    CrossValidation, Effort, Form, FormSettings, Incumbent, Kriging, LeaveOneOut, NoiseShape,
+    PredictionCache, Sharing, StatedErrors, SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
 };
 use faer::{Mat, MatRef};
+use rayon::prelude::*;
 
+/// Most checkpoints used for one mode, and for all modes together.
+pub(super) const GRID: usize = 24;
 /// Interquartile ranges from the median beyond which a value is an outlier [1]: 40 standard deviations of normal values.
 const OUTLIER: f64 = 30.0;
 
@@ -16,19 +21,31 @@ pub(super) struct ModeResults<'a> {
     /// Standardised points `(d, n)` [1].
     pub points: &'a Mat<f64>,
     /// Running maxima `(n, m)` [unit of the output].
-    pub values: &'a Mat<f64>,
+    pub values: Mat<f64>,
     /// Stated errors of the running maxima `(n, m)` [unit of the output].
-    pub errors: &'a Mat<f64>,
+    errors: Mat<f64>,
     /// The two sides of the response, which are learned instead if it is a distance from a middle.
-    pub sides: Option<&'a Sides>,
+    sides: Option<Sides>,
     /// Threshold of the limit state [unit of the output].
-    pub threshold: f64,
+    threshold: f64,
 }
 
-impl ModeResults<'_> {
+impl<'a> ModeResults<'a> {
+    /// The results of `mode` among the observations, whose points are `points` `(d, n)`.
+    pub fn new(observations: &Observations, points: &'a Mat<f64>, mode: &Mode) -> Self {
+        Self {
+            points,
+            values: observations.running_maxima(mode.output),
+            errors: observations.errors_of_running_maxima(mode.output),
+            sides: observations.sides(mode.output),
+            threshold: mode.threshold,
+        }
+    }
+
     /// Values and errors that are learned `(n, m)`, or `(n, 2 m)` of two sides [unit of the output].
-    fn learned(&self) -> (&Mat<f64>, &Mat<f64>) {
-        self.sides.map_or((self.values, self.errors), |sides| (&sides.values, &sides.errors))
+    pub fn learned(&self) -> (&Mat<f64>, &Mat<f64>) {
+        let both = self.sides.as_ref().map(|sides| (&sides.values, &sides.errors));
+        both.unwrap_or((&self.values, &self.errors))
     }
 
     /// Threshold that a surrogate of these results uses.
@@ -130,7 +147,7 @@ impl Surrogate {
             cross_validation = before.cross_validation.clone();
             variance_ratio = before.variance_ratio;
         }
-        match results.sides {
+        match &results.sides {
             Some(sides) => model.set_sides(sides.values.as_ref()),
             None => model.set_values(results.values.as_ref()),
         }
@@ -174,7 +191,7 @@ impl Surrogate {
     fn update_figures(&mut self, results: &ModeResults<'_>) {
         let all = self.model.leave_one_out(results.learned().0.as_ref());
         self.leave_one_out = self.fitted_on.iter().map(|n| all[*n]).collect();
-        let errors = columns(results.errors, &self.fitted_on);
+        let errors = columns(&results.errors, &self.fitted_on);
         let stated = errors.squared_norm_l2() / errors.nrows() as f64;
         let sigma2: f64 = self.fitted_on.iter().map(|n| self.model.sigma2()[*n]).sum();
         let as_noise = self.model.correlation().stated * sigma2;
@@ -201,6 +218,28 @@ impl Surrogate {
     }
 }
 
+/// Fits one surrogate per mode, in parallel; `before` are those of the round before and `curves` its failure shares `(modes, m)`,
+/// if there was one.
+///
+/// # Errors
+/// [`CampaignError::Surrogate`].
+pub(super) fn fit_surrogates(
+    observations: &Observations,
+    modes: &[Mode],
+    (before, curves): (&[Surrogate], Option<&[Vec<f64>]>),
+    options: FitOptions,
+) -> Result<Vec<Surrogate>, CampaignError> {
+    let points = observations.points();
+    let fit = |(s, mode): (usize, &Mode)| {
+        let results = ModeResults::new(observations, &points, mode);
+        let share = observations.design_share(&results.values, mode.threshold);
+        let fitted_on = checkpoints_that_matter(&share, curves.map(|curves| curves[s].as_slice()), GRID);
+        Surrogate::fit(&results, fitted_on, before.get(s), options)
+            .map_err(|source| CampaignError::Surrogate { mode: s, source })
+    };
+    modes.par_iter().enumerate().map(fit).collect()
+}
+
 /// Largest distance of one of these values from their median over their interquartile range [1]; 0 where most are equal.
 fn farthest(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
@@ -214,6 +253,78 @@ fn farthest(mut values: Vec<f64>) -> f64 {
 fn columns(of: &Mat<f64>, chosen: &[usize]) -> Mat<f64> {
     let of: MatRef<'_, f64> = of.as_ref();
     Mat::from_fn(of.nrows(), chosen.len(), |i, o| of[(i, chosen[o])])
+}
+
+/// Growth of the number of results after which the lengths are fitted anew: every fit costs a prediction of
+/// the whole population, while points added at the same lengths cost a row each.
+const REFIT: f64 = 1.1;
+/// Growth after which the lengths are fitted from several starts, and forms compared, against a lasting local
+/// optimum.
+const FRESH_FIT: f64 = 1.3;
+
+/// Surrogates of the last round and the state of their fits.
+#[derive(Debug)]
+pub(super) struct SurrogateState {
+    /// Surrogates of the last round, one per mode; empty before the first round.
+    pub models: Vec<Surrogate>,
+    /// Predictions of the present population, one cache per mode.
+    pub caches: Vec<PredictionCache>,
+    /// Failure curves of the last round over the present population `(modes + 1, m)`.
+    pub previous_curves: Option<Vec<Vec<f64>>>,
+    /// Number of results at the last fit of the lengths.
+    fitted_at: usize,
+    /// Number of results at the last fit from several starts.
+    fresh_at: usize,
+}
+
+impl SurrogateState {
+    /// The state before the first round.
+    pub fn new(modes: usize) -> Self {
+        Self {
+            models: Vec::new(),
+            caches: vec![PredictionCache::default(); modes],
+            previous_curves: None,
+            fitted_at: 0,
+            fresh_at: 0,
+        }
+    }
+
+    /// Effort of the next fit over `n` results.
+    pub fn effort(&self, n: usize) -> Effort {
+        let (n, fitted, fresh) = (n as f64, self.fitted_at as f64, self.fresh_at as f64);
+        if n >= FRESH_FIT * fresh {
+            Effort::MultiStart
+        } else if n >= REFIT * fitted {
+            Effort::Warm
+        } else {
+            Effort::Keep
+        }
+    }
+
+    /// Records a fit of this effort over `n` results.
+    pub fn record_fit(&mut self, effort: Effort, n: usize) {
+        match effort {
+            Effort::Keep => {}
+            Effort::Warm | Effort::TwoStarts(_) => self.fitted_at = n,
+            Effort::MultiStart => (self.fitted_at, self.fresh_at) = (n, n),
+        }
+    }
+
+    /// Has the lengths fitted anew in the next round.
+    pub fn require_fit(&mut self) {
+        self.fitted_at = 0;
+    }
+
+    /// True if the last fit from several starts used nine tenths of `n` results or more.
+    pub fn is_fresh(&self, n: usize) -> bool {
+        (n as f64) < REFIT * self.fresh_at as f64
+    }
+
+    /// Forgets what was computed over the previous population.
+    pub fn reset_population(&mut self) {
+        self.caches.fill(PredictionCache::default());
+        self.previous_curves = None;
+    }
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@
 //!
 //! since y grows: the upper bound counts at the checkpoint itself, the lower one at the start of life.
 
-use super::{Method, Settings, StudyResult, problem_of, run};
+use super::{Method, Problem, Settings, StudyResult, run};
 use crate::farm::evaluate::{Demand, EvaluateError, Evaluator, Finished, RequestSource};
 use crate::results::journal::InMemoryJournal;
 use crate::results::progress::Silent;
@@ -113,7 +113,7 @@ fn check(result: &StudyResult, curve: &str, lower: f64, upper: f64) {
 fn a_response_within_two_limits_has_the_reliability_of_both() {
     let both = format!("{{ name = \"range\", output = \"y\", lower = {LOWER}, upper = {UPPER} }}");
     let scene = scene(&both);
-    assert_eq!(problem_of(&scene).modes.len(), 1);
+    assert_eq!(Problem::from_scene(&scene).modes.len(), 1);
     for method in [Method::ActiveLearning, Method::MonteCarlo] {
         let result = study(&scene, method);
         check(&result, "range", LOWER, UPPER);

@@ -94,7 +94,7 @@ mod tests {
     fn issue_a_bound_was_the_surrogates_word_alone() {
         let inputs = InputModel::from(&vec![Distribution::normal(3.0, 2.0).unwrap(); 2]);
         let modes = [0, 1].map(|output| Mode { output, threshold: 1.0 });
-        let mut observations = Observations::new(2, 2);
+        let mut observations = Observations::new(2);
         // Twelve results without failures; then the first limit state fails at 3 and at 8 standard deviations, the second nowhere.
         for i in 0..12 {
             observations.add(&[0.1 * i as f64, -1.0], Observed::exact(vec![vec![0.0], vec![0.0]]));

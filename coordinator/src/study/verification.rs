@@ -16,20 +16,16 @@
 //! Financial Engineering, Springer.
 
 use super::observations::{Observations, Observed, ObservedOutcome};
-use super::response_layout::ResponseLayout;
-use super::surrogates::{FitOptions, ModeResults, Surrogate};
-use super::{Campaign, CampaignError, Plan, Problem, Settings, Step};
+use super::plan::ResponseLayout;
+use super::result::curve_names;
+use super::surrogates::{FitOptions, Surrogate, fit_surrogates};
+use super::{Campaign, CampaignError, Plan, Problem, SampleRequest, Settings};
 use crate::statistics::design::InputModel;
-use crate::statistics::learning::{Mode, checkpoints_that_matter};
+use crate::statistics::learning::{Mode, with_system};
 use crate::statistics::surrogate::Effort;
 use common::scene::Scene;
 use faer::Mat;
-use rayon::prelude::*;
 use serde::Serialize;
-use std::collections::VecDeque;
-
-/// Largest number of checkpoints on which a surrogate's correlation lengths are fitted, as in learning.
-const GRID: usize = 24;
 
 /// Sample and simulated outputs of one point.
 #[derive(Debug, Clone)]
@@ -129,28 +125,16 @@ fn repeat_learning(
 ) -> Result<Option<Vec<Surrogate>>, CampaignError> {
     let responses = ResponseLayout::from_scene(scene);
     let mut campaign = Campaign::new(Problem::from_scene(scene), Plan::new(settings, scene));
-    let mut left = stored.iter();
-    let mut under_way = VecDeque::new();
-    loop {
-        match campaign.next_step()? {
-            Step::Evaluate(requests) => under_way.push_back(requests),
-            Step::Wait => {
-                let requests = under_way.pop_front().expect("a campaign waits for requested samples only");
-                let outcomes: Vec<&StoredOutcome> = left.by_ref().take(requests.len()).collect();
-                if outcomes.iter().zip(&requests).any(|(stored, request)| stored.sample != request.sample) {
-                    return Ok(None);
-                }
-                if outcomes.len() < requests.len() {
-                    // The study was interrupted here.
-                    break;
-                }
-                let complete = |stored: &StoredOutcome| stored.outcome.clone().map(|o| responses.complete(o));
-                campaign.record(outcomes.into_iter().map(complete).collect())?;
-            }
-            Step::Done => break,
-        }
-    }
-    Ok(Some(campaign.into_surrogates()).filter(|surrogates| !surrogates.is_empty()))
+    let (mut left, mut same) = (stored.iter(), true);
+    // A study that was interrupted has fewer outcomes than requests.
+    let recalled = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, CampaignError> {
+        let found: Vec<&StoredOutcome> = left.by_ref().take(requests.len()).collect();
+        same &= found.iter().zip(requests).all(|(stored, request)| stored.sample == request.sample);
+        let complete = |stored: &StoredOutcome| stored.outcome.clone().map(|o| responses.complete(o));
+        Ok(if same { found.into_iter().map(complete).collect() } else { vec![] })
+    };
+    campaign.run(recalled, |_| {})?;
+    Ok(Some(campaign.surrogates.models).filter(|surrogates| same && !surrogates.is_empty()))
 }
 
 /// Fits surrogates to `learned`, in one fit from several starts, and compares them with `unseen`.
@@ -165,33 +149,9 @@ pub fn verify(
 ) -> Result<Verification, CampaignError> {
     let responses = ResponseLayout::from_scene(scene);
     let learned = observations(scene, &responses, learned);
-    let points = learned.points();
-    let fitted = responses
-        .modes
-        .par_iter()
-        .enumerate()
-        .map(|(s, mode)| {
-            let values = learned.running_maxima(mode.output);
-            let errors = learned.errors_of_running_maxima(mode.output);
-            let share = learned.design_share(&values, mode.threshold);
-            let fitted_on = checkpoints_that_matter(&share, None, GRID);
-            let sides = learned.sides(mode.output);
-            let results = ModeResults {
-                points: &points,
-                values: &values,
-                errors: &errors,
-                sides: sides.as_ref(),
-                threshold: mode.threshold,
-            };
-            let options = FitOptions {
-                forms: settings.forms,
-                stated_errors: settings.stated_errors,
-                effort: Effort::MultiStart,
-            };
-            Surrogate::fit(&results, fitted_on, None, options)
-                .map_err(|source| CampaignError::Surrogate { mode: s, source })
-        })
-        .collect::<Result<Vec<Surrogate>, CampaignError>>()?;
+    let Settings { forms, stated_errors, .. } = *settings;
+    let options = FitOptions { forms, stated_errors, effort: Effort::MultiStart };
+    let fitted = fit_surrogates(&learned, &responses.modes, (&[], None), options)?;
     Ok(compare(scene, &fitted, learned.len(), unseen))
 }
 
@@ -221,14 +181,12 @@ fn compare(
         ));
     }
     let simulated = first_failures_of(&responses, &unseen, m);
-    let mut names: Vec<String> = scene.limit_states.iter().map(|limit| limit.name.clone()).collect();
-    names.push("total".to_owned());
     Verification {
         learned_from,
         points: unseen.len(),
         surrogates,
-        curves: names,
-        rows: rows(&scene.life.checkpoints(), &simulated, &predicted),
+        curves: curve_names(scene),
+        rows: rows(&scene.life.checkpoints(), simulated, predicted),
     }
 }
 
@@ -262,7 +220,7 @@ fn firsts(points: usize, m: usize, failed: impl Fn(usize, usize) -> bool) -> Vec
 /// The simulations as observations; all count as initial design, since no learning follows.
 fn observations(scene: &Scene, responses: &ResponseLayout, simulated: &[SimulatedPoint]) -> Observations {
     let inputs = InputModel::from_scene(scene);
-    let mut all = Observations::new(inputs.dimension(), responses.count());
+    let mut all = Observations::new(inputs.dimension());
     for point in simulated {
         all.add(&inputs.standardise(&point.sample), responses.complete(point.observed.clone()));
     }
@@ -302,12 +260,8 @@ fn verified(
 }
 
 /// First failures per limit state `(modes)(N,)` as reliabilities over life.
-fn rows(cycles: &[u32], simulated: &[Vec<u32>], predicted: &[Vec<u32>]) -> Vec<VerifiedRow> {
+fn rows(cycles: &[u32], simulated: Vec<Vec<u32>>, predicted: Vec<Vec<u32>>) -> Vec<VerifiedRow> {
     let m = cycles.len();
-    let with_system = |modes: &[Vec<u32>]| -> Vec<Vec<u32>> {
-        let system = (0..modes[0].len()).map(|j| modes.iter().map(|first| first[j]).min().unwrap_or(0));
-        modes.iter().cloned().chain([system.collect()]).collect()
-    };
     let (simulated, predicted) = (with_system(simulated), with_system(predicted));
     let points = simulated[0].len() as f64;
     let survives = |first: u32, n: usize| f64::from(u8::from(first as usize > n));

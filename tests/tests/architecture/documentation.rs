@@ -21,11 +21,10 @@ const LAWS: [&str; 13] = [
 
 /// Files of these folders without a formula: what they hold instead. A new file belongs here only if it computes
 /// nothing that a reader would look up in a book.
-const NO_LAW: [(&str, &str); 17] = [
+const NO_LAW: [(&str, &str); 16] = [
     ("common/src/random/mod.rs", "list of modules"),
     ("common/src/random/distribution.rs", "dispatch to the distributions"),
     ("common/src/random/distribution/constant.rs", "one value with probability one"),
-    ("common/src/random/distribution/fit_error.rs", "reasons as an enumeration"),
     ("worker/src/contact/guide_reaction.rs", "forces and overlaps of a guide as data"),
     ("worker/src/contact/joint_force.rs", "motion and force of a joint as data"),
     ("worker/src/contact/law.rs", "the interface of a contact law"),

@@ -16,6 +16,7 @@
 //! Johnson, Kotz, Balakrishnan (1995), Continuous Univariate Distributions, vol. 2, chapter 25.
 
 use super::law::{Law, LawError, between, chain};
+use crate::random::standard::Tail;
 use serde::{Deserialize, Serialize};
 use statrs::function::beta::beta_reg;
 use statrs::function::gamma::digamma;
@@ -126,10 +127,6 @@ fn log_logistic(t: f64) -> f64 {
 }
 
 impl Law for Beta {
-    fn name(&self) -> &'static str {
-        "beta"
-    }
-
     fn pdf(&self, x: f64) -> f64 {
         if x < self.lower || x > self.upper {
             return 0.0;
@@ -141,54 +138,35 @@ impl Law for Beta {
         libm::exp(power(y, a - 1.0) + power(rest, b - 1.0) - ln_b) / self.width()
     }
 
-    fn cdf(&self, x: f64) -> f64 {
-        let (y, _) = self.y(x);
-        beta_reg(self.alpha, self.beta, y)
-    }
-
-    fn survival(&self, x: f64) -> f64 {
-        let (_, rest) = self.y(x);
-        beta_reg(self.beta, self.alpha, rest)
-    }
-
-    fn quantile(&self, p: f64) -> f64 {
-        if p <= 0.5 {
-            if p <= 0.0 {
-                return self.lower;
-            }
-            let (y, rest) = inverse(self.alpha, self.beta, p);
-            self.place(y, rest)
-        } else {
-            self.upper_quantile(1.0 - p)
+    fn probability(&self, x: f64, tail: Tail) -> f64 {
+        let (y, rest) = self.y(x);
+        match tail {
+            Tail::Lower => beta_reg(self.alpha, self.beta, y),
+            Tail::Upper => beta_reg(self.beta, self.alpha, rest),
         }
     }
 
-    fn upper_quantile(&self, q: f64) -> f64 {
-        if q <= 0.5 {
-            if q <= 0.0 {
-                return self.upper;
-            }
-            let (rest, y) = inverse(self.beta, self.alpha, q);
-            self.place(y, rest)
-        } else {
-            self.quantile(1.0 - q)
+    fn at(&self, p: f64, tail: Tail) -> f64 {
+        if p > 0.5 {
+            return self.at(1.0 - p, tail.other());
         }
+        let (y, rest) = match tail {
+            _ if p <= 0.0 => return if tail == Tail::Lower { self.lower } else { self.upper },
+            Tail::Lower => inverse(self.alpha, self.beta, p),
+            Tail::Upper => {
+                let (rest, y) = inverse(self.beta, self.alpha, p);
+                (y, rest)
+            }
+        };
+        self.place(y, rest)
     }
 
-    fn mean(&self) -> f64 {
-        self.mean
-    }
-
-    fn std(&self) -> f64 {
-        self.std
+    fn mean_and_std(&self) -> (f64, f64) {
+        (self.mean, self.std)
     }
 
     fn support(&self) -> (f64, f64) {
         (self.lower, self.upper)
-    }
-
-    fn limits(&self) -> (f64, f64) {
-        self.support()
     }
 
     fn scores(&self, x: f64) -> [f64; 2] {

@@ -3,6 +3,7 @@
 //! P(X = value) = 1: the mean is the value [unit of the variable], the variance 0, all derivatives 0.
 
 use super::law::{Law, LawError, between};
+use crate::random::standard::Tail;
 use serde::{Deserialize, Serialize};
 
 /// Distribution with one value.
@@ -18,37 +19,21 @@ impl Constant {
 }
 
 impl Law for Constant {
-    fn name(&self) -> &'static str {
-        "constant"
-    }
-
     /// Infinite at the value, else zero.
     fn pdf(&self, x: f64) -> f64 {
         if x == self.value { f64::INFINITY } else { 0.0 }
     }
 
-    fn cdf(&self, x: f64) -> f64 {
-        if x < self.value { 0.0 } else { 1.0 }
+    fn probability(&self, x: f64, tail: Tail) -> f64 {
+        f64::from(u8::from((x < self.value) == (tail == Tail::Upper)))
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        1.0 - self.cdf(x)
-    }
-
-    fn quantile(&self, _: f64) -> f64 {
+    fn at(&self, _: f64, _: Tail) -> f64 {
         self.value
     }
 
-    fn upper_quantile(&self, _: f64) -> f64 {
-        self.value
-    }
-
-    fn mean(&self) -> f64 {
-        self.value
-    }
-
-    fn std(&self) -> f64 {
-        0.0
+    fn mean_and_std(&self) -> (f64, f64) {
+        (self.value, 0.0)
     }
 
     fn support(&self) -> (f64, f64) {

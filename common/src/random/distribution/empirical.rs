@@ -16,9 +16,9 @@
 //! # Source
 //! Hyndman, Fan (1996), Sample quantiles in statistical packages, The American Statistician 50, 361-365.
 
-use super::fit_error::FitError;
-use super::law::{Law, LawError, moments};
+use super::law::{FitError, Law, LawError, moments};
 use super::tilted::tilted;
+use crate::random::standard::Tail;
 use serde::{Deserialize, Serialize};
 
 /// Fewest values of an empirical distribution.
@@ -126,10 +126,6 @@ impl Empirical {
 }
 
 impl Law for Empirical {
-    fn name(&self) -> &'static str {
-        "empirical"
-    }
-
     fn pdf(&self, x: f64) -> f64 {
         let (lower, upper) = self.support();
         if x < lower || x > upper {
@@ -139,16 +135,22 @@ impl Law for Empirical {
         1.0 / self.last_rank() / (self.values[k + 1] - self.values[k])
     }
 
-    fn cdf(&self, x: f64) -> f64 {
-        self.rank(x) / self.last_rank()
+    fn probability(&self, x: f64, tail: Tail) -> f64 {
+        let rank = if tail == Tail::Lower { self.rank(x) } else { self.rank_above(x) };
+        rank / self.last_rank()
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        self.rank_above(x) / self.last_rank()
-    }
-
-    fn quantile(&self, p: f64) -> f64 {
-        let rank = p * self.last_rank();
+    fn at(&self, p: f64, tail: Tail) -> f64 {
+        let whole = self.last_rank();
+        let rank = p * whole;
+        if tail == Tail::Upper {
+            let k = self.ranks.partition_point(|[_, last]| whole - last > rank).min(self.values.len() - 1);
+            let (b, past) = (self.values[k], rank - (whole - self.ranks[k][0]));
+            return match k.checked_sub(1).map(|below| self.values[below]) {
+                Some(a) if past > 0.0 => (b - (b - a) * past).clamp(a, b),
+                _ => b,
+            };
+        }
         let k = self.ranks.partition_point(|[first, _]| *first <= rank).max(1) - 1;
         let (a, past) = (self.values[k], rank - self.ranks[k][1]);
         match self.values.get(k + 1) {
@@ -157,31 +159,12 @@ impl Law for Empirical {
         }
     }
 
-    fn upper_quantile(&self, q: f64) -> f64 {
-        let whole = self.last_rank();
-        let rank = q * whole;
-        let k = self.ranks.partition_point(|[_, last]| whole - last > rank).min(self.values.len() - 1);
-        let (b, past) = (self.values[k], rank - (whole - self.ranks[k][0]));
-        match k.checked_sub(1).map(|below| self.values[below]) {
-            Some(a) if past > 0.0 => (b - (b - a) * past).clamp(a, b),
-            _ => b,
-        }
-    }
-
-    fn mean(&self) -> f64 {
-        self.mean
-    }
-
-    fn std(&self) -> f64 {
-        self.std
+    fn mean_and_std(&self) -> (f64, f64) {
+        (self.mean, self.std)
     }
 
     fn support(&self) -> (f64, f64) {
         (self.values[0], self.values[self.values.len() - 1])
-    }
-
-    fn limits(&self) -> (f64, f64) {
-        self.support()
     }
 
     fn scores(&self, x: f64) -> [f64; 2] {

@@ -15,6 +15,7 @@
 
 use super::law::{Law, LawError, REMOTE, between, moments};
 use super::tilted::tilted;
+use crate::random::standard::{Standard, Tail};
 use serde::{Deserialize, Serialize};
 
 /// E[t^3] of the standardised variable.
@@ -50,36 +51,20 @@ impl Exponential {
 }
 
 impl Law for Exponential {
-    fn name(&self) -> &'static str {
-        "exponential"
-    }
-
     fn pdf(&self, x: f64) -> f64 {
         if x < self.lower { 0.0 } else { libm::exp(-self.e(x)) / self.std }
     }
 
-    fn cdf(&self, x: f64) -> f64 {
-        -libm::expm1(-self.e(x))
+    fn probability(&self, x: f64, tail: Tail) -> f64 {
+        Standard::Exponential.probability(self.e(x), tail)
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        libm::exp(-self.e(x))
+    fn at(&self, p: f64, tail: Tail) -> f64 {
+        self.lower + self.std * Standard::Exponential.at(p, tail)
     }
 
-    fn quantile(&self, p: f64) -> f64 {
-        self.lower - self.std * libm::log1p(-p)
-    }
-
-    fn upper_quantile(&self, q: f64) -> f64 {
-        self.lower - self.std * libm::log(q)
-    }
-
-    fn mean(&self) -> f64 {
-        self.lower + self.std
-    }
-
-    fn std(&self) -> f64 {
-        self.std
+    fn mean_and_std(&self) -> (f64, f64) {
+        (self.lower + self.std, self.std)
     }
 
     fn support(&self) -> (f64, f64) {

@@ -14,6 +14,7 @@
 //! Johnson, Kotz, Balakrishnan (1995), Continuous Univariate Distributions, vol. 2, chapter 22.
 
 use super::law::{Law, LawError, moments};
+use crate::random::standard::{Standard, Tail};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::EULER_GAMMA;
 
@@ -31,7 +32,7 @@ pub enum Extreme {
 pub struct Gumbel {
     mean: f64,
     std: f64,
-    extreme: Extreme,
+    pub(super) extreme: Extreme,
 }
 
 /// s / std = sqrt(6) / pi [1].
@@ -41,14 +42,6 @@ impl Gumbel {
     pub(super) fn new(mean: f64, std: f64, extreme: Extreme) -> Result<Self, LawError> {
         let (mean, std) = moments(mean, std)?;
         Ok(Self { mean, std, extreme })
-    }
-
-    /// Its word in scenes.
-    pub(super) fn word(&self) -> &'static str {
-        match self.extreme {
-            Extreme::Maxima => "gumbel",
-            Extreme::Minima => "gumbel-minima",
-        }
     }
 
     /// +1 for maxima, -1 for minima.
@@ -68,77 +61,32 @@ impl Gumbel {
         self.sign() * (x - self.mean) / self.scale() + EULER_GAMMA
     }
 
-    /// The x of a z [unit of the variable].
-    fn value_of_z(&self, z: f64) -> f64 {
-        self.mean + self.sign() * self.scale() * (z - EULER_GAMMA)
-    }
-
-    /// The x [unit of the variable] with probability p that X <= x, for minima that X >= x.
-    fn by_probability(&self, p: f64) -> f64 {
-        self.value_of_z(-libm::log(-libm::log(p)))
-    }
-
-    /// The x [unit of the variable] with probability q that X > x, for minima that X < x.
-    fn by_exceedance(&self, q: f64) -> f64 {
-        self.value_of_z(-libm::log(-libm::log1p(-q)))
-    }
-
-    fn not_exceeded(&self, x: f64) -> f64 {
-        libm::exp(-libm::exp(-self.z(x)))
-    }
-
-    fn exceeded(&self, x: f64) -> f64 {
-        -libm::expm1(-libm::exp(-self.z(x)))
+    /// The tail of the standard distribution that is this one of X.
+    fn tail(&self, tail: Tail) -> Tail {
+        match self.extreme {
+            Extreme::Maxima => tail,
+            Extreme::Minima => tail.other(),
+        }
     }
 }
 
 impl Law for Gumbel {
-    fn name(&self) -> &'static str {
-        match self.extreme {
-            Extreme::Maxima => "Gumbel",
-            Extreme::Minima => "Gumbel of minima",
-        }
-    }
-
     fn pdf(&self, x: f64) -> f64 {
         let z = self.z(x);
         libm::exp(-z - libm::exp(-z)) / self.scale()
     }
 
-    fn cdf(&self, x: f64) -> f64 {
-        match self.extreme {
-            Extreme::Maxima => self.not_exceeded(x),
-            Extreme::Minima => self.exceeded(x),
-        }
+    fn probability(&self, x: f64, tail: Tail) -> f64 {
+        Standard::Gumbel.probability(self.z(x), self.tail(tail))
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        match self.extreme {
-            Extreme::Maxima => self.exceeded(x),
-            Extreme::Minima => self.not_exceeded(x),
-        }
+    fn at(&self, p: f64, tail: Tail) -> f64 {
+        let z = Standard::Gumbel.at(p, self.tail(tail));
+        self.mean + self.sign() * self.scale() * (z - EULER_GAMMA)
     }
 
-    fn quantile(&self, p: f64) -> f64 {
-        match self.extreme {
-            Extreme::Maxima => self.by_probability(p),
-            Extreme::Minima => self.by_exceedance(p),
-        }
-    }
-
-    fn upper_quantile(&self, q: f64) -> f64 {
-        match self.extreme {
-            Extreme::Maxima => self.by_exceedance(q),
-            Extreme::Minima => self.by_probability(q),
-        }
-    }
-
-    fn mean(&self) -> f64 {
-        self.mean
-    }
-
-    fn std(&self) -> f64 {
-        self.std
+    fn mean_and_std(&self) -> (f64, f64) {
+        (self.mean, self.std)
     }
 
     fn support(&self) -> (f64, f64) {
@@ -170,8 +118,8 @@ mod tests {
         assert!((SCALE - 6.0_f64.sqrt() / PI).abs() < 1e-15);
         // The location is the mode, F there is 1/e, and the median is l - s ln ln 2.
         let g = Gumbel::new(10.0, 2.0, Extreme::Maxima).unwrap();
-        let (s, l) = (g.scale(), g.value_of_z(0.0));
-        assert!((l - (10.0 - EULER_GAMMA * s)).abs() < 1e-14);
+        let s = g.scale();
+        let l = 10.0 - EULER_GAMMA * s;
         assert!((g.cdf(l) - (-1.0_f64).exp()).abs() < 1e-15);
         assert!((g.quantile(0.5) - (l - s * 2.0_f64.ln().ln())).abs() < 1e-13);
         assert!(g.pdf(l) > g.pdf(l + 1e-3) && g.pdf(l) > g.pdf(l - 1e-3));

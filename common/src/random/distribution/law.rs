@@ -1,4 +1,4 @@
-//! The functions that every distribution implements, and the parameters that it rejects.
+//! The functions that every distribution implements, and the parameters and measured values that it rejects.
 //!
 //! Values are transformed to and from standard normals by inversion, x = F^-1(Phi(u)): from the lower tail for u <= 0,
 //! from the upper tail for u > 0, so that both keep their digits.
@@ -6,6 +6,7 @@
 //! # Source
 //! Devroye (1986), Non-Uniform Random Variate Generation, section II.2 (inversion).
 
+use crate::random::standard::Tail;
 use crate::random::standard_normal::{standard_normal_cdf, standard_normal_quantile};
 use thiserror::Error;
 
@@ -16,46 +17,70 @@ pub(super) const REMOTE: f64 = 1e-6;
 /// The law of one continuous random variable X; a probability keeps its digits in the tail where it is small.
 ///
 /// Derivatives refer to the mean and the standard deviation of X (of the parent for the truncated normal).
-pub(super) trait Law {
-    /// Name for people, e.g. `truncated normal`.
-    fn name(&self) -> &'static str;
-
-    /// Density f(x) [1/unit of the variable]; zero outside the support.
+pub trait Law {
+    /// Density f(x) [1/unit of the variable]; zero outside the support, infinite at the value of a constant. The jumps of an
+    /// empirical distribution at equal values are not in it.
     fn pdf(&self, x: f64) -> f64;
 
-    /// F(x) = P(X <= x) [1].
-    fn cdf(&self, x: f64) -> f64;
+    /// P(X <= x) of the lower tail, P(X > x) of the upper one [1]; at a jump of an empirical distribution its middle.
+    fn probability(&self, x: f64, tail: Tail) -> f64;
+
+    /// The x at which the tail has the probability p in [0, 1] [unit of the variable], never outside the support; infinite at
+    /// the ends of an unbounded distribution.
+    fn at(&self, p: f64, tail: Tail) -> f64;
+
+    /// Distribution function F(x) = P(X <= x) [1].
+    fn cdf(&self, x: f64) -> f64 {
+        self.probability(x, Tail::Lower)
+    }
 
     /// 1 - F(x) [1].
-    fn survival(&self, x: f64) -> f64;
+    fn survival(&self, x: f64) -> f64 {
+        self.probability(x, Tail::Upper)
+    }
 
-    /// F^-1(p), p in [0, 1] [unit of the variable].
-    fn quantile(&self, p: f64) -> f64;
+    /// Quantile F^-1(p), p in [0, 1] [unit of the variable]. With p uniform this is sampling by inverse transform.
+    fn quantile(&self, p: f64) -> f64 {
+        self.at(p, Tail::Lower)
+    }
 
-    /// F^-1(1 - q), q in [0, 1] [unit of the variable].
-    fn upper_quantile(&self, q: f64) -> f64;
+    /// Quantile F^-1(1 - q), q in [0, 1] [unit of the variable], with the digits that 1 - q has lost.
+    fn upper_quantile(&self, q: f64) -> f64 {
+        self.at(q, Tail::Upper)
+    }
 
-    /// E[X] [unit of the variable].
-    fn mean(&self) -> f64;
+    /// Mean `E[X]` and standard deviation `sqrt(Var[X])` [unit of the variable].
+    fn mean_and_std(&self) -> (f64, f64);
 
-    /// sqrt(Var[X]) [unit of the variable].
-    fn std(&self) -> f64;
+    /// Mean `E[X]` [unit of the variable].
+    fn mean(&self) -> f64 {
+        self.mean_and_std().0
+    }
+
+    /// Standard deviation `sqrt(Var[X])` [unit of the variable].
+    fn std(&self) -> f64 {
+        self.mean_and_std().1
+    }
 
     /// Location that X is standardised by: its mean, of the parent for the truncated normal [unit of the variable].
     fn parent_mean(&self) -> f64 {
         self.mean()
     }
 
-    /// Standard deviation that derivatives refer to: of X, of the parent for the truncated normal [unit of the
-    /// variable].
+    /// Standard deviation that derivatives refer to: of X, of the parent for the truncated normal; 0 for a constant [unit of
+    /// the variable].
     fn given_std(&self) -> f64 {
         self.std()
     }
 
-    /// Closed interval of the possible values of X, `(lower, upper)` [unit of the variable].
+    /// Closed interval of the possible values of X, `(lower, upper)`; infinite where there is no bound [unit of the variable].
     fn support(&self) -> (f64, f64);
 
-    /// Scores d ln f(x) / dp for the mean and the standard deviation `(2,)` [1/unit of the variable].
+    /// Scores d ln f(x) / dp for the mean and the standard deviation `(2,)` [1/unit of the variable], bounds held fixed.
+    ///
+    /// For uniform, exponential and triangular distributions, whose bounds would move with the mean: the score of the
+    /// least change of the density, at fixed bounds, that moves the mean or the standard deviation alone (the module
+    /// `tilted` derives it). 0 for a constant.
     fn scores(&self, x: f64) -> [f64; 2];
 
     /// [`Self::scores`] for many values: what does not depend on the value is computed once.
@@ -63,17 +88,26 @@ pub(super) trait Law {
         Box::new(|x| self.scores(x))
     }
 
-    /// dF(x) / dp for the mean and the standard deviation `(2,)` [1/unit of the variable].
+    /// dF(x) / dp for the mean and the standard deviation `(2,)` [1/unit of the variable], in the same sense as the scores: the
+    /// integrals of score times density from the lower end to x.
     fn cdf_derivatives(&self, x: f64) -> [f64; 2];
 
-    /// The smallest and largest value that a scene must admit: a bound, else the 1e-6 or 1 - 1e-6 quantile [unit of
-    /// the variable].
+    /// The smallest and the largest value that a scene must admit, `(lower, upper)`: a bound that was chosen, else the
+    /// 1e-6 or 1 - 1e-6 quantile [unit of the variable].
     fn limits(&self) -> (f64, f64) {
+        let (lower, upper) = self.support();
+        if lower.is_finite() && upper.is_finite() {
+            return (lower, upper);
+        }
         (self.quantile(REMOTE), self.upper_quantile(REMOTE))
     }
 
-    /// The x with F(x) = Phi(u) [unit of the variable].
-    fn at_standard_normal(&self, u: f64) -> f64 {
+    /// The x with F(x) = Phi(u), u a standard normal [unit of the variable]; digits are kept in both tails.
+    #[expect(
+        clippy::wrong_self_convention,
+        reason = "the value comes from a standard normal, not from the law"
+    )]
+    fn from_standard_normal(&self, u: f64) -> f64 {
         if u <= 0.0 {
             self.quantile(standard_normal_cdf(u))
         } else {
@@ -81,7 +115,7 @@ pub(super) trait Law {
         }
     }
 
-    /// The u with Phi(u) = F(x) [1].
+    /// The standard normal u with Phi(u) = F(x) [1]; infinite at the bounds of a bounded distribution, 0 for a constant.
     fn to_standard_normal(&self, x: f64) -> f64 {
         let below = self.cdf(x);
         if below <= 0.5 {
@@ -119,6 +153,31 @@ pub enum LawError {
         /// Upper bound [unit of the variable].
         upper: f64,
     },
+}
+
+/// Why a distribution cannot be taken from measured values.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum FitError {
+    /// Fewer values than the distribution needs.
+    #[error("{found} values, at least {least} are needed")]
+    TooFew {
+        /// Number of values.
+        found: usize,
+        /// Fewest values that it needs.
+        least: usize,
+    },
+    /// All values are equal.
+    #[error("all values are equal")]
+    AllEqual,
+    /// A value that is not positive in a family of positive values.
+    #[error("value {} is not positive", place + 1)]
+    NotPositive {
+        /// Index of the value.
+        place: usize,
+    },
+    /// The fitted parameters are outside the range of the distribution.
+    #[error(transparent)]
+    Law(#[from] LawError),
 }
 
 fn interval(above: f64, below: f64) -> String {

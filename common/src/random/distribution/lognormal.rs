@@ -12,7 +12,8 @@
 //! Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, chapter 14.
 
 use super::law::{Law, LawError, between, chain};
-use crate::random::standard_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+use crate::random::standard::{Standard, Tail};
+use crate::random::standard_normal::standard_normal_pdf;
 use serde::{Deserialize, Serialize};
 
 /// Lognormal distribution with the mean and standard deviation of the variable itself, not of its logarithm.
@@ -38,11 +39,6 @@ impl Lognormal {
         (libm::log(x.max(f64::MIN_POSITIVE)) - self.lambda) / self.zeta
     }
 
-    /// The x of a z [unit of the variable].
-    fn value_of_z(&self, z: f64) -> f64 {
-        libm::exp(self.lambda + self.zeta * z)
-    }
-
     /// Rows d lambda and d zeta, each by mean and std `(2, 2)`.
     fn own(&self) -> [[f64; 2]; 2] {
         let cv = self.std / self.mean;
@@ -53,36 +49,20 @@ impl Lognormal {
 }
 
 impl Law for Lognormal {
-    fn name(&self) -> &'static str {
-        "lognormal"
-    }
-
     fn pdf(&self, x: f64) -> f64 {
         if x <= 0.0 { 0.0 } else { standard_normal_pdf(self.z(x)) / (self.zeta * x) }
     }
 
-    fn cdf(&self, x: f64) -> f64 {
-        if x <= 0.0 { 0.0 } else { standard_normal_cdf(self.z(x)) }
+    fn probability(&self, x: f64, tail: Tail) -> f64 {
+        Standard::Normal.probability(if x <= 0.0 { f64::NEG_INFINITY } else { self.z(x) }, tail)
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        if x <= 0.0 { 1.0 } else { standard_normal_cdf(-self.z(x)) }
+    fn at(&self, p: f64, tail: Tail) -> f64 {
+        self.from_standard_normal(Standard::Normal.at(p, tail))
     }
 
-    fn quantile(&self, p: f64) -> f64 {
-        self.value_of_z(standard_normal_quantile(p))
-    }
-
-    fn upper_quantile(&self, q: f64) -> f64 {
-        self.value_of_z(-standard_normal_quantile(q))
-    }
-
-    fn mean(&self) -> f64 {
-        self.mean
-    }
-
-    fn std(&self) -> f64 {
-        self.std
+    fn mean_and_std(&self) -> (f64, f64) {
+        (self.mean, self.std)
     }
 
     fn support(&self) -> (f64, f64) {
@@ -100,8 +80,8 @@ impl Law for Lognormal {
         chain([-slope, -z * slope], self.own())
     }
 
-    fn at_standard_normal(&self, u: f64) -> f64 {
-        self.value_of_z(u)
+    fn from_standard_normal(&self, u: f64) -> f64 {
+        libm::exp(self.lambda + self.zeta * u)
     }
 
     fn to_standard_normal(&self, x: f64) -> f64 {

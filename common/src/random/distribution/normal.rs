@@ -11,7 +11,8 @@
 //! Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, chapter 13.
 
 use super::law::{Law, LawError, moments};
-use crate::random::standard_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+use crate::random::standard::{Standard, Tail};
+use crate::random::standard_normal::standard_normal_pdf;
 use serde::{Deserialize, Serialize};
 
 /// Normal distribution with a mean and a standard deviation.
@@ -33,36 +34,20 @@ impl Normal {
 }
 
 impl Law for Normal {
-    fn name(&self) -> &'static str {
-        "normal"
-    }
-
     fn pdf(&self, x: f64) -> f64 {
         standard_normal_pdf(self.z(x)) / self.std
     }
 
-    fn cdf(&self, x: f64) -> f64 {
-        standard_normal_cdf(self.z(x))
+    fn probability(&self, x: f64, tail: Tail) -> f64 {
+        Standard::Normal.probability(self.z(x), tail)
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        standard_normal_cdf(-self.z(x))
+    fn at(&self, p: f64, tail: Tail) -> f64 {
+        self.mean + self.std * Standard::Normal.at(p, tail)
     }
 
-    fn quantile(&self, p: f64) -> f64 {
-        self.mean + self.std * standard_normal_quantile(p)
-    }
-
-    fn upper_quantile(&self, q: f64) -> f64 {
-        self.mean - self.std * standard_normal_quantile(q)
-    }
-
-    fn mean(&self) -> f64 {
-        self.mean
-    }
-
-    fn std(&self) -> f64 {
-        self.std
+    fn mean_and_std(&self) -> (f64, f64) {
+        (self.mean, self.std)
     }
 
     fn support(&self) -> (f64, f64) {
@@ -79,7 +64,7 @@ impl Law for Normal {
         [-f, -z * f]
     }
 
-    fn at_standard_normal(&self, u: f64) -> f64 {
+    fn from_standard_normal(&self, u: f64) -> f64 {
         self.mean + self.std * u
     }
 

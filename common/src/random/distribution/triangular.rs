@@ -16,6 +16,7 @@
 
 use super::law::{Law, LawError, between};
 use super::tilted::tilted;
+use crate::random::standard::Tail;
 use serde::{Deserialize, Serialize};
 
 /// E[t^4] of the standardised variable.
@@ -25,7 +26,8 @@ const KURTOSIS: f64 = 2.4;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Triangular {
     lower: f64,
-    mode: f64,
+    /// The likeliest value [unit of the variable].
+    pub(super) mode: f64,
     upper: f64,
 }
 
@@ -37,11 +39,6 @@ impl Triangular {
             return Err(LawError::NotEnclosed { parameter: "mode", value: mode, lower, upper });
         }
         Ok(Self { lower, mode, upper })
-    }
-
-    /// The likeliest value [unit of the variable].
-    pub(super) fn mode(&self) -> f64 {
-        self.mode
     }
 
     /// Lengths of the rising part, the falling part and both [unit of the variable].
@@ -59,10 +56,6 @@ impl Triangular {
 }
 
 impl Law for Triangular {
-    fn name(&self) -> &'static str {
-        "triangular"
-    }
-
     fn pdf(&self, x: f64) -> f64 {
         let (r, l, both) = self.parts();
         if x < self.lower || x > self.upper {
@@ -76,58 +69,36 @@ impl Law for Triangular {
         }
     }
 
-    fn cdf(&self, x: f64) -> f64 {
-        let (r, _, both) = self.parts();
-        let w = (x - self.lower).max(0.0);
-        if x < self.mode { w * w / (both * r) } else { 1.0 - self.survival(x) }
-    }
-
-    fn survival(&self, x: f64) -> f64 {
-        let (_, l, both) = self.parts();
-        let w = (self.upper - x).max(0.0);
-        if x < self.mode {
-            1.0 - self.cdf(x)
-        } else if l > 0.0 {
-            w * w / (both * l)
-        } else {
-            0.0
-        }
-    }
-
-    fn quantile(&self, p: f64) -> f64 {
+    fn probability(&self, x: f64, tail: Tail) -> f64 {
         let (r, l, both) = self.parts();
-        if p * both <= r {
-            (self.lower + (p * both * r).sqrt()).min(self.mode)
+        // Of the tail on this side of the mode, which is a triangle.
+        let (nearer, w, part) = if x < self.mode {
+            (Tail::Lower, (x - self.lower).max(0.0), r)
         } else {
-            (self.upper - ((1.0 - p) * both * l).max(0.0).sqrt()).max(self.mode)
-        }
+            (Tail::Upper, (self.upper - x).max(0.0), l)
+        };
+        let triangle = if part > 0.0 { w * w / (both * part) } else { 0.0 };
+        if tail == nearer { triangle } else { 1.0 - triangle }
     }
 
-    fn upper_quantile(&self, q: f64) -> f64 {
+    fn at(&self, p: f64, tail: Tail) -> f64 {
         let (r, l, both) = self.parts();
-        if q * both <= l {
-            (self.upper - (q * both * l).sqrt()).max(self.mode)
-        } else {
-            (self.lower + ((1.0 - q) * both * r).max(0.0).sqrt()).min(self.mode)
+        let part = if tail == Tail::Lower { r } else { l };
+        // Measured from the bound on whose side of the mode the value lies.
+        let (p, tail) = if p * both <= part { (p, tail) } else { (1.0 - p, tail.other()) };
+        match tail {
+            Tail::Lower => (self.lower + (p * both * r).max(0.0).sqrt()).min(self.mode),
+            Tail::Upper => (self.upper - (p * both * l).max(0.0).sqrt()).max(self.mode),
         }
     }
 
-    fn mean(&self) -> f64 {
-        let (r, _, both) = self.parts();
-        self.lower + (r + both) / 3.0
-    }
-
-    fn std(&self) -> f64 {
-        let (r, l, _) = self.parts();
-        ((r * r + r * l + l * l) / 18.0).sqrt()
+    fn mean_and_std(&self) -> (f64, f64) {
+        let (r, l, both) = self.parts();
+        (self.lower + (r + both) / 3.0, ((r * r + r * l + l * l) / 18.0).sqrt())
     }
 
     fn support(&self) -> (f64, f64) {
         (self.lower, self.upper)
-    }
-
-    fn limits(&self) -> (f64, f64) {
-        self.support()
     }
 
     fn scores(&self, x: f64) -> [f64; 2] {

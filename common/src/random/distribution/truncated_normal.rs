@@ -13,7 +13,10 @@
 //! Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, section 13.10.1.
 
 use super::law::{Law, LawError, moments};
-use crate::random::standard_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+use crate::random::standard::Tail;
+use crate::random::standard_normal::{
+    standard_normal_cdf, standard_normal_mass, standard_normal_pdf, standard_normal_quantile,
+};
 use serde::{Deserialize, Serialize};
 
 /// Normal distribution restricted to an interval, with the mean and standard deviation of its parent.
@@ -35,7 +38,7 @@ struct Standardised {
 
 impl Standardised {
     fn new(a: f64, b: f64) -> Self {
-        Self { a, b, mass: interval_mass(a, b) }
+        Self { a, b, mass: standard_normal_mass(a, b) }
     }
 
     /// phi(a) and phi(b) [1]; zero at infinity.
@@ -52,15 +55,6 @@ impl Standardised {
 /// z phi(z) [1]; zero at infinity.
 fn moment(z: f64) -> f64 {
     if z.is_finite() { z * standard_normal_pdf(z) } else { 0.0 }
-}
-
-/// Phi(b) - Phi(a) [1], computed in the tail where it has most digits.
-fn interval_mass(a: f64, b: f64) -> f64 {
-    if a > 0.0 {
-        standard_normal_cdf(-a) - standard_normal_cdf(-b)
-    } else {
-        standard_normal_cdf(b) - standard_normal_cdf(a)
-    }
 }
 
 impl TruncatedNormal {
@@ -82,10 +76,6 @@ impl TruncatedNormal {
 }
 
 impl Law for TruncatedNormal {
-    fn name(&self) -> &'static str {
-        "truncated normal"
-    }
-
     fn pdf(&self, x: f64) -> f64 {
         if x < self.lower || x > self.upper {
             return 0.0;
@@ -93,62 +83,35 @@ impl Law for TruncatedNormal {
         standard_normal_pdf(self.z(x)) / (self.std * self.standardised().mass)
     }
 
-    fn cdf(&self, x: f64) -> f64 {
-        if x <= self.lower {
-            return 0.0;
+    fn probability(&self, x: f64, tail: Tail) -> f64 {
+        if x <= self.lower || x >= self.upper {
+            return f64::from(u8::from((x <= self.lower) == (tail == Tail::Upper)));
         }
-        if x >= self.upper {
-            return 1.0;
-        }
-        let s = self.standardised();
-        interval_mass(s.a, self.z(x)) / s.mass
+        let (s, z) = (self.standardised(), self.z(x));
+        let (from, to) = if tail == Tail::Lower { (s.a, z) } else { (z, s.b) };
+        standard_normal_mass(from, to) / s.mass
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        if x <= self.lower {
-            return 1.0;
-        }
-        if x >= self.upper {
-            return 0.0;
-        }
+    fn at(&self, p: f64, tail: Tail) -> f64 {
         let s = self.standardised();
-        interval_mass(self.z(x), s.b) / s.mass
-    }
-
-    fn quantile(&self, p: f64) -> f64 {
-        let s = self.standardised();
-        let z = if s.a > 0.0 {
-            -standard_normal_quantile(standard_normal_cdf(-s.a) - p * s.mass)
+        // The upper tail is the lower one of -X.
+        let (bound, sign) = if tail == Tail::Lower { (s.a, 1.0) } else { (-s.b, -1.0) };
+        let z = if bound > 0.0 {
+            -standard_normal_quantile(standard_normal_cdf(-bound) - p * s.mass)
         } else {
-            standard_normal_quantile(standard_normal_cdf(s.a) + p * s.mass)
+            standard_normal_quantile(standard_normal_cdf(bound) + p * s.mass)
         };
-        (self.mean + self.std * z).clamp(self.lower, self.upper)
+        (self.mean + self.std * (sign * z)).clamp(self.lower, self.upper)
     }
 
-    fn upper_quantile(&self, q: f64) -> f64 {
-        let s = self.standardised();
-        let z = if s.b < 0.0 {
-            standard_normal_quantile(standard_normal_cdf(s.b) - q * s.mass)
-        } else {
-            -standard_normal_quantile(standard_normal_cdf(-s.b) + q * s.mass)
-        };
-        (self.mean + self.std * z).clamp(self.lower, self.upper)
-    }
-
-    /// mean + std (phi(a) - phi(b)) / Z.
-    fn mean(&self) -> f64 {
-        let s = self.standardised();
-        let (phi_a, phi_b) = s.bound_densities();
-        self.mean + self.std * (phi_a - phi_b) / s.mass
-    }
-
-    /// The root of std^2 (1 + (a phi(a) - b phi(b)) / Z - ((phi(a) - phi(b)) / Z)^2).
-    fn std(&self) -> f64 {
+    /// mean + std (phi(a) - phi(b)) / Z, and the root of std^2 (1 + (a phi(a) - b phi(b)) / Z - ((phi(a) - phi(b)) / Z)^2).
+    fn mean_and_std(&self) -> (f64, f64) {
         let s = self.standardised();
         let (phi_a, phi_b) = s.bound_densities();
         let (moment_a, moment_b) = s.bound_moments();
         let shift = (phi_a - phi_b) / s.mass;
-        self.std * (1.0 + (moment_a - moment_b) / s.mass - shift * shift).max(0.0).sqrt()
+        let variance = 1.0 + (moment_a - moment_b) / s.mass - shift * shift;
+        (self.mean + self.std * (phi_a - phi_b) / s.mass, self.std * variance.max(0.0).sqrt())
     }
 
     fn parent_mean(&self) -> f64 {

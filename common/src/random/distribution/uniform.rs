@@ -15,6 +15,7 @@
 
 use super::law::{Law, LawError, between, moments};
 use super::tilted::tilted;
+use crate::random::standard::Tail;
 use serde::{Deserialize, Serialize};
 
 /// E[t^4] of the standardised variable.
@@ -51,44 +52,28 @@ impl Uniform {
 }
 
 impl Law for Uniform {
-    fn name(&self) -> &'static str {
-        "uniform"
-    }
-
     fn pdf(&self, x: f64) -> f64 {
         if x < self.lower || x > self.upper { 0.0 } else { 1.0 / self.width() }
     }
 
-    fn cdf(&self, x: f64) -> f64 {
-        ((x - self.lower) / self.width()).clamp(0.0, 1.0)
+    fn probability(&self, x: f64, tail: Tail) -> f64 {
+        let part = if tail == Tail::Lower { x - self.lower } else { self.upper - x };
+        (part / self.width()).clamp(0.0, 1.0)
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        ((self.upper - x) / self.width()).clamp(0.0, 1.0)
+    fn at(&self, p: f64, tail: Tail) -> f64 {
+        match tail {
+            Tail::Lower => (self.lower + p * self.width()).min(self.upper),
+            Tail::Upper => (self.upper - p * self.width()).max(self.lower),
+        }
     }
 
-    fn quantile(&self, p: f64) -> f64 {
-        (self.lower + p * self.width()).min(self.upper)
-    }
-
-    fn upper_quantile(&self, q: f64) -> f64 {
-        (self.upper - q * self.width()).max(self.lower)
-    }
-
-    fn mean(&self) -> f64 {
-        self.lower + 0.5 * self.width()
-    }
-
-    fn std(&self) -> f64 {
-        self.width() / 12.0_f64.sqrt()
+    fn mean_and_std(&self) -> (f64, f64) {
+        (self.lower + 0.5 * self.width(), self.width() / 12.0_f64.sqrt())
     }
 
     fn support(&self) -> (f64, f64) {
         (self.lower, self.upper)
-    }
-
-    fn limits(&self) -> (f64, f64) {
-        self.support()
     }
 
     fn scores(&self, x: f64) -> [f64; 2] {

@@ -14,6 +14,7 @@
 //! Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, chapter 21.
 
 use super::law::{Law, LawError, between, chain};
+use crate::random::standard::{Standard, Tail};
 use serde::{Deserialize, Serialize};
 use statrs::function::gamma::digamma;
 
@@ -96,10 +97,6 @@ impl Weibull {
 }
 
 impl Law for Weibull {
-    fn name(&self) -> &'static str {
-        "Weibull"
-    }
-
     fn pdf(&self, x: f64) -> f64 {
         if x <= 0.0 {
             return 0.0;
@@ -108,28 +105,16 @@ impl Law for Weibull {
         self.shape * hazard / x * libm::exp(-hazard)
     }
 
-    fn cdf(&self, x: f64) -> f64 {
-        if x <= 0.0 { 0.0 } else { -libm::expm1(-self.hazard(x)) }
+    fn probability(&self, x: f64, tail: Tail) -> f64 {
+        Standard::Exponential.probability(if x <= 0.0 { 0.0 } else { self.hazard(x) }, tail)
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        if x <= 0.0 { 1.0 } else { libm::exp(-self.hazard(x)) }
+    fn at(&self, p: f64, tail: Tail) -> f64 {
+        self.scale * libm::pow(Standard::Exponential.at(p, tail), 1.0 / self.shape)
     }
 
-    fn quantile(&self, p: f64) -> f64 {
-        self.scale * libm::pow(-libm::log1p(-p), 1.0 / self.shape)
-    }
-
-    fn upper_quantile(&self, q: f64) -> f64 {
-        self.scale * libm::pow(-libm::log(q), 1.0 / self.shape)
-    }
-
-    fn mean(&self) -> f64 {
-        self.mean
-    }
-
-    fn std(&self) -> f64 {
-        self.std
+    fn mean_and_std(&self) -> (f64, f64) {
+        (self.mean, self.std)
     }
 
     fn support(&self) -> (f64, f64) {

@@ -12,7 +12,7 @@
 
 use super::space::DesignSpace;
 use crate::analyses::what_if::written_value;
-use common::random::{Correlation, Distribution, RandomVariable};
+use common::random::{Correlation, RandomVariable};
 use common::scene::{Faults, Scene, SceneSource};
 use toml::{Table, Value};
 
@@ -138,7 +138,7 @@ fn envelope(k: usize, corners: &[Scene], middle: &Scene, ends: &[[Scene; 2]]) ->
     let law = |scene: &Scene| scene.variables[k].distribution.clone();
     let all: Vec<_> =
         corners.iter().chain(std::iter::once(middle)).chain(ends.iter().flatten()).map(law).collect();
-    let limits = all.iter().map(Distribution::limits);
+    let limits = all.iter().map(|law| law.limits());
     let bounds =
         limits.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| (low.min(l), high.max(h)));
     Envelope {
@@ -147,7 +147,7 @@ fn envelope(k: usize, corners: &[Scene], middle: &Scene, ends: &[[Scene; 2]]) ->
             .map(|[lower, upper]| 0.5 * (law(upper).parent_mean() - law(lower).parent_mean()))
             .collect(),
         mean: law(middle).parent_mean(),
-        own_std: all.iter().map(Distribution::given_std).fold(0.0, f64::max),
+        own_std: all.iter().map(|law| law.given_std()).fold(0.0, f64::max),
         bounds,
         is_fixed: all.iter().all(|law| *law == all[0]),
     }

@@ -9,9 +9,8 @@ use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Mode, SURROGATE_SAFETY, StoppingTargets};
 use crate::study::{
     Campaign, CampaignResult, LARGEST_POPULATION, Observed, ObservedOutcome, Plan, Problem, SampleRequest,
-    Settings, Step,
+    Settings,
 };
-use std::collections::VecDeque;
 
 /// Surrogate error of the failure probability allowed by a target, over that probability [1]: an error of the reliability
 /// index of 0.01 at 0.9987.
@@ -125,45 +124,16 @@ impl<'a> TargetCampaign<'a> {
             settings,
         };
         let mut campaign = Campaign::with_results(problem, plan, self.outcomes.iter().cloned());
-        let mut requested: VecDeque<Vec<SampleRequest>> = VecDeque::new();
-        let mut received: VecDeque<Vec<ObservedOutcome>> = VecDeque::new();
-        loop {
-            match campaign.next_step()? {
-                Step::Evaluate(requests) => requested.push_back(requests),
-                Step::Wait => {
-                    self.simulate_requested(&mut requested, &mut received, simulate)?;
-                    let oldest = received.pop_front().expect("a campaign waits for requested samples only");
-                    campaign.record(oldest)?;
-                }
-                Step::Done => break,
-            }
-        }
-        Ok(campaign.finish().expect("a campaign that is done has a result"))
-    }
-
-    /// Simulates all requested chunks at once.
-    fn simulate_requested(
-        &mut self,
-        requested: &mut VecDeque<Vec<SampleRequest>>,
-        received: &mut VecDeque<Vec<ObservedOutcome>>,
-        simulate: &mut Simulate<'_>,
-    ) -> Result<(), OptimiseError> {
-        let samples: Vec<SampleRequest> = requested.iter().flatten().cloned().collect();
-        if samples.is_empty() {
-            return Ok(());
-        }
-        let mut outcomes = simulate(&samples)?.into_iter();
-        for chunk in requested.drain(..) {
-            let reduced: Vec<ObservedOutcome> = outcomes
-                .by_ref()
-                .take(chunk.len())
-                .map(|outcome| outcome.map(|observed| self.reduced(&observed)))
-                .collect();
-            let pairs = chunk.iter().zip(&reduced);
+        let simulated = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, OptimiseError> {
+            let outcomes = simulate(requests)?.into_iter();
+            let reduced: Vec<ObservedOutcome> =
+                outcomes.map(|outcome| outcome.map(|observed| self.reduced(&observed))).collect();
+            let pairs = requests.iter().zip(&reduced);
             self.outcomes.extend(pairs.map(|(request, outcome)| (request.sample.clone(), outcome.clone())));
-            received.push_back(reduced);
-        }
-        Ok(())
+            Ok(reduced)
+        };
+        campaign.run(simulated, |_| {})?;
+        Ok(campaign.finish().expect("a campaign that is done has a result"))
     }
 
     /// Place of a target's curve among the curves of the campaign, and of its checkpoint among its columns.

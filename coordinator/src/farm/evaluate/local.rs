@@ -1,12 +1,15 @@
-//! Evaluates requests by a closure on threads of this process, without messaging.
+//! Evaluates requests on threads of this process, which share a queue, without messaging: by a closure, or by what an evaluator of
+//! this module gives to each thread.
 
-use super::queue::{CloseAtEnd, Queue};
-use super::{EvaluateError, Evaluator, Finished, POLL_INTERVAL, PendingRequests, Request, RequestSource};
-use common::failure::SimulationFailure;
-use common::outputs::Evaluation;
-use std::sync::Arc;
+use super::{
+    EvaluateError, EvaluationResult, Evaluator, Finished, POLL_INTERVAL, PendingRequests, Request,
+    RequestSource,
+};
+use common::external::StopSignal;
+use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Evaluates requests by a closure `F` on a fixed number of threads.
@@ -19,7 +22,7 @@ pub struct LocalEvaluator<F> {
 
 impl<F> LocalEvaluator<F>
 where
-    F: Fn(&Request) -> Result<Evaluation, SimulationFailure> + Sync,
+    F: Fn(&Request) -> EvaluationResult + Sync,
 {
     /// An evaluator that calls `simulate` on `threads` threads (at least one).
     pub fn new(threads: usize, simulate: F) -> Self {
@@ -34,53 +37,14 @@ where
 
 impl<F> Evaluator for LocalEvaluator<F>
 where
-    F: Fn(&Request) -> Result<Evaluation, SimulationFailure> + Sync,
+    F: Fn(&Request) -> EvaluationResult + Sync,
 {
     fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
-        let (simulate, interrupted) = (&self.simulate, &*self.interrupted);
-        let queue = Queue::default();
-        let (sender, outcomes) = channel();
-        std::thread::scope(|scope| {
-            for thread in 0..self.threads {
-                let (sender, queue) = (sender.clone(), &queue);
-                scope.spawn(move || {
-                    let _closed = CloseAtEnd(queue);
-                    while let Some(request) = queue.take() {
-                        let started = Instant::now();
-                        let outcome = simulate(&request);
-                        let wall = started.elapsed().as_secs_f64();
-                        let worker = format!("local/{thread}");
-                        if sender.send(Finished { id: request.id, outcome, worker, wall }).is_err() {
-                            return;
-                        }
-                    }
-                });
-            }
-            drop(sender);
-            // The threads end on every path out of this scope.
-            let _closed = CloseAtEnd(&queue);
-            let (mut pending, mut open) = (PendingRequests::default(), 0);
-            loop {
-                if interrupted.load(Ordering::Relaxed) {
-                    return Err(EvaluateError::Interrupted);
-                }
-                let requests = pending.drain(source)?;
-                open += requests.len();
-                queue.add(requests);
-                if open == 0 && pending.is_exhausted() {
-                    return Ok(());
-                }
-                match outcomes.recv_timeout(POLL_INTERVAL) {
-                    Ok(finished) => {
-                        source.record(finished)?;
-                        open -= 1;
-                    }
-                    Err(RecvTimeoutError::Timeout) => {}
-                    // A thread that panics is reported by the scope.
-                    Err(RecvTimeoutError::Disconnected) => return Ok(()),
-                }
-            }
-        })
+        let simulate = &self.simulate;
+        let threads = (0..self.threads).map(|thread| {
+            move |request: &Request, _: &StopSignal| Ok((simulate(request), format!("local/{thread}")))
+        });
+        run_on_threads(threads, &self.interrupted, source)
     }
 
     fn concurrency(&self) -> u32 {
@@ -88,9 +52,122 @@ where
     }
 }
 
+/// Runs until the source is exhausted and every request has been evaluated, each by one of `threads`, which returns what a
+/// request gives and the name of its worker. The stop signal is set at the end and when `interrupted` becomes true, which
+/// ends the run with [`EvaluateError::Interrupted`].
+pub(super) fn run_on_threads<E>(
+    threads: impl Iterator<Item = E>,
+    interrupted: &Arc<AtomicBool>,
+    source: &mut dyn RequestSource,
+) -> Result<(), EvaluateError>
+where
+    E: FnMut(&Request, &StopSignal) -> Result<(EvaluationResult, String), EvaluateError> + Send,
+{
+    let has_ended = Arc::new(AtomicBool::new(false));
+    let stop = StopSignal::new([Arc::clone(interrupted), Arc::clone(&has_ended)]);
+    let queue = Queue::default();
+    let (sender, outcomes) = channel();
+    std::thread::scope(|scope| {
+        for mut evaluate in threads {
+            let (sender, queue, stop) = (sender.clone(), &queue, &stop);
+            scope.spawn(move || {
+                let _closed = CloseAtEnd(queue);
+                while !stop.is_set()
+                    && let Some(request) = queue.take()
+                {
+                    let started = Instant::now();
+                    let finished = evaluate(&request, stop).map(|(outcome, worker)| {
+                        let wall = started.elapsed().as_secs_f64();
+                        Finished { id: request.id, outcome, worker, wall }
+                    });
+                    if sender.send(finished).is_err() {
+                        return;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        // The threads end on every path out of this scope.
+        let _closed = CloseAtEnd(&queue);
+        let collected = collect(source, &queue, &outcomes, &stop);
+        has_ended.store(true, Ordering::Relaxed);
+        collected
+    })
+}
+
+/// Requests that no thread has taken yet.
+#[derive(Debug, Default)]
+struct Queue {
+    waiting: Mutex<QueueState>,
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct QueueState {
+    requests: VecDeque<Request>,
+    closed: bool,
+}
+
+impl Queue {
+    /// Waits for the next request; `None` once the queue is closed.
+    fn take(&self) -> Option<Request> {
+        let waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        let idle = |w: &mut QueueState| w.requests.is_empty() && !w.closed;
+        let mut waiting = self.changed.wait_while(waiting, idle).unwrap_or_else(PoisonError::into_inner);
+        if waiting.closed { None } else { waiting.requests.pop_front() }
+    }
+
+    fn add(&self, requests: Vec<Request>) {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner).requests.extend(requests);
+        self.changed.notify_all();
+    }
+}
+
+/// Closes a queue when dropped: at the end, after an error, and when a simulation panics.
+struct CloseAtEnd<'a>(&'a Queue);
+
+impl Drop for CloseAtEnd<'_> {
+    fn drop(&mut self) {
+        self.0.waiting.lock().unwrap_or_else(PoisonError::into_inner).closed = true;
+        self.0.changed.notify_all();
+    }
+}
+
+/// Queues requests and records outcomes until the source is exhausted and nothing is running.
+fn collect(
+    source: &mut dyn RequestSource,
+    queue: &Queue,
+    outcomes: &Receiver<Result<Finished, EvaluateError>>,
+    stop: &StopSignal,
+) -> Result<(), EvaluateError> {
+    let (mut pending, mut open) = (PendingRequests::default(), 0);
+    loop {
+        let requests = pending.drain(source)?;
+        open += requests.len();
+        queue.add(requests);
+        if open == 0 && pending.is_exhausted() {
+            return Ok(());
+        }
+        if stop.is_set() {
+            return Err(EvaluateError::Interrupted);
+        }
+        match outcomes.recv_timeout(POLL_INTERVAL) {
+            Ok(finished) => {
+                source.record(finished?)?;
+                open -= 1;
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+            // The threads end when the stop signal is set; a panic of a thread is reported by the scope.
+            Err(RecvTimeoutError::Disconnected) if stop.is_set() => return Err(EvaluateError::Interrupted),
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::failure::SimulationFailure;
     use std::collections::BTreeMap;
 
     fn batch(count: u64) -> Vec<Request> {
@@ -99,7 +176,7 @@ mod tests {
             .collect()
     }
 
-    fn refuse(request: &Request) -> Result<Evaluation, SimulationFailure> {
+    fn refuse(request: &Request) -> EvaluationResult {
         Err(SimulationFailure::NotModelled { what: format!("{}", request.sample[0] * 2.0) })
     }
 

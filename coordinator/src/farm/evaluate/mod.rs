@@ -3,8 +3,6 @@
 
 pub mod external;
 pub mod local;
-mod queue;
-mod slots;
 
 use common::accuracy::Accuracy;
 use common::external::{SimulatorError, SlotError};

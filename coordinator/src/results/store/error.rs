@@ -75,21 +75,6 @@ pub enum StoreError {
         /// Message of the decoder.
         reason: String,
     },
-    /// The file has an earlier layout, and an evaluation in it cannot be read.
-    #[error(
-        "{}: has schema version {found}, and its evaluation {id} is in a form that this program cannot read ({reason}); \
-         start a new study", path.display()
-    )]
-    Migration {
-        /// Path of the campaign file.
-        path: PathBuf,
-        /// Version in the file.
-        found: i64,
-        /// Number of the evaluation.
-        id: i64,
-        /// Message of the decoder.
-        reason: String,
-    },
     /// The folder cannot be created or locked.
     #[error("output folder {}: {source}", dir.display())]
     Folder {
@@ -147,8 +132,7 @@ impl StoreError {
             | Self::NoCampaign { .. }
             | Self::NotACampaign { .. }
             | Self::SchemaVersion { .. }
-            | Self::Outcome { .. }
-            | Self::Migration { .. } => true,
+            | Self::Outcome { .. } => true,
             Self::Folder { source, .. } => is_unusable_path(source),
             Self::Database { source, .. } => matches!(
                 source.sqlite_error_code(),

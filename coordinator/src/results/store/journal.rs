@@ -1,5 +1,6 @@
 //! Writing of a campaign file: the journal of the study, and the results at its end.
 
+use super::read::{COLUMNS, RawEvaluation};
 use super::value_tables::{insert_statement, states_errors, write_rows, write_stated_errors};
 use super::{CampaignFile, StoreError, exact};
 use crate::farm::evaluate::{EvaluateError, Finished, Request};
@@ -8,7 +9,7 @@ use crate::results::summary::Round;
 use crate::results::timing::Timing;
 use common::outputs::Evaluation;
 use rusqlite::types::Value;
-use rusqlite::{OptionalExtension, Transaction, params, params_from_iter};
+use rusqlite::{Connection, OptionalExtension, Row, Transaction, params, params_from_iter};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -39,31 +40,21 @@ impl Journal for CampaignFile {
     fn note_round(&mut self, round: &Round) -> Result<(), EvaluateError> {
         let json = serde_json::to_string(round)
             .map_err(|error| self.encoding(format!("round {}", round.round), error))?;
-        self.connection
-            .execute(
-                "INSERT OR REPLACE INTO learning_round (round, evaluations, noted_at, json)
-                 VALUES (?1, ?2, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?3)",
-                params![round.round as i64, round.evaluations as i64, json],
-            )
-            .map_err(|source| self.database(source))?;
+        let sql = "INSERT OR REPLACE INTO learning_round (round, evaluations, noted_at, json)
+                   VALUES (?1, ?2, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?3)";
+        let (number, evaluations) = (round.round as i64, round.evaluations as i64);
+        self.query(|connection| connection.execute(sql, params![number, evaluations, json]))?;
         Ok(())
     }
 
     fn times(&self) -> Result<Timing, EvaluateError> {
-        let sql = "SELECT value FROM campaign WHERE key = 'times'";
-        let text: Option<String> = self
-            .connection
-            .query_row(sql, [], |row| row.get(0))
-            .optional()
-            .map_err(|source| self.database(source))?;
-        let Some(text) = text else { return Ok(Timing::default()) };
-        Ok(serde_json::from_str(&text).map_err(|error| self.encoding("times", error))?)
+        Ok(self.json("times", "SELECT value FROM campaign WHERE key = ?1")?.unwrap_or_default())
     }
 
     fn note_times(&mut self, times: &Timing) -> Result<(), EvaluateError> {
         let text = serde_json::to_string(times).map_err(|error| self.encoding("times", error))?;
         let sql = "INSERT OR REPLACE INTO campaign (key, value) VALUES ('times', ?1)";
-        self.connection.execute(sql, [text]).map_err(|source| self.database(source))?;
+        self.query(|connection| connection.execute(sql, [text]))?;
         Ok(())
     }
 }
@@ -84,32 +75,14 @@ impl CampaignFile {
 
     /// The outcome recorded under the number of a request.
     fn find(&self, request: &Request) -> Result<Option<Finished>, StoreError> {
-        let found = self
-            .connection
-            .prepare_cached(
-                "SELECT sample, with_first_cycle, outcome, worker, coalesce(wall_s, 0.0), stricter FROM evaluation
-                 WHERE id = ?1",
-            )
-            .and_then(|mut statement| {
-                statement
-                    .query_row([to_key(request.id)], |row| {
-                        Ok((
-                            row.get::<_, Vec<u8>>(0)?,
-                            row.get::<_, bool>(1)?,
-                            row.get::<_, Vec<u8>>(2)?,
-                            row.get(3)?,
-                            row.get(4)?,
-                            row.get::<_, bool>(5)?,
-                        ))
-                    })
-                    .optional()
-            })
-            .map_err(|source| self.database(source))?;
-        let Some((sample, with_first_cycle, outcome, worker, wall, is_stricter)) = found else {
-            return Ok(None);
-        };
+        let sql = format!("SELECT {COLUMNS}, with_first_cycle, stricter FROM evaluation WHERE id = ?1");
+        let read = |row: &Row<'_>| Ok((RawEvaluation::read(row)?, row.get(6)?, row.get(7)?));
+        let found: Option<(RawEvaluation, bool, bool)> = self.query(|connection| {
+            connection.prepare_cached(&sql)?.query_row([to_key(request.id)], read).optional()
+        })?;
+        let Some((found, with_first_cycle, is_stricter)) = found else { return Ok(None) };
         let another = |difference| StoreError::AnotherStudy { path: self.path(), id: request.id, difference };
-        if sample != exact::sample_to_bytes(&request.sample) {
+        if found.sample != exact::sample_to_bytes(&request.sample) {
             return Err(another("sample"));
         }
         if with_first_cycle != request.with_first_cycle {
@@ -118,9 +91,8 @@ impl CampaignFile {
         if is_stricter != request.accuracy.is_some() {
             return Err(another("accuracy"));
         }
-        let outcome = exact::outcome_from_bytes(&outcome)
-            .map_err(|reason| self.unreadable_outcome(to_key(request.id), reason))?;
-        Ok(Some(Finished { id: request.id, outcome, worker, wall }))
+        let outcome = self.outcome(found.id, &found.outcome)?;
+        Ok(Some(Finished { id: request.id, outcome, worker: found.worker, wall: found.wall }))
     }
 
     /// Records all outcomes in one transaction, or none; of two outcomes of one request, the first one stays.
@@ -128,14 +100,14 @@ impl CampaignFile {
         &mut self,
         outcomes: impl IntoIterator<Item = (&'a Request, &'a Finished)>,
     ) -> Result<(), StoreError> {
-        let failed = |source| StoreError::Database { path: self.path(), source };
-        let transaction = self.connection.unchecked_transaction().map_err(failed)?;
+        let transaction = self.query(Connection::unchecked_transaction)?;
         for (request, finished) in outcomes {
             if let Some(outcome) = self.checked(request, finished)? {
-                self.write(&transaction, to_key(request.id), request, finished, &outcome).map_err(failed)?;
+                let key = to_key(request.id);
+                self.query(|_| self.write(&transaction, key, request, finished, &outcome))?;
             }
         }
-        transaction.commit().map_err(failed)?;
+        self.query(|_| transaction.commit())?;
         self.write_log_into_file()
     }
 
@@ -147,7 +119,7 @@ impl CampaignFile {
         }
         self.log_written = Some(Instant::now());
         let pragma = "PRAGMA wal_checkpoint(PASSIVE)";
-        self.connection.query_row(pragma, [], |_| Ok(())).map_err(|source| self.database(source))
+        self.query(|connection| connection.query_row(pragma, [], |_| Ok(())))
     }
 
     /// The outcome's exact bytes, if it fits the scene; `None` if one is recorded already.
@@ -230,13 +202,9 @@ impl CampaignFile {
     /// [`StoreError`].
     pub fn put_document<T: Serialize>(&mut self, name: &str, document: &T) -> Result<(), StoreError> {
         let json = serde_json::to_string(document).map_err(|error| self.encoding(name, error))?;
-        self.connection
-            .execute(
-                "INSERT OR REPLACE INTO document (name, written_at, json)
-                 VALUES (?1, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?2)",
-                (name, json),
-            )
-            .map_err(|source| self.database(source))?;
+        let sql = "INSERT OR REPLACE INTO document (name, written_at, json)
+                   VALUES (?1, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?2)";
+        self.query(|connection| connection.execute(sql, (name, json)))?;
         Ok(())
     }
 }

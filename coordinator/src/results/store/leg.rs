@@ -38,14 +38,13 @@ impl CampaignFile {
     pub fn begin_leg(&mut self, settings: Value, command: &str, version: &str) -> Result<(), StoreError> {
         let evaluations = self.count()?;
         let text = settings.to_string();
-        let begin = |connection: &Connection| -> rusqlite::Result<()> {
+        self.query(|connection| {
             let transaction = connection.unchecked_transaction()?;
             insert_leg(&transaction, evaluations, [&text, command, version])?;
             transaction.execute("UPDATE campaign SET value = ?1 WHERE key = 'settings'", [&text])?;
             transaction.execute_batch("DELETE FROM document; DELETE FROM learning_round;")?;
             transaction.commit()
-        };
-        begin(&self.connection).map_err(|source| self.database(source))?;
+        })?;
         self.meta.settings = settings;
         Ok(())
     }
@@ -56,7 +55,7 @@ impl CampaignFile {
     /// # Errors
     /// [`StoreError`].
     pub fn legs(&self) -> Result<Vec<Leg>, StoreError> {
-        let read = |connection: &Connection| -> rusqlite::Result<Vec<(Leg, String)>> {
+        let rows: Vec<(Leg, String)> = self.query(|connection| {
             let known = "SELECT count(*) > 0 FROM sqlite_schema WHERE name = 'leg'";
             if !connection.query_row(known, [], |row| row.get::<_, bool>(0))? {
                 return Ok(vec![]);
@@ -76,8 +75,7 @@ impl CampaignFile {
                 Ok((leg, row.get(3)?))
             })?;
             rows.collect()
-        };
-        let rows = read(&self.connection).map_err(|source| self.database(source))?;
+        })?;
         let with_settings = |(leg, settings): (Leg, String)| {
             let settings = serde_json::from_str(&settings).map_err(|error| self.encoding("leg", error))?;
             Ok(Leg { settings, ..leg })
@@ -91,7 +89,7 @@ impl CampaignFile {
     /// # Errors
     /// [`StoreError`].
     pub fn forget_failed_start(&mut self) -> Result<(), StoreError> {
-        let forget = |connection: &Connection| -> rusqlite::Result<()> {
+        self.query(|connection| {
             let transaction = connection.unchecked_transaction()?;
             // What was set aside is below zero, and has the tables of its values.
             let failed = "SELECT count(*) > 0 AND count(*) = count(failure) FROM evaluation WHERE id >= 0";
@@ -101,8 +99,7 @@ impl CampaignFile {
                 )?;
             }
             transaction.commit()
-        };
-        forget(&self.connection).map_err(|source| self.database(source))
+        })
     }
 
     /// Takes the evaluations from number `requests` on out of the study: its requests have ended before them.
@@ -110,7 +107,7 @@ impl CampaignFile {
     /// # Errors
     /// [`StoreError`].
     pub(super) fn set_aside_from(&mut self, requests: i64) -> Result<(), StoreError> {
-        let set_aside = |connection: &Connection| -> rusqlite::Result<()> {
+        self.query(|connection| {
             let transaction = begin_renumbering(connection)?;
             let sql = "SELECT id FROM evaluation WHERE id >= ?1";
             let unused: Vec<i64> = transaction
@@ -121,8 +118,7 @@ impl CampaignFile {
                 renumber(&transaction, id, free_number(&transaction)?)?;
             }
             transaction.commit()
-        };
-        set_aside(&self.connection).map_err(|source| self.database(source))
+        })
     }
 
     /// Takes an evaluation whose outcome does not fit the scene out of the study for good, with the reason in the place of a
@@ -131,15 +127,14 @@ impl CampaignFile {
     /// # Errors
     /// [`StoreError`].
     pub(super) fn set_misfit_aside(&mut self, id: i64, reason: &str) -> Result<(), StoreError> {
-        let set_aside = |connection: &Connection| -> rusqlite::Result<()> {
+        self.query(|connection| {
             let transaction = begin_renumbering(connection)?;
             let number = free_number(&transaction)?;
             renumber(&transaction, id, number)?;
             let sql = "UPDATE evaluation SET failure = ?2, stricter = 2 WHERE id = ?1";
             transaction.execute(sql, params![number, reason])?;
             transaction.commit()
-        };
-        set_aside(&self.connection).map_err(|source| self.database(source))
+        })
     }
 
     /// Sets all evaluations of a worker aside, so that they are requested again; their number.
@@ -148,10 +143,8 @@ impl CampaignFile {
     /// [`StoreError`].
     pub fn set_worker_aside(&mut self, worker: &str) -> Result<usize, StoreError> {
         let sql = "SELECT id FROM evaluation WHERE id >= 0 AND (worker = ?1 OR substr(worker, 1, length(?1) + 1) = ?1 || '/')";
-        let read = |connection: &Connection| -> rusqlite::Result<Vec<i64>> {
-            connection.prepare(sql)?.query_map([worker], |row| row.get(0))?.collect()
-        };
-        let ids = read(&self.connection).map_err(|source| self.database(source))?;
+        let ids: Vec<i64> = self
+            .query(|connection| connection.prepare(sql)?.query_map([worker], |row| row.get(0))?.collect())?;
         for id in &ids {
             self.set_misfit_aside(*id, &format!("not used: its worker {worker} is not trusted"))?;
         }
@@ -164,7 +157,7 @@ impl CampaignFile {
     /// # Errors
     /// [`StoreError`].
     pub(super) fn move_to(&mut self, id: i64, sample: &[u8], is_stricter: bool) -> Result<(), StoreError> {
-        let move_to = |connection: &Connection| -> rusqlite::Result<()> {
+        self.query(|connection| {
             let found: Option<i64> = connection
                 .prepare_cached(
                     "SELECT id FROM (
@@ -187,8 +180,7 @@ impl CampaignFile {
                 renumber(&transaction, found, id)?;
             }
             transaction.commit()
-        };
-        move_to(&self.connection).map_err(|source| self.database(source))
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Legs of a campaign, renumbered evaluations, and files that can only be read.
 
-use super::read_only::{from_copy, unchanging};
+use super::connection::{from_copy, unchanging};
 use super::tests::{finished, meta, record, request, scene};
 use super::*;
 use crate::farm::evaluate::{Finished, Request};

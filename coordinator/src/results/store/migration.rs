@@ -19,7 +19,7 @@ pub const FROM: i64 = 1;
 /// Migrates a file from version `found` to the present one.
 ///
 /// # Errors
-/// [`StoreError::Migration`] if an outcome cannot be read, or [`StoreError::Database`]; the file is then as before.
+/// [`StoreError::Outcome`] if an outcome cannot be read, or [`StoreError::Database`]; the file is then as before.
 pub fn migrate(path: &Path, connection: &mut Connection, found: i64) -> Result<(), StoreError> {
     let failed = |source| StoreError::Database { path: path.into(), source };
     let transaction = connection.transaction().map_err(failed)?;
@@ -41,11 +41,9 @@ fn add_stated_errors(path: &Path, transaction: &Transaction<'_>) -> Result<(), S
         .and_then(|mut statement| statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?.collect())
         .map_err(failed)?;
     for (id, bytes) in outcomes {
-        let outcome = exact::outcome_from_bytes(&bytes).map_err(|reason| StoreError::Migration {
-            path: path.into(),
-            found: FROM,
-            id,
-            reason,
+        let outcome = exact::outcome_from_bytes(&bytes).map_err(|reason| {
+            let program = schema::program_version(transaction).unwrap_or_default();
+            StoreError::Outcome { path: path.into(), id, program, reason }
         })?;
         if let Ok(evaluation) = outcome {
             write_stated_errors(transaction, &outputs, id, &evaluation).map_err(failed)?;

@@ -20,7 +20,6 @@ mod leg;
 mod leg_tests;
 mod migration;
 mod read;
-mod read_only;
 mod schema;
 #[cfg(test)]
 mod tests;
@@ -32,9 +31,9 @@ pub use further::FurtherEvaluations;
 pub use leg::Leg;
 pub use read::StoredEvaluation;
 
+use crate::farm::evaluate::EvaluationResult;
 use common::scene::Scene;
-use connection::connect;
-use read_only::{AfterReading, ReadConnection, connect_read_only};
+use connection::{AfterReading, ReadConnection, connect, connect_read_only};
 use rusqlite::{Connection, OpenFlags};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
@@ -109,7 +108,7 @@ impl CampaignFile {
     ///
     /// # Errors
     /// [`StoreError::InUse`], [`StoreError::NoCampaign`], [`StoreError::NotACampaign`],
-    /// [`StoreError::SchemaVersion`], [`StoreError::Migration`], or what the file system or SQLite report.
+    /// [`StoreError::SchemaVersion`], [`StoreError::Outcome`], or what the file system or SQLite report.
     pub fn open(dir: &Path) -> Result<Self, StoreError> {
         let path = campaign_path(dir)?;
         let lock = lock(dir)?;
@@ -206,13 +205,23 @@ impl CampaignFile {
         self.dir.join(FILE_NAME)
     }
 
-    fn database(&self, source: rusqlite::Error) -> StoreError {
-        StoreError::Database { path: self.path(), source }
+    /// What a call of SQLite returns.
+    fn query<'a, T>(
+        &'a self,
+        ask: impl FnOnce(&'a Connection) -> rusqlite::Result<T>,
+    ) -> Result<T, StoreError> {
+        ask(&self.connection).map_err(|source| StoreError::Database { path: self.path(), source })
     }
 
-    /// The error of an outcome that cannot be decoded.
-    fn unreadable_outcome(&self, id: i64, reason: String) -> StoreError {
-        StoreError::Outcome { path: self.path(), id, program: self.meta.version.clone(), reason }
+    /// The outcome of evaluation `id` from its bytes.
+    fn outcome(&self, id: i64, bytes: &[u8]) -> Result<EvaluationResult, StoreError> {
+        let program = || self.meta.version.clone();
+        exact::outcome_from_bytes(bytes).map_err(|reason| StoreError::Outcome {
+            path: self.path(),
+            id,
+            program: program(),
+            reason,
+        })
     }
 
     fn encoding(&self, what: impl Into<String>, reason: impl ToString) -> StoreError {
@@ -293,12 +302,6 @@ fn start(connection: &mut Connection, meta: &CampaignMeta, scene: &Scene) -> rus
     transaction.commit()
 }
 
-/// Version of the program that wrote a file of any layout, if it is where all layouts so far have it.
-fn program_version(connection: &Connection) -> Option<String> {
-    let sql = "SELECT value FROM campaign WHERE key = 'version'";
-    connection.query_row(sql, [], |row| row.get(0)).ok()
-}
-
 /// Version of the layout, one that this program reads.
 fn version(path: &Path, connection: &Connection) -> Result<i64, StoreError> {
     let pragma = |name: &str| {
@@ -314,7 +317,7 @@ fn version(path: &Path, connection: &Connection) -> Result<i64, StoreError> {
         found => Err(StoreError::SchemaVersion {
             path: path.into(),
             found,
-            program: program_version(connection),
+            program: schema::program_version(connection),
             earliest: migration::FROM,
             latest: schema::SCHEMA_VERSION,
         }),

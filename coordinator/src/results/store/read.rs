@@ -23,12 +23,31 @@ pub struct StoredEvaluation {
     pub finished_at: String,
 }
 
-const COLUMNS: &str = "id, sample, outcome, worker, coalesce(wall_s, 0.0), finished_at";
+/// Columns of [`RawEvaluation`].
+pub(super) const COLUMNS: &str = "id, sample, outcome, worker, coalesce(wall_s, 0.0), finished_at";
 
-type RawRow = (i64, Vec<u8>, Vec<u8>, String, f64, String);
+/// A row of the table `evaluation`.
+pub(super) struct RawEvaluation {
+    pub id: i64,
+    pub sample: Vec<u8>,
+    pub outcome: Vec<u8>,
+    pub worker: String,
+    pub wall: f64,
+    finished_at: String,
+}
 
-fn raw(row: &Row<'_>) -> rusqlite::Result<RawRow> {
-    Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?, row.get(4)?, row.get(5)?))
+impl RawEvaluation {
+    /// Reads the row of a query for [`COLUMNS`].
+    pub fn read(row: &Row<'_>) -> rusqlite::Result<Self> {
+        Ok(Self {
+            id: row.get(0)?,
+            sample: row.get(1)?,
+            outcome: row.get(2)?,
+            worker: row.get(3)?,
+            wall: row.get(4)?,
+            finished_at: row.get(5)?,
+        })
+    }
 }
 
 impl CampaignFile {
@@ -37,10 +56,7 @@ impl CampaignFile {
     /// # Errors
     /// [`StoreError`].
     pub fn count(&self) -> Result<usize, StoreError> {
-        self.connection
-            .query_row("SELECT count(*) FROM evaluation WHERE id >= 0", [], |row| row.get::<_, i64>(0))
-            .map(|count| count.unsigned_abs() as usize)
-            .map_err(|source| self.database(source))
+        self.count_where("id >= 0")
     }
 
     /// Number of recorded evaluations that failed.
@@ -48,9 +64,13 @@ impl CampaignFile {
     /// # Errors
     /// [`StoreError`].
     pub fn failed_count(&self) -> Result<usize, StoreError> {
-        let sql = "SELECT count(*) FROM evaluation WHERE id >= 0 AND failure IS NOT NULL";
-        let count = self.connection.query_row(sql, [], |row| row.get::<_, i64>(0));
-        count.map(|count| count.unsigned_abs() as usize).map_err(|source| self.database(source))
+        self.count_where("id >= 0 AND failure IS NOT NULL")
+    }
+
+    fn count_where(&self, condition: &str) -> Result<usize, StoreError> {
+        let sql = format!("SELECT count(*) FROM evaluation WHERE {condition}");
+        let count = self.query(|connection| connection.query_row(&sql, [], |row| row.get::<_, i64>(0)))?;
+        Ok(count.unsigned_abs() as usize)
     }
 
     /// The evaluation of this number, if recorded.
@@ -59,12 +79,10 @@ impl CampaignFile {
     /// [`StoreError`].
     pub fn evaluation(&self, id: u64) -> Result<Option<StoredEvaluation>, StoreError> {
         let Ok(key) = i64::try_from(id) else { return Ok(None) };
-        self.connection
-            .query_row(&format!("SELECT {COLUMNS} FROM evaluation WHERE id = ?1"), [key], raw)
-            .optional()
-            .map_err(|source| self.database(source))?
-            .map(|row| self.decode(row))
-            .transpose()
+        let sql = format!("SELECT {COLUMNS} FROM evaluation WHERE id = ?1");
+        let found =
+            self.query(|connection| connection.query_row(&sql, [key], RawEvaluation::read).optional())?;
+        found.map(|row| self.decode(row)).transpose()
     }
 
     /// Calls `visit` on every recorded evaluation in the order of their numbers, one in memory at a time.
@@ -75,31 +93,37 @@ impl CampaignFile {
         &self,
         mut visit: impl FnMut(StoredEvaluation) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut statement = self
-            .connection
-            .prepare(&format!("SELECT {COLUMNS} FROM evaluation WHERE id >= 0 ORDER BY id"))
-            .map_err(|source| self.database(source))?;
-        let rows = statement.query_map([], raw).map_err(|source| self.database(source))?;
-        for row in rows {
-            let row = row.map_err(|source| self.database(source))?;
-            visit(self.decode(row)?)?;
+        self.each_row("WHERE id >= 0 ORDER BY id", |row| visit(self.decode(row)?))
+    }
+
+    /// Calls `visit` on the rows of a query, one in memory at a time; `rest` is what follows the name of the table.
+    pub(super) fn each_row<E: From<StoreError>>(
+        &self,
+        rest: &str,
+        mut visit: impl FnMut(RawEvaluation) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let sql = format!("SELECT {COLUMNS} FROM evaluation {rest}");
+        let mut statement = self.query(|connection| connection.prepare(&sql))?;
+        let mut rows = self.query(|_| statement.query_map([], RawEvaluation::read))?;
+        while let Some(row) = self.query(|_| rows.next().transpose())? {
+            visit(row)?;
         }
         Ok(())
     }
 
-    fn decode(&self, row: RawRow) -> Result<StoredEvaluation, StoreError> {
-        let (id, sample, outcome, worker, wall, finished_at) = row;
-        let what = |part: &str| format!("{part} of evaluation {id}");
-        Ok(StoredEvaluation {
-            id: u64::try_from(id).map_err(|error| self.encoding(what("number"), error))?,
-            sample: exact::sample_from_bytes(&sample)
-                .ok_or_else(|| self.encoding(what("sample"), "no whole number of values"))?,
-            outcome: exact::outcome_from_bytes(&outcome)
-                .map_err(|reason| self.unreadable_outcome(id, reason))?,
-            worker,
-            wall,
-            finished_at,
-        })
+    /// Sample and outcome of a row.
+    pub(super) fn decoded(&self, row: &RawEvaluation) -> Result<(Vec<f64>, EvaluationResult), StoreError> {
+        let sample = exact::sample_from_bytes(&row.sample);
+        let what = || format!("sample of evaluation {}", row.id);
+        let sample = sample.ok_or_else(|| self.encoding(what(), "no whole number of values"))?;
+        Ok((sample, self.outcome(row.id, &row.outcome)?))
+    }
+
+    fn decode(&self, row: RawEvaluation) -> Result<StoredEvaluation, StoreError> {
+        let (sample, outcome) = self.decoded(&row)?;
+        let RawEvaluation { id, worker, wall, finished_at, .. } = row;
+        let id = u64::try_from(id).map_err(|error| self.encoding(format!("number {id}"), error))?;
+        Ok(StoredEvaluation { id, sample, outcome, worker, wall, finished_at })
     }
 
     /// Rounds of learning noted so far, in order.
@@ -107,16 +131,14 @@ impl CampaignFile {
     /// # Errors
     /// [`StoreError`].
     pub fn rounds(&self) -> Result<Vec<Round>, StoreError> {
-        let mut statement = self
-            .connection
-            .prepare("SELECT json FROM learning_round ORDER BY round")
-            .map_err(|source| self.database(source))?;
-        let rows = statement.query_map([], |row| row.get::<_, String>(0)).map_err(|e| self.database(e))?;
-        rows.map(|json| {
-            let json = json.map_err(|source| self.database(source))?;
+        let rows: Vec<String> = self.query(|connection| {
+            let mut statement = connection.prepare("SELECT json FROM learning_round ORDER BY round")?;
+            statement.query_map([], |row| row.get(0))?.collect()
+        })?;
+        let round = |json: String| {
             serde_json::from_str(&json).map_err(|error| self.encoding("learning_round", error))
-        })
-        .collect()
+        };
+        rows.into_iter().map(round).collect()
     }
 
     /// The result document of this name; `None` if the study has not come so far.
@@ -124,11 +146,13 @@ impl CampaignFile {
     /// # Errors
     /// [`StoreError`].
     pub fn document<T: DeserializeOwned>(&self, name: &str) -> Result<Option<T>, StoreError> {
-        let json: Option<String> = self
-            .connection
-            .query_row("SELECT json FROM document WHERE name = ?1", [name], |row| row.get(0))
-            .optional()
-            .map_err(|source| self.database(source))?;
+        self.json(name, "SELECT json FROM document WHERE name = ?1")
+    }
+
+    /// The value that `sql` selects by a name.
+    pub(super) fn json<T: DeserializeOwned>(&self, name: &str, sql: &str) -> Result<Option<T>, StoreError> {
+        let json: Option<String> =
+            self.query(|connection| connection.query_row(sql, [name], |row| row.get(0)).optional())?;
         json.map(|json| serde_json::from_str(&json).map_err(|error| self.encoding(name, error))).transpose()
     }
 }

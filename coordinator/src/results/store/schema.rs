@@ -36,6 +36,12 @@ pub const LEG: &str = "leg (
   version TEXT NOT NULL
 )";
 
+/// Version of the program that wrote a file of any layout, if it is where all layouts so far have it.
+pub fn program_version(connection: &Connection) -> Option<String> {
+    let sql = "SELECT value FROM campaign WHERE key = 'version'";
+    connection.query_row(sql, [], |row| row.get(0)).ok()
+}
+
 /// Statements that create the tables for a scene.
 pub fn statements(scene: &Scene) -> String {
     format!(

@@ -282,7 +282,7 @@ fn a_file_of_the_first_layout_is_brought_up_with_its_stated_errors() {
     Connection::open(&path).unwrap().execute_batch(&spoil).unwrap();
     for _ in 0..2 {
         let refused = CampaignFile::open(dir.path()).unwrap_err();
-        assert!(matches!(refused, StoreError::Migration { found: 1, id: 2, .. }), "{refused}");
+        assert!(matches!(refused, StoreError::Outcome { id: 2, .. }), "{refused}");
         assert!(refused.is_bad_input() && refused.to_string().contains("start a new study"));
     }
 }

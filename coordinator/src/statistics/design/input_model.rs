@@ -11,7 +11,7 @@
 //! Gaussian copula (Nataf transformation): Liu, Der Kiureghian (1986), Multivariate distribution models with
 //! prescribed marginals and covariances, Probabilistic Engineering Mechanics 1(2).
 
-use common::random::{Distribution, GaussianCopula, standard_normal_quantile};
+use common::random::{Distribution, GaussianCopula, LocationScale, standard_normal_quantile};
 use common::scene::Scene;
 
 /// Distributions and dependence of d random variables.
@@ -20,29 +20,18 @@ pub struct InputModel {
     variables: Vec<Distribution>,
     copula: GaussianCopula,
     /// Location and scale by which each variable is standardised `(d,)` [SI].
-    standards: Vec<Standard>,
-}
-
-/// Location and scale of one standardised variable.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Standard {
-    /// Value at z = 0 [unit of the variable].
-    location: f64,
-    /// Difference of the values at z = 1 and z = 0 [unit of the variable].
-    scale: f64,
-}
-
-impl Standard {
-    fn of(variable: &Distribution) -> Self {
-        Self { location: variable.parent_mean(), scale: variable.parent_std() }
-    }
+    standards: Vec<LocationScale>,
 }
 
 impl InputModel {
     /// Variables with the dependence of a copula of the same dimension.
     pub fn new(variables: Vec<Distribution>, copula: GaussianCopula) -> Self {
         assert_eq!(variables.len(), copula.dimension(), "a copula has the dimension of its variables");
-        let standards = variables.iter().map(Standard::of).collect();
+        let standard = |variable: &Distribution| LocationScale {
+            location: variable.parent_mean(),
+            scale: variable.parent_std(),
+        };
+        let standards = variables.iter().map(standard).collect();
         Self { variables, copula, standards }
     }
 
@@ -86,7 +75,7 @@ impl InputModel {
 
     /// The means of the variables `(d,)` [SI].
     pub fn means(&self) -> Vec<f64> {
-        self.variables.iter().map(Distribution::mean).collect()
+        self.variables.iter().map(|variable| variable.mean()).collect()
     }
 
     /// x `(d,)` [SI] from probabilities p in (0, 1) `(d,)` [1] of the independent normals v = Phi^-1(p).
@@ -137,33 +126,22 @@ impl InputModel {
 
     /// z of the value x of variable `k` [SI].
     pub fn standardised_value(&self, k: usize, x: f64) -> f64 {
-        let Standard { location, scale } = self.standards[k];
+        let LocationScale { location, scale } = self.standards[k];
         (x - location) / scale
     }
 
     /// location + scale z of variable `k` [SI], clamped to its bounds against rounding.
     pub fn physical_value(&self, k: usize, z: f64) -> f64 {
         let (lower, upper) = self.variables[k].support();
-        let Standard { location, scale } = self.standards[k];
+        let LocationScale { location, scale } = self.standards[k];
         (location + scale * z).clamp(lower, upper)
     }
 }
 
-impl From<&[Distribution]> for InputModel {
-    fn from(variables: &[Distribution]) -> Self {
+impl<T: AsRef<[Distribution]> + ?Sized> From<&T> for InputModel {
+    fn from(variables: &T) -> Self {
+        let variables = variables.as_ref();
         Self::new(variables.to_vec(), GaussianCopula::independent(variables.len()))
-    }
-}
-
-impl<const D: usize> From<&[Distribution; D]> for InputModel {
-    fn from(variables: &[Distribution; D]) -> Self {
-        Self::from(variables.as_slice())
-    }
-}
-
-impl From<&Vec<Distribution>> for InputModel {
-    fn from(variables: &Vec<Distribution>) -> Self {
-        Self::from(variables.as_slice())
     }
 }
 

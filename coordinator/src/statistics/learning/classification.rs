@@ -161,10 +161,18 @@ fn classify_blocks(
     Classification { mean, variance_factor, sigma, first_failure, threshold }
 }
 
+/// First failures of the modes `(modes)(N,)` and of the system, the last row.
+pub fn with_system(mut first_failures: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
+    let earliest = |j: usize| first_failures.iter().map(|first| first[j]).min().unwrap_or(0);
+    let system = (0..first_failures[0].len()).map(earliest).collect();
+    first_failures.push(system);
+    first_failures
+}
+
 /// Failure shares by checkpoint `(modes + 1, m)` [1], each mode alone and last the system, from the first
 /// failures of the modes `(modes, N)`; `m` is the number of checkpoints.
-pub fn curves(first_failures: &[&[u32]], m: usize) -> Vec<Vec<f64>> {
-    let points = first_failures[0].len();
+pub fn curves<F: AsRef<[u32]>>(first_failures: &[F], m: usize) -> Vec<Vec<f64>> {
+    let points = first_failures[0].as_ref().len();
     let share = |first: &mut dyn Iterator<Item = u32>| {
         let mut counts = vec![0usize; m + 1];
         first.for_each(|n| counts[n as usize] += 1);
@@ -176,8 +184,8 @@ pub fn curves(first_failures: &[&[u32]], m: usize) -> Vec<Vec<f64>> {
         counts[..m].iter().map(cumulate).collect::<Vec<f64>>()
     };
     let mut curves: Vec<Vec<f64>> =
-        first_failures.iter().map(|first| share(&mut first.iter().copied())).collect();
-    let earliest = |j: usize| first_failures.iter().map(|first| first[j]).min().unwrap_or(0);
+        first_failures.iter().map(|first| share(&mut first.as_ref().iter().copied())).collect();
+    let earliest = |j: usize| first_failures.iter().map(|first| first.as_ref()[j]).min().unwrap_or(0);
     curves.push(share(&mut (0..points).map(earliest)));
     curves
 }

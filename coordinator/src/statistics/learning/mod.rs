@@ -41,7 +41,7 @@ mod steps;
 mod stopping;
 
 pub use checkpoints::{checkpoints_that_matter, is_settled};
-pub use classification::{Classification, ClassifiedMode, classify, classify_cached, curves};
+pub use classification::{Classification, ClassifiedMode, classify, classify_cached, curves, with_system};
 pub use coupled_criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
 pub use error::{CurveErrors, SURROGATE_SAFETY, estimate_errors};
 pub use exploration::{Exploration, draw_rim, explore, farthest};

@@ -13,6 +13,7 @@
 //! Monotone piecewise cubic interpolation, SIAM Journal on Numerical Analysis 17(2), with the weighted harmonic mean of
 //! Fritsch, Butland (1984), SIAM Journal on Scientific and Statistical Computing 5(2).
 
+use common::scene::monotone::fritsch_butland;
 use thiserror::Error;
 
 /// Cost as a function of a quantity t [chosen unit].
@@ -91,14 +92,7 @@ impl CostTable {
         let chord: Vec<f64> = cost.windows(2).zip(&width).map(|(c, h)| (c[1] - c[0]) / h).collect();
         let last = chord.len() - 1;
         // Slope at a point: weighted harmonic mean of the chords beside it; zero at an extremum of the points.
-        let inner = |i: usize| {
-            let (a, b) = (chord[i - 1], chord[i]);
-            if a * b <= 0.0 {
-                return 0.0;
-            }
-            let (w1, w2) = (2.0 * width[i] + width[i - 1], width[i] + 2.0 * width[i - 1]);
-            (w1 + w2) / (w1 / a + w2 / b)
-        };
+        let inner = |i: usize| fritsch_butland([width[i - 1], width[i]], [chord[i - 1], chord[i]]);
         let slope = (0..t.len())
             .map(|i| match i {
                 0 => chord[0],

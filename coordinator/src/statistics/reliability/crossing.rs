@@ -25,12 +25,17 @@
 //! and Statistical Computing 5(2). Bounds: error term of the interpolating polynomial, e.g. de Boor (1978), A Practical
 //! Guide to Splines, chapter 1.
 
+use common::scene::monotone::fritsch_butland;
+
 /// The cubic is solved until its root moves by less than this share of the interval [1], with a bound on the iterations.
 const ENOUGH: f64 = 1e-9;
 const MOST_ITERATIONS: usize = 60;
 
 /// A point of a response: time [cycles] and value [unit of the output].
 type TimeAndValue = (f64, f64);
+
+/// Slope of the chord of an interval, and its width.
+type SecantAndWidth = (f64, f64);
 
 /// Crossing of a threshold within an interval, as shares of its length [1].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -229,12 +234,7 @@ fn monotone_cubic(points: [Option<TimeAndValue>; 4], y: f64) -> f64 {
         outer.map(|outer| (secant(outer, end), (outer.0 - end.0).abs()))
     };
     let (first, last) = (slope_with(before, left), slope_with(after, right));
-    let inner = |neighbour: Option<(f64, f64)>, opposite: Option<(f64, f64)>| match (neighbour, opposite) {
-        (Some((slope, width)), _) => harmonic((slope, width), (middle, h)),
-        (None, Some((slope, width))) => one_sided((middle, h), (slope, width)),
-        (None, None) => middle,
-    };
-    let (d0, d1) = (inner(first, last), inner(last, first));
+    let [d0, d1] = end_slopes((middle, h), first, last);
     let value = |t: f64| {
         let u = 1.0 - t;
         left.1 * (1.0 + 2.0 * t) * u * u
@@ -265,19 +265,24 @@ fn monotone_cubic(points: [Option<TimeAndValue>; 4], y: f64) -> f64 {
     left.0 + h * t
 }
 
-/// Slope between two intervals, each given by its secant and width: the weighted harmonic mean, 0 at an extremum.
-pub(super) fn harmonic((s0, h0): (f64, f64), (s1, h1): (f64, f64)) -> f64 {
-    if s0 * s1 <= 0.0 {
-        return 0.0;
-    }
-    let (w0, w1) = (2.0 * h1 + h0, h1 + 2.0 * h0);
-    (w0 + w1) / (w0 / s0 + w1 / s1)
-}
-
-/// Slope at the outer end of an interval, from its secant and width and those of its neighbour.
-pub(super) fn one_sided((s0, h0): (f64, f64), (s1, h1): (f64, f64)) -> f64 {
-    let slope = ((2.0 * h0 + h1) * s0 - h0 * s1) / (h0 + h1);
-    if slope * s0 <= 0.0 { 0.0 } else { slope.min(3.0 * s0) }
+/// Slopes of the monotone cubic at both ends of an interval, which is given by its secant and width, as are the intervals before
+/// and after it, if there are any: by Fritsch and Butland between two intervals, one-sided at an outer end.
+pub(super) fn end_slopes(
+    own: SecantAndWidth,
+    before: Option<SecantAndWidth>,
+    after: Option<SecantAndWidth>,
+) -> [f64; 2] {
+    let (s0, h0) = own;
+    let slope =
+        |neighbour: Option<SecantAndWidth>, opposite: Option<SecantAndWidth>| match (neighbour, opposite) {
+            (Some((s1, h1)), _) => fritsch_butland([h1, h0], [s1, s0]),
+            (None, Some((s1, h1))) => {
+                let slope = ((2.0 * h0 + h1) * s0 - h0 * s1) / (h0 + h1);
+                if slope * s0 <= 0.0 { 0.0 } else { slope.min(3.0 * s0) }
+            }
+            (None, None) => s0,
+        };
+    [slope(before, after), slope(after, before)]
 }
 
 #[cfg(test)]

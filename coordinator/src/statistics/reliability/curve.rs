@@ -26,7 +26,7 @@ pub struct CurvePoint {
 }
 
 /// Half of the width of a 95 % interval in standard errors [1].
-const INTERVAL: f64 = 1.96;
+pub const REACH: f64 = 1.96;
 
 impl CurvePoint {
     /// The point of an R counted over the samples with a result, if the share f = `missing` [1] of all samples has
@@ -38,7 +38,7 @@ impl CurvePoint {
     #[must_use]
     pub fn with_missing(self, missing: f64) -> Self {
         let r = self.reliability;
-        Self { standard_error: self.standard_error + missing * r.max(1.0 - r) / INTERVAL, ..self }
+        Self { standard_error: self.standard_error + missing * r.max(1.0 - r) / REACH, ..self }
     }
 }
 
@@ -165,8 +165,8 @@ mod tests {
     fn an_interval_with_missing_samples_contains_both_bounds() {
         for (r, missing) in [(0.881, 0.0845), (0.05, 0.2), (1.0, 0.1)] {
             let point = CurvePoint { reliability: r, standard_error: 0.004 }.with_missing(missing);
-            let half = INTERVAL * point.standard_error;
-            let sampling = INTERVAL * 0.004;
+            let half = REACH * point.standard_error;
+            let sampling = REACH * 0.004;
             assert!(r - half <= (1.0 - missing) * r - sampling + 1e-12, "{r}");
             assert!(r + half >= (1.0 - missing) * r + missing + sampling - 1e-12, "{r}");
         }

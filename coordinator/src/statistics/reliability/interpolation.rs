@@ -4,7 +4,7 @@
 //! Fritsch, Butland (1984), A method for constructing local monotone piecewise cubic interpolants, SIAM Journal on Scientific
 //! and Statistical Computing 5(2).
 
-use super::crossing::{Track, harmonic, one_sided};
+use super::crossing::{Track, end_slopes};
 
 impl Track<'_> {
     /// Value at a time between the first known point and the last checkpoint [unit of the output]; `None` outside of them.
@@ -26,13 +26,7 @@ impl Track<'_> {
         let middle = piece(left, right);
         let before = (after > 1).then(|| piece(point(after - 2), left));
         let behind = (after + 1 < count).then(|| piece(right, point(after + 1)));
-        let slope = |neighbour: Option<(f64, f64)>, opposite: Option<(f64, f64)>| match (neighbour, opposite)
-        {
-            (Some(neighbour), _) => harmonic(neighbour, middle),
-            (None, Some(opposite)) => one_sided(middle, opposite),
-            (None, None) => middle.0,
-        };
-        let (d0, d1) = (slope(before, behind), slope(behind, before));
+        let [d0, d1] = end_slopes(middle, before, behind);
         let (t, u) = ((time - left.0) / h, (right.0 - time) / h);
         let ends = left.1 * (1.0 + 2.0 * t) * u * u + right.1 * t * t * (3.0 - 2.0 * t);
         Some(ends + h * t * u * (d0 * u - d1 * t))

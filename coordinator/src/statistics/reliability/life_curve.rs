@@ -20,11 +20,9 @@
 //! 3 / N: Hanley, Lippman-Hand (1983), If nothing goes wrong, is everything all right?, JAMA 249(13). The rest as in
 //! `curve.rs`.
 
-use super::curve::{CurvePoint, reliability_curve};
+use super::curve::{CurvePoint, REACH, reliability_curve};
 use super::{Condition, LifeCounts, LifeEstimate};
 
-/// Half-width of a 95 % interval [standard errors].
-pub const REACH: f64 = 1.96;
 /// Failures, or survivors, excluded with 95 % if none is seen.
 const RULE_OF_THREE: f64 = 3.0;
 /// Fewest points of the population by which two shifted shares must differ to measure a ratio of errors.

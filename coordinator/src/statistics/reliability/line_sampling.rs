@@ -25,7 +25,7 @@
 //! Electronic Journal of Statistics 13.
 
 use crate::statistics::design::{InputModel, latin_hypercube};
-use common::random::{Distribution, standard_normal_cdf, standard_normal_pdf};
+use common::random::{Distribution, standard_normal_mass, standard_normal_pdf};
 use faer::{Mat, MatRef};
 
 /// Largest |t| of the grid along a line [1].
@@ -117,7 +117,7 @@ impl LineSampling {
                 };
                 let (mut from, mut value) = (f64::NEG_INFINITY, share(&failed));
                 for root in crossed {
-                    by_line[l] += value * mass(from, root.t);
+                    by_line[l] += value * standard_normal_mass(from, root.t);
                     failed[root.mode] = !failed[root.mode];
                     let next = share(&failed);
                     let weight = (next - value) * standard_normal_pdf(root.t) / root.slope / lines as f64;
@@ -127,7 +127,7 @@ impl LineSampling {
                     }
                     (from, value) = (root.t, next);
                 }
-                by_line[l] += value * mass(from, f64::INFINITY);
+                by_line[l] += value * standard_normal_mass(from, f64::INFINITY);
             }
         }
         let n = lines as f64;
@@ -276,15 +276,6 @@ fn along<'a>(
     t: f64,
 ) -> impl Iterator<Item = f64> + 'a {
     (0..direction.len()).map(move |k| feet[(k, l)] + t * direction[k])
-}
-
-/// Probability of a standard normal between `from` and `to`, computed in the tail where it has most digits.
-fn mass(from: f64, to: f64) -> f64 {
-    if from > 0.0 {
-        standard_normal_cdf(-from) - standard_normal_cdf(-to)
-    } else {
-        standard_normal_cdf(to) - standard_normal_cdf(from)
-    }
 }
 
 /// The unit vector of `vector`; the first axis if it vanishes.

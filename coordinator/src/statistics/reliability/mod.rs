@@ -35,13 +35,15 @@ mod population_lives;
 mod subset;
 
 pub use crossing::{Crossing, Track};
-pub use curve::{Condition, CurvePoint, coefficient_of_variation, governing_checkpoint, reliability_curve};
+pub use curve::{
+    Condition, CurvePoint, REACH, coefficient_of_variation, governing_checkpoint, reliability_curve,
+};
 pub use distribution::{
     Histogram, OutputDistribution, PROBABILITIES, distributions_from_samples, predict_distributions,
 };
 pub use importance::ImportanceSampling;
 pub use life_counts::{LifeCounts, LifeEstimate, LifePosition, ModeLives, ResponseErrors, mode_lives};
-pub use life_curve::{LifeAtLevel, LifeCurve, LifeCurveInput, REACH, half_width};
+pub use life_curve::{LifeAtLevel, LifeCurve, LifeCurveInput, half_width};
 pub use line_sampling::{LineEstimate, LineRoot, LineSampling, Margins};
 pub use numerical::{ErrorLine, NumericalBand};
 pub use population_lives::{PredictedMode, population_lives};

@@ -16,6 +16,8 @@
 //! # Source
 //! The line is ordinary least squares; the range is this project's own convention.
 
+use faer::MatRef;
+
 /// Failure shares with the responses shifted by their errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NumericalBand {
@@ -47,6 +49,12 @@ impl ErrorLine {
         let least = pairs.iter().map(|(_, e)| *e).fold(mean, f64::min);
         let most = pairs.iter().map(|(_, e)| *e).fold(mean, f64::max);
         Self { centre, mean, slope, least, most }
+    }
+
+    /// The lines at each checkpoint `(m,)` through values and their errors `(n, m)`.
+    pub fn by_checkpoint(values: MatRef<'_, f64>, errors: MatRef<'_, f64>) -> Vec<Self> {
+        let pairs = |k: usize| values.col(k).iter().copied().zip(errors.col(k).iter().copied());
+        (0..values.ncols()).map(|k| Self::fit(&pairs(k).collect::<Vec<_>>())).collect()
     }
 
     /// Error at a value [unit of the output].

@@ -53,15 +53,11 @@ struct PreparedMode<'a> {
 
 impl<'a> PreparedMode<'a> {
     fn new(mode: &'a PredictedMode<'a>) -> Self {
-        let (n, m) = mode.values.shape();
-        let pairs = |k: usize| -> Vec<(f64, f64)> {
-            (0..n).map(|i| (mode.values[(i, k)], mode.errors[(i, k)])).collect()
-        };
         let sigma2 = mode.model.sigma2();
-        let has_start = sigma2.len() > m;
+        let has_start = sigma2.len() > mode.values.ncols();
         Self {
             dual: mode.model.dual(),
-            lines: (0..m).map(|k| ErrorLine::fit(&pairs(k))).collect(),
+            lines: ErrorLine::by_checkpoint(mode.values, mode.errors),
             scale: sigma2.iter().map(|s| (s * mode.inflation).sqrt()).collect(),
             has_start,
             mode,

@@ -94,67 +94,43 @@ impl Estimate {
 /// population lies further out.
 const LARGEST_NORMAL: f64 = 9.0;
 
-/// Sums of I s over the descendants of each origin, by first failure.
-struct DescendantSums {
-    /// Sums `(origins with descendants, m + 1)`.
-    by_origin: Vec<Vec<f64>>,
-}
+/// Derivative of a failure share at a checkpoint, where this share has failed [1].
+type Derivative = Box<dyn Fn(usize, f64) -> Estimate + Send>;
 
-impl DescendantSums {
-    /// `descent` `(N,)` numbers the origins with descendants from 0.
-    fn new(scores: &[f64], first_failure: &[u32], descent: &[usize], m: usize) -> Self {
-        let origins = descent.iter().max().map_or(0, |last| last + 1);
-        let mut by_origin = vec![vec![0.0; m + 1]; origins];
-        for ((s, first), origin) in scores.iter().zip(first_failure).zip(descent) {
-            by_origin[*origin][*first as usize] += s;
-        }
-        Self { by_origin }
+/// E[I s | C] by the sums of I s over the descendants of each origin; `descent` `(N,)` numbers the origins with descendants from 0.
+fn over_descendants(scores: &[f64], first_failure: &[u32], descent: &[usize], m: usize) -> Derivative {
+    let origins = descent.iter().max().map_or(0, |last| last + 1);
+    // By origin and first failure `(origins with descendants, m + 1)`.
+    let mut by_origin = vec![vec![0.0; m + 1]; origins];
+    for ((s, first), origin) in scores.iter().zip(first_failure).zip(descent) {
+        by_origin[*origin][*first as usize] += s;
     }
-
-    /// Estimate of E[I s | C] at checkpoint `n` over `points` samples.
-    fn estimate(&self, n: usize, points: usize) -> Estimate {
-        let count = points as f64;
-        let sums = self.by_origin.iter().map(|sums| sums[..=n].iter().sum::<f64>());
+    let count = scores.len() as f64;
+    Box::new(move |n, _| {
+        let sums = by_origin.iter().map(|sums| sums[..=n].iter().sum::<f64>());
         let (sum, squares) = sums.fold((0.0, 0.0), |(sum, squares), t| (sum + t, squares + t * t));
         let variance = (squares - sum * sum / count).max(0.0) / (count * count);
         Estimate { value: sum / count, standard_error: variance.sqrt() }
+    })
+}
+
+/// E[(I - P_f) s] by the sums of the score and of its square over independent samples.
+fn over_independent(scores: &[f64], first_failure: &[u32], m: usize) -> Derivative {
+    // By first failure `(m + 1, 2)`; the last row is of the points that never fail.
+    let mut by_first_failure = vec![[0.0; 2]; m + 1];
+    for (s, first) in scores.iter().zip(first_failure) {
+        let sums = &mut by_first_failure[*first as usize];
+        sums[0] += s;
+        sums[1] += s * s;
     }
-}
-
-/// Sums of one score over classified samples.
-enum CurveSums {
-    /// Over independent samples.
-    Independent(ScoreSums),
-    /// Over samples that descend from fewer independent ones.
-    Descendants(DescendantSums),
-}
-
-/// Sums of a score and of its square by first failure.
-struct ScoreSums {
-    /// Sum and sum of squares `(m + 1, 2)`; the last row is of the points that never fail.
-    by_first_failure: Vec<[f64; 2]>,
-}
-
-impl ScoreSums {
-    fn new(scores: &[f64], first_failure: &[u32], m: usize) -> Self {
-        let mut by_first_failure = vec![[0.0; 2]; m + 1];
-        for (s, first) in scores.iter().zip(first_failure) {
-            let sums = &mut by_first_failure[*first as usize];
-            sums[0] += s;
-            sums[1] += s * s;
-        }
-        Self { by_first_failure }
-    }
-
-    /// Estimate of the derivative at checkpoint `n`, where the share `pf` [1] of `points` samples has failed.
-    fn estimate(&self, n: usize, pf: f64, points: usize) -> Estimate {
+    let count = scores.len() as f64;
+    Box::new(move |n, pf| {
         let sum = |range: &[[f64; 2]]| range.iter().fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
-        let (failed, all) = (sum(&self.by_first_failure[..=n]), sum(&self.by_first_failure));
-        let count = points as f64;
+        let (failed, all) = (sum(&by_first_failure[..=n]), sum(&by_first_failure));
         let value = (failed[0] - pf * all[0]) / count;
         let square = ((1.0 - 2.0 * pf) * failed[1] + pf * pf * all[1]) / count;
         Estimate { value, standard_error: ((square - value * value).max(0.0) / count).sqrt() }
-    }
+    })
 }
 
 /// Classified samples of a population.
@@ -185,21 +161,21 @@ pub fn sensitivities(
         first.iter().filter(|first| **first as usize <= n).count() as f64 / count as f64
     };
     let descent = numbered_origins(population, points);
-    // Sums per variable, parameter and curve.
-    let sums: Vec<[Vec<CurveSums>; 2]> = population
+    // By variable, parameter and curve.
+    let derivatives: Vec<[Vec<Derivative>; 2]> = population
         .variables()
         .par_iter()
         .enumerate()
         .map(|(k, variable)| {
             let own = variable.score_function();
             let scores: Vec<[f64; 2]> = points.iter().map(|j| scores(population, &own, *j, k)).collect();
-            [0, 1].map(|parameter| -> Vec<CurveSums> {
+            [0, 1].map(|parameter| -> Vec<Derivative> {
                 let scores: Vec<f64> = scores.iter().map(|s| s[parameter]).collect();
-                let sums = |first: &Vec<u32>| match &descent {
-                    None => CurveSums::Independent(ScoreSums::new(&scores, first, m)),
-                    Some(descent) => CurveSums::Descendants(DescendantSums::new(&scores, first, descent, m)),
+                let derivative = |first: &Vec<u32>| match &descent {
+                    None => over_independent(&scores, first, m),
+                    Some(descent) => over_descendants(&scores, first, descent, m),
                 };
-                first_failures.iter().map(sums).collect()
+                first_failures.iter().map(derivative).collect()
             })
         })
         .collect();
@@ -207,14 +183,8 @@ pub fn sensitivities(
     for checkpoint in checkpoints {
         for (curve, first) in first_failures.iter().enumerate() {
             let pf = failed_share(first, *checkpoint);
-            let estimate = |sums: &[CurveSums]| {
-                let given_condition = match &sums[curve] {
-                    CurveSums::Independent(sums) => sums.estimate(*checkpoint, pf, count),
-                    CurveSums::Descendants(sums) => sums.estimate(*checkpoint, count),
-                };
-                given_condition.times(probability)
-            };
-            for (variable, [mean, std]) in sums.iter().enumerate() {
+            let estimate = |of: &[Derivative]| of[curve](*checkpoint, pf).times(probability);
+            for (variable, [mean, std]) in derivatives.iter().enumerate() {
                 rows.push(Sensitivity {
                     curve,
                     checkpoint: *checkpoint,

@@ -1,5 +1,6 @@
 use super::*;
 use crate::statistics::models::four_branch;
+use common::random::standard_normal_cdf;
 
 /// Margins of functions of a point, one per mode.
 fn margins<const M: usize>(f: impl Fn(&[f64]) -> [f64; M]) -> impl Fn(MatRef<'_, f64>) -> Mat<f64> {
