@@ -71,6 +71,12 @@ impl Faults {
     }
 }
 
+impl From<Fault> for Faults {
+    fn from(fault: Fault) -> Self {
+        Faults(vec![fault])
+    }
+}
+
 /// Kinds of fault.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FaultKind {
@@ -252,6 +258,27 @@ pub enum FaultKind {
 }
 
 impl FaultKind {
+    /// A key that is none of those `known`.
+    pub(super) fn unknown_key<'n>(key: &str, known: impl Iterator<Item = &'n str> + Clone) -> Self {
+        Self::UnknownKey { nearest: nearest(key, known.clone()), known: known.map(str::to_owned).collect() }
+    }
+
+    /// A word that is none of those `known`.
+    pub fn unknown_word<'n>(word: &str, known: impl Iterator<Item = &'n str> + Clone) -> Self {
+        let (nearest, known) = (nearest(word, known.clone()), known.map(str::to_owned).collect());
+        Self::UnknownWord { value: word.to_owned(), nearest, known }
+    }
+
+    /// A name that is none of those `known`, of a kind of thing.
+    pub fn unknown_reference<'n>(
+        what: &'static str,
+        name: &str,
+        known: impl Iterator<Item = &'n str> + Clone,
+    ) -> Self {
+        let (nearest, known) = (nearest(name, known.clone()), known.map(str::to_owned).collect());
+        Self::UnknownReference { what, value: name.to_owned(), nearest, known }
+    }
+
     /// What [`Fault::used_at`] points to, in words.
     pub(super) fn related(&self) -> &'static str {
         match self {

@@ -6,7 +6,7 @@ use super::correlations::correlations;
 use super::faults::Faults;
 use super::measured::MeasuredVariable;
 use super::resolve::{Resolved, resolve};
-use super::variables::{measured, variables};
+use super::variables::variables;
 use crate::random::{Correlation, RandomVariable};
 use std::collections::BTreeSet;
 use toml::Table;
@@ -16,6 +16,8 @@ pub(super) struct Reading {
     /// The scene, its variables and correlations still empty.
     pub(super) base: Resolved,
     pub(super) variables: Vec<RandomVariable>,
+    /// Those of them that have measured samples.
+    pub(super) measured: Vec<MeasuredVariable>,
     pub(super) correlations: Vec<Correlation>,
     /// Parameters that the random variables depend on.
     pub(super) used: BTreeSet<String>,
@@ -28,33 +30,18 @@ impl Reading {
     /// Every fault found.
     pub(super) fn of(origin: &str, document: &Table, overrides: &Overrides) -> Result<Self, Faults> {
         let base = resolve(origin, document, overrides).map_err(Faults)?;
-        let cx = with_parameters(origin, document, overrides);
-        let variables = variables(&cx, &base.variables, &base.seen);
+        let cx = Context::new(origin, overrides);
+        if let Some(parameters) = document.get("parameters").and_then(toml::Value::as_table) {
+            cx.read_parameters(parameters);
+        }
+        let (variables, measured): (Vec<_>, Vec<_>) =
+            variables(&cx, &base.variables, &base.seen).into_iter().unzip();
         let names: Vec<&str> = base.variables.iter().map(|row| row.name.as_str()).collect();
         let correlations = correlations(&cx, &base.correlations, &names, &variables);
         if cx.fault_count() > 0 {
             return Err(Faults(cx.take_faults()));
         }
         let used = cx.used_parameters();
-        Ok(Self { base, variables, correlations, used })
+        Ok(Self { base, variables, measured: measured.into_iter().flatten().collect(), correlations, used })
     }
-
-    /// The random variables that have measured samples, with these.
-    ///
-    /// # Errors
-    /// Every fault found.
-    pub(super) fn measured(origin: &str, document: &Table) -> Result<Vec<MeasuredVariable>, Faults> {
-        let none = Overrides::new();
-        let base = resolve(origin, document, &none).map_err(Faults)?;
-        let cx = with_parameters(origin, document, &none);
-        Ok(measured(&cx, &base.variables, &base.seen))
-    }
-}
-
-fn with_parameters<'s>(origin: &'s str, document: &'s Table, overrides: &'s Overrides) -> Context<'s> {
-    let cx = Context::new(origin, overrides);
-    if let Some(parameters) = document.get("parameters").and_then(toml::Value::as_table) {
-        cx.read_parameters(parameters);
-    }
-    cx
 }

@@ -27,37 +27,36 @@ enum LawWord {
     Constant,
 }
 
-const LAWS: [(&str, LawWord); 11] = [
-    ("truncated-normal", LawWord::TruncatedNormal),
-    ("normal", LawWord::Normal),
-    ("lognormal", LawWord::Lognormal),
-    ("uniform", LawWord::Uniform),
-    ("gumbel", LawWord::Gumbel(Extreme::Maxima)),
-    ("gumbel-minima", LawWord::Gumbel(Extreme::Minima)),
-    ("weibull", LawWord::Weibull),
-    ("exponential", LawWord::Exponential),
-    ("beta", LawWord::Beta),
-    ("triangular", LawWord::Triangular),
-    ("constant", LawWord::Constant),
+/// Keys that a distribution takes besides `distribution`.
+type Keys = &'static [&'static str];
+
+const MOMENTS: Keys = &["mean", "std"];
+const BOUNDED: Keys = &["mean", "std", "lower", "upper"];
+
+const LAWS: [(&str, (LawWord, Keys)); 11] = [
+    ("truncated-normal", (LawWord::TruncatedNormal, &["mean", "std", "truncation", "lower", "upper"])),
+    ("normal", (LawWord::Normal, MOMENTS)),
+    ("lognormal", (LawWord::Lognormal, MOMENTS)),
+    ("uniform", (LawWord::Uniform, BOUNDED)),
+    ("gumbel", (LawWord::Gumbel(Extreme::Maxima), MOMENTS)),
+    ("gumbel-minima", (LawWord::Gumbel(Extreme::Minima), MOMENTS)),
+    ("weibull", (LawWord::Weibull, MOMENTS)),
+    ("exponential", (LawWord::Exponential, &["mean", "std", "lower"])),
+    ("beta", (LawWord::Beta, BOUNDED)),
+    ("triangular", (LawWord::Triangular, &["lower", "mode", "upper"])),
+    ("constant", (LawWord::Constant, &["mean"])),
 ];
 
 impl LawWord {
-    /// The keys that it takes besides `distribution`.
-    fn keys(self) -> &'static [&'static str] {
-        match self {
-            LawWord::TruncatedNormal => &["mean", "std", "truncation", "lower", "upper"],
-            LawWord::Normal | LawWord::Lognormal | LawWord::Gumbel(_) | LawWord::Weibull => &["mean", "std"],
-            LawWord::Uniform | LawWord::Beta => &["mean", "std", "lower", "upper"],
-            LawWord::Exponential => &["mean", "std", "lower"],
-            LawWord::Triangular => &["lower", "mode", "upper"],
-            LawWord::Constant => &["mean"],
-        }
-    }
-
     /// True if a fit can give its mean and standard deviation.
     fn takes_a_fit(self) -> bool {
         !matches!(self, LawWord::Triangular | LawWord::Constant)
     }
+}
+
+/// The keys that a distribution takes besides `distribution`, by its word; `None` for an unknown one.
+pub fn distribution_keys(word: &str) -> Option<&'static [&'static str]> {
+    LAWS.iter().find(|(known, _)| *known == word).map(|(_, (_, keys))| *keys)
 }
 
 /// The distribution of a variable as written, its numbers not yet read.
@@ -71,9 +70,9 @@ pub(super) struct WrittenLaw {
 impl WrittenLaw {
     /// Reads the keys of a distribution; missing and contradictory ones are faults.
     pub(super) fn read(row: &mut Section) -> Option<Self> {
-        let law = row.word_or("distribution", &LAWS, LawWord::TruncatedNormal)?;
+        let (law, keys) = row.word_or("distribution", &LAWS, LAWS[0].1)?;
         let values: BTreeMap<&str, Value> =
-            law.keys().iter().filter_map(|key| Some((*key, row.get(key)?.clone()))).collect();
+            keys.iter().filter_map(|key| Some((*key, row.get(key)?.clone()))).collect();
         let truncation = match law {
             LawWord::TruncatedNormal => {
                 row.quantity_or("truncation", NUMBER, Range::Within(0.1, 10.0), TRUNCATION)

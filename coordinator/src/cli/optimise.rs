@@ -11,8 +11,8 @@ use super::what_if::{failed, known_outcomes, population};
 use clap::Args;
 use common::scene::{InputFile, Scene};
 use coordinator::analyses::optimise::{
-    DesignProblem, OptimisationProgress, OptimisationResult, OptimiseError, StudyBasis, design_names,
-    design_settings, for_designs, markdown, optimise as find, page, read_problem,
+    DesignProblem, OptimisationProgress, OptimisationResult, OptimiseError, StudyBasis, design_settings,
+    markdown, optimise as find, page, read_problem,
 };
 use coordinator::analyses::what_if::{FinishedStudy, ask, json, redistributed};
 use coordinator::presentation::report::ReportError;
@@ -79,12 +79,8 @@ pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(
         None => study.source.clone(),
         Some(space) => space.present(&[])?.0,
     };
-    let names = space.as_ref().map(design_names).unwrap_or_default();
     let file = InputFile::load(&arguments.problem)?;
-    let mut problem = read_problem(&file, &base, &names)?;
-    if let Some(space) = &space {
-        problem = for_designs(problem, space, study.scene(), &file)?;
-    }
+    let problem = read_problem(&file, &base, space.as_ref().map(|space| (space, study.scene())))?;
     let settings = Settings {
         samples: population(&study.settings, &summary),
         method: Method::ActiveLearning,
