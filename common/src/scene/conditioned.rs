@@ -2,7 +2,7 @@
 
 use super::conditions::ConditionRow;
 use super::context::Overrides;
-use super::faults::{Fault, FaultKind};
+use super::faults::{Fault, FaultKind, Faults};
 use super::joint::{Clearance, ContactDamping, GuideClearance, GuideWear, Joint, JointKind};
 use super::model::{Condition, Fails, LimitState, Scene};
 use super::resolve::resolve;
@@ -37,9 +37,9 @@ pub(super) fn conditions(
         };
         let mut all = overrides.clone();
         all.extend(changes.iter().map(|(key, value)| (key.clone(), *value)));
-        match resolve(origin, document, &all) {
+        match resolve(origin, document, &all, false) {
             // Random variables belong to the scene without the condition.
-            Err(wrong) => faults.extend(
+            Err(Faults(wrong)) => faults.extend(
                 wrong
                     .iter()
                     .filter(|wrong| !wrong.key.starts_with("variables."))

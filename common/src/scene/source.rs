@@ -13,8 +13,7 @@ use super::magnitudes::magnitudes;
 use super::measured::MeasuredVariable;
 use super::model::Scene;
 use super::quantity::Quantity;
-use super::reading::Reading;
-use super::resolve::resolve;
+use super::resolve::{Resolved, resolve};
 use super::simulator::settle_folder;
 use super::warnings::{Warning, warnings};
 use crate::random::RandomVariable;
@@ -97,19 +96,19 @@ impl SceneSource {
         };
 
         // Values as written, then the variables, then the nominal scene with every variable at its mean.
-        let Reading { base, variables, measured, correlations, used } =
-            Reading::of(origin, &document, &Overrides::new())?;
+        let Resolved { scene, measured, seen, used, .. } =
+            resolve(origin, &document, &Overrides::new(), true)?;
         let parameters = document.get("parameters").and_then(toml::Value::as_table);
         let mut unused_parameters: Vec<String> =
             parameters.into_iter().flat_map(Table::keys).cloned().collect();
-        unused_parameters.retain(|name| !base.used.contains(name) && !used.contains(name));
+        unused_parameters.retain(|name| !used.contains(name));
         unused_parameters.sort();
         let mut source = SceneSource {
             origin: origin.to_owned(),
             text,
             document,
-            nominal: Scene { variables, correlations, ..base.scene },
-            seen: base.seen,
+            nominal: scene,
+            seen,
             unused_parameters,
             measured,
             layers,
@@ -283,7 +282,8 @@ impl SceneSource {
         if keys.is_empty() {
             return Ok(self.variables().to_vec());
         }
-        Ok(Reading::of(&self.origin, &self.document, &keys.iter().cloned().collect())?.variables)
+        let overrides = keys.iter().cloned().collect();
+        Ok(resolve(&self.origin, &self.document, &overrides, true)?.scene.variables)
     }
 
     /// The means `(d,)` with some variables set to other values, SI: the inputs of an external simulator, whose scene has
@@ -304,7 +304,7 @@ impl SceneSource {
     }
 
     fn resolve_overridden(&self, overrides: &Overrides) -> Result<Scene, Faults> {
-        let resolved = resolve(&self.origin, &self.document, overrides).map_err(Faults)?;
+        let resolved = resolve(&self.origin, &self.document, overrides, false)?;
         let (variables, correlations) = (self.nominal.variables.clone(), self.nominal.correlations.clone());
         let conditions =
             conditions(&self.origin, &self.document, overrides, &resolved.scene, &resolved.conditions)

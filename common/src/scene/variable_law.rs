@@ -27,36 +27,30 @@ enum LawWord {
     Constant,
 }
 
-/// Keys that a distribution takes besides `distribution`.
-type Keys = &'static [&'static str];
+/// A distribution: its meaning and the keys that it takes besides `distribution`.
+type LawRow = (LawWord, &'static [&'static str]);
 
-const MOMENTS: Keys = &["mean", "std"];
-const BOUNDED: Keys = &["mean", "std", "lower", "upper"];
-
-const LAWS: [(&str, (LawWord, Keys)); 11] = [
+/// Every distribution by its word; the first one is that of a variable without a word.
+const LAWS: [(&str, LawRow); 11] = [
     ("truncated-normal", (LawWord::TruncatedNormal, &["mean", "std", "truncation", "lower", "upper"])),
-    ("normal", (LawWord::Normal, MOMENTS)),
-    ("lognormal", (LawWord::Lognormal, MOMENTS)),
-    ("uniform", (LawWord::Uniform, BOUNDED)),
-    ("gumbel", (LawWord::Gumbel(Extreme::Maxima), MOMENTS)),
-    ("gumbel-minima", (LawWord::Gumbel(Extreme::Minima), MOMENTS)),
-    ("weibull", (LawWord::Weibull, MOMENTS)),
+    ("normal", (LawWord::Normal, &["mean", "std"])),
+    ("lognormal", (LawWord::Lognormal, &["mean", "std"])),
+    ("uniform", (LawWord::Uniform, &["mean", "std", "lower", "upper"])),
+    ("gumbel", (LawWord::Gumbel(Extreme::Maxima), &["mean", "std"])),
+    ("gumbel-minima", (LawWord::Gumbel(Extreme::Minima), &["mean", "std"])),
+    ("weibull", (LawWord::Weibull, &["mean", "std"])),
     ("exponential", (LawWord::Exponential, &["mean", "std", "lower"])),
-    ("beta", (LawWord::Beta, BOUNDED)),
+    ("beta", (LawWord::Beta, &["mean", "std", "lower", "upper"])),
     ("triangular", (LawWord::Triangular, &["lower", "mode", "upper"])),
     ("constant", (LawWord::Constant, &["mean"])),
 ];
 
-impl LawWord {
-    /// True if a fit can give its mean and standard deviation.
-    fn takes_a_fit(self) -> bool {
-        !matches!(self, LawWord::Triangular | LawWord::Constant)
-    }
-}
+/// Word of the distribution of a variable that names none.
+pub const DEFAULT_LAW: &str = LAWS[0].0;
 
-/// The keys that a distribution takes besides `distribution`, by its word; `None` for an unknown one.
-pub fn distribution_keys(word: &str) -> Option<&'static [&'static str]> {
-    LAWS.iter().find(|(known, _)| *known == word).map(|(_, (_, keys))| *keys)
+/// Every distribution by its word, with the keys that it takes in a scene.
+pub fn laws() -> [(&'static str, &'static [&'static str]); LAWS.len()] {
+    LAWS.map(|(word, (_, keys))| (word, keys))
 }
 
 /// The distribution of a variable as written, its numbers not yet read.
@@ -79,7 +73,8 @@ impl WrittenLaw {
             }
             _ => Some(TRUNCATION),
         };
-        let fit = (law.takes_a_fit() && row.get("fit").is_some()).then(|| WrittenFit::read(row));
+        // A fit gives mean and standard deviation.
+        let fit = (keys.contains(&"std") && row.get("fit").is_some()).then(|| WrittenFit::read(row));
         let written = Self { law, truncation: truncation.unwrap_or(TRUNCATION), values, fit: None };
         let complete = written.complete(row, fit.is_some());
         let fit = fit.map_or(Some(None), |fit| fit.map(Some))?;

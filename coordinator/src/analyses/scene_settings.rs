@@ -9,14 +9,11 @@
 use super::setting::{Allowed, Place, Setting, fault, parse_all};
 use common::random::RandomVariable;
 use common::scene::expression::read_unit;
-use common::scene::{Fault, Faults, SceneSource, distribution_keys};
+use common::scene::{DEFAULT_LAW, Fault, Faults, SceneSource, laws};
 use toml::{Table, Value};
 
 /// Keys of a tolerance fit that gives a variable its moments.
 pub const FIT_KEYS: [&str; 3] = ["fit", "diameter", "capability"];
-
-/// Distribution of a variable that names none.
-const DEFAULT: &str = "truncated-normal";
 
 /// The scene with these settings before a study of it, each `KEY=VALUE` as typed.
 ///
@@ -159,7 +156,7 @@ fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Val
     let sets = |key: &str| set.iter().any(|(known, _)| *known == key);
     let word = |value: &Value| value.as_str().map(str::to_owned);
     leave_samples(row, variable, set);
-    let before = row.get("distribution").and_then(word).unwrap_or_else(|| DEFAULT.to_owned());
+    let before = row.get("distribution").and_then(word).unwrap_or_else(|| DEFAULT_LAW.to_owned());
     let asked = set.iter().find(|(key, _)| *key == "distribution").and_then(|(_, value)| word(value));
     let law = asked.unwrap_or_else(|| before.clone());
     let present = &variable.distribution;
@@ -201,7 +198,7 @@ fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Val
         _ => {}
     }
     // Keys that another distribution does not take; an unknown one is a fault of the changed scene.
-    if let Some(taken) = distribution_keys(&law).filter(|_| law != before) {
+    if let Some((_, taken)) = laws().iter().find(|(name, _)| *name == law).filter(|_| law != before) {
         let all = ["mean", "std", "truncation", "lower", "upper", "mode"];
         all.iter().filter(|key| !taken.contains(key)).for_each(|key| drop(row.remove(*key)));
     }
