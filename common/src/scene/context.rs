@@ -98,7 +98,7 @@ impl<'s> Context<'s> {
 
     /// Records that a value contradicts another one.
     pub(super) fn inconsistent(&self, key: impl Into<String>, message: impl Into<String>) {
-        self.fault(key, FaultKind::Inconsistent { message: message.into() });
+        self.fault(key, message.into().into());
     }
 
     /// Removes quantities, by the path of their key, from those read so far.

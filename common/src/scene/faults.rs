@@ -48,12 +48,12 @@ pub struct Fault {
 
 impl Fault {
     /// A fault whose place in the text is not known yet.
-    pub fn new(file: impl Into<String>, key: impl Into<String>, kind: FaultKind) -> Self {
-        Fault { file: file.into(), key: key.into(), kind, location: None, used_at: None }
+    pub fn new(file: impl Into<String>, key: impl Into<String>, kind: impl Into<FaultKind>) -> Self {
+        Fault { file: file.into(), key: key.into(), kind: kind.into(), location: None, used_at: None }
     }
 
     /// A fault at the bytes `span` of the text of its file.
-    pub fn at(file: &str, text: &str, span: Range<usize>, key: &str, kind: FaultKind) -> Self {
+    pub fn at(file: &str, text: &str, span: Range<usize>, key: &str, kind: impl Into<FaultKind>) -> Self {
         let location = Some(Box::new(Location::new(file, text, span)));
         Fault { location, ..Self::new(file, key, kind) }
     }
@@ -61,19 +61,13 @@ impl Fault {
 
 impl Faults {
     /// A single fault.
-    pub fn one(file: &str, key: &str, kind: FaultKind) -> Self {
+    pub fn one(file: &str, key: &str, kind: impl Into<FaultKind>) -> Self {
         Faults(vec![Fault::new(file, key, kind)])
     }
 
     /// These faults without their places, for a text that no person wrote.
     pub fn without_places(self) -> Self {
         Faults(self.0.into_iter().map(|fault| Fault::new(fault.file, fault.key, fault.kind)).collect())
-    }
-}
-
-impl From<Fault> for Faults {
-    fn from(fault: Fault) -> Self {
-        Faults(vec![fault])
     }
 }
 
@@ -255,6 +249,20 @@ pub enum FaultKind {
         /// Number of random variables of the scene.
         expected: usize,
     },
+}
+
+/// A contradiction, in words.
+impl From<String> for FaultKind {
+    fn from(message: String) -> Self {
+        Self::Inconsistent { message }
+    }
+}
+
+/// A contradiction, in words.
+impl From<&str> for FaultKind {
+    fn from(message: &str) -> Self {
+        message.to_owned().into()
+    }
 }
 
 impl FaultKind {

@@ -4,7 +4,7 @@ use super::context::{Context, Overrides};
 use super::csv_file::{CsvRow, csv_rows};
 use super::document::document;
 use super::extends::read_input as read;
-use super::faults::{Fault, FaultKind, Faults};
+use super::faults::{Fault, Faults};
 use super::layers::{Layer, Layers};
 use super::section::Section;
 use std::path::Path;
@@ -64,7 +64,7 @@ impl InputFile {
     /// # Errors
     /// These faults, with their places, if there are any.
     pub fn refuse_for(&self, faults: impl IntoIterator<Item = (String, String)>) -> Result<(), Faults> {
-        let fault = |(key, message)| Fault::new(self.origin(), key, FaultKind::Inconsistent { message });
+        let fault = |(key, what): (String, String)| Fault::new(self.origin(), key, what);
         self.faultless(faults.into_iter().map(fault).collect())
     }
 

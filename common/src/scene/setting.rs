@@ -27,7 +27,7 @@ impl SceneSource {
     /// An unknown name, no quantity, or one of another kind.
     pub fn parse_setting(&self, setting: &str) -> Result<(String, f64), Faults> {
         let Some((name, value)) = setting.split_once('=') else {
-            return Err(fault(setting, "expected variable=value, e.g. rod_length=40.05mm").into());
+            return Err(Faults::one("--set", setting, "expected variable=value, e.g. rod_length=40.05mm"));
         };
         let name = name.trim();
         let kind = self.kind_of(name).ok_or_else(|| self.unknown_setting(name));
@@ -45,7 +45,7 @@ impl SceneSource {
         for setting in settings {
             match self.parse_setting(setting) {
                 Ok((name, _)) if read.iter().any(|(known, _)| *known == name) => {
-                    faults.push(fault(setting, &format!("{name} is set twice")));
+                    faults.push(Fault::new("--set", setting, format!("{name} is set twice")));
                 }
                 Ok(setting) => read.push(setting),
                 Err(Faults(found)) => faults.extend(found),
@@ -62,7 +62,7 @@ impl SceneSource {
         if written.is_some_and(|value| !value.is_table() && !value.is_array()) {
             let message = "this key is no random variable and no quantity, and only those can be set; write a scene that \
                            `extends` this one and changes it";
-            return FaultKind::Inconsistent { message: message.to_owned() };
+            return message.into();
         }
         let variables = self.variables().iter().map(|variable| variable.name.as_str());
         let keys = self.quantities().keys().map(String::as_str);
@@ -73,8 +73,4 @@ impl SceneSource {
         let known = known.into_iter().map(str::to_owned).collect();
         FaultKind::UnknownReference { what, value: name.to_owned(), nearest, known }
     }
-}
-
-fn fault(setting: &str, message: &str) -> Fault {
-    Fault::new("--set", setting, FaultKind::Inconsistent { message: message.to_owned() })
 }

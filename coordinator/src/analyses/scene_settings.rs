@@ -6,7 +6,7 @@
 //! follows a changed mean, and so do bounds that the file does not name. Of keys that exclude each other those that were set
 //! replace the others; what the distribution then lacks is taken from the present one.
 
-use super::setting::{Allowed, Place, Setting, fault, parse_all};
+use super::setting::{Allowed, Place, Setting, parse_all};
 use common::random::RandomVariable;
 use common::scene::expression::read_unit;
 use common::scene::{DEFAULT_LAW, Fault, Faults, SceneSource, laws};
@@ -78,7 +78,7 @@ fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Fau
                     let parts: Vec<&str> = key.split('.').collect();
                     if insert(document, &parts, value.clone()).is_none() {
                         let what = "this key cannot be set; write a scene that `extends` this one";
-                        faults.push(fault(key, what));
+                        faults.push(Fault::new("--set", key, what));
                     }
                 }
                 Place::Correlation(pair) => {

@@ -41,18 +41,13 @@ pub struct Setting {
     pub value: Value,
 }
 
-/// The fault of a setting.
-pub fn fault(setting: &str, message: impl Into<String>) -> Fault {
-    Fault::new("--set", setting, FaultKind::Inconsistent { message: message.into() })
-}
-
 /// Reads settings, each of another place: those without a fault, and the faults.
 pub fn parse_all(source: &SceneSource, settings: &[String], allowed: Allowed) -> (Vec<Setting>, Vec<Fault>) {
     let (mut read, mut faults) = (Vec::<Setting>::new(), Vec::new());
     for setting in settings {
         match parse(source, setting, allowed) {
             Ok(found) if read.iter().any(|known| known.place == found.place) => {
-                faults.push(fault(setting, "this is set twice"));
+                faults.push(Fault::new("--set", setting, "this is set twice"));
             }
             Ok(found) => read.push(found),
             Err(kind) => faults.push(Fault::new("--set", setting, kind)),
@@ -115,7 +110,7 @@ fn parse(source: &SceneSource, setting: &str, allowed: Allowed) -> Result<Settin
 }
 
 fn refuse<T>(message: &str) -> Result<T, FaultKind> {
-    Err(FaultKind::Inconsistent { message: message.to_owned() })
+    Err(message.into())
 }
 
 fn usage() -> String {

@@ -6,8 +6,8 @@ use super::targets::{CalibrationTargets, OutputStatistic, Target, TargetQuantity
 use crate::analyses::quantity::{ShownUnit, checkpoint, limit_state};
 use common::scene::quantity::{ANGLE, FORCE, Kind, LENGTH, NUMBER};
 use common::scene::{
-    Fault, FaultKind, Faults, InputFile, JointKind, Range, Scene, SceneSource, Section, csv_rows,
-    number_and_unit, read_text,
+    Fault, Faults, InputFile, JointKind, Range, Scene, SceneSource, Section, csv_rows, number_and_unit,
+    read_text,
 };
 use std::path::Path;
 use toml::{Table, Value};
@@ -268,8 +268,7 @@ impl TargetReader<'_> {
             let Some(depth) = depth.filter(|depth| depth.is_finite() && angle.is_finite()) else {
                 let message = format!("expected an angle in degrees and a depth in {}", unit.symbol);
                 let span = cells[0].span.start..cells[cells.len() - 1].span.end;
-                let kind = FaultKind::Inconsistent { message };
-                faults.push(Fault::at(&file, &text, span, "profile", kind));
+                faults.push(Fault::at(&file, &text, span, "profile", message));
                 continue;
             };
             targets.push(Target {

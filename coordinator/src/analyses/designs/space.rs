@@ -1,9 +1,9 @@
 //! The designs of a study: its scene and the ranges of the design variables.
 
-use super::variable::{DesignVariable, fault};
+use super::variable::DesignVariable;
 use crate::analyses::scene_settings::{rows, scene_with};
 use crate::analyses::setting::is_scene_quantity;
-use common::scene::{Fault, FaultKind, Faults, Scene, SceneSource, number_and_unit};
+use common::scene::{Fault, Faults, Scene, SceneSource, number_and_unit};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
@@ -58,12 +58,12 @@ impl DesignSpace {
     fn of_variables(base: SceneSource, mut variables: Vec<DesignVariable>) -> Result<Self, Faults> {
         if variables.len() > MOST {
             let message = format!("{} design variables; at most {MOST} are allowed", variables.len());
-            return Err(fault("", message));
+            return Err(Faults::one("--design", "", message));
         }
         let twice =
             variables.iter().enumerate().find(|(i, v)| variables[..*i].iter().any(|w| w.key == v.key));
         if let Some((_, twice)) = twice {
-            return Err(fault(&twice.key, "this key has two ranges"));
+            return Err(Faults::one("--design", &twice.key, "this key has two ranges"));
         }
         let mut names: Vec<String> = base.variables().iter().map(|variable| variable.name.clone()).collect();
         for variable in variables.iter_mut().filter(|variable| is_scene_quantity(&base, &variable.key)) {
@@ -139,10 +139,7 @@ impl DesignSpace {
     /// # Errors
     /// Keys that are no design variables, missing ones, and values outside their ranges.
     pub fn design(&self, settings: &[String]) -> Result<Vec<f64>, Faults> {
-        let refuse = |text: &str, message: String| {
-            let kind = FaultKind::Inconsistent { message };
-            Faults::one("--at", text, kind)
-        };
+        let refuse = |text: &str, message: String| Faults::one("--at", text, message);
         let keys = || self.variables.iter().map(|v| v.key.as_str()).collect::<Vec<_>>().join(", ");
         let mut values = vec![None; self.variables.len()];
         for setting in settings {

@@ -1,7 +1,7 @@
 //! A design variable as typed: `KEY=LOWER..UPPER`, with numbers in one unit.
 
 use crate::analyses::scene_settings::variable_row;
-use common::scene::{FaultKind, Faults, number_and_unit};
+use common::scene::{Faults, number_and_unit};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
@@ -27,7 +27,7 @@ impl DesignVariable {
     /// # Errors
     /// The fault of the text.
     pub fn parse(text: &str) -> Result<Self, Faults> {
-        let refuse = |message: &str| Err(fault(text, message));
+        let refuse = |message: &str| Err(Faults::one("--design", text, message));
         let range = text.split_once('=').and_then(|(key, range)| Some((key.trim(), range.split_once("..")?)));
         let Some((key, (lower, upper))) = range.filter(|(key, _)| !key.is_empty()) else {
             return refuse("expected KEY=LOWER..UPPER, e.g. parameters.clearance='18 um..30 um'");
@@ -81,12 +81,6 @@ impl DesignVariable {
     pub fn label(&self) -> String {
         if self.unit.is_empty() { self.key.clone() } else { format!("{} [{}]", self.key, self.unit) }
     }
-}
-
-/// The fault of a design variable.
-pub(super) fn fault(text: &str, message: impl Into<String>) -> Faults {
-    let kind = FaultKind::Inconsistent { message: message.into() };
-    Faults::one("--design", text, kind)
 }
 
 #[cfg(test)]
