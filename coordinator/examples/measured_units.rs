@@ -9,7 +9,7 @@
 
 use common::scene::{Scene, SceneSource};
 use coordinator::analyses::update::{
-    FleetSettings, Measured, Observation, ObservedUnit, Quantity, UnitReport, update,
+    FleetSettings, Observable, Observation, ObservedUnit, Quantity, UnitReport, update,
 };
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, StoreError};
@@ -67,7 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let value =
                     history(&times(scene), unit, limit.output).value_at(cycles).ok_or("no value there")?;
                 let quantity = Quantity::Measured {
-                    of: Measured::Output(limit.output),
+                    of: Observable::Output(limit.output),
                     value: value + std * noise,
                     error: std,
                 };

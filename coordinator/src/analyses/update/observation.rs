@@ -1,8 +1,8 @@
 //! What was observed of a unit.
 
-/// What can be measured of a unit.
+/// What of a unit can be measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Measured {
+pub enum Observable {
     /// The output of the scene with this index.
     Output(usize),
     /// The random variable of the scene with this index.
@@ -15,7 +15,7 @@ pub enum Quantity {
     /// It was measured.
     Measured {
         /// What was measured.
-        of: Measured,
+        of: Observable,
         /// Value [unit of the output, or SI].
         value: f64,
         /// Standard deviation of its error [unit of the output, or SI].
@@ -31,9 +31,9 @@ impl Quantity {
     /// Rank among observations at the same life: variables, survival, outputs, failure.
     pub(super) fn rank(&self) -> u8 {
         match self {
-            Self::Measured { of: Measured::Variable(_), .. } => 0,
+            Self::Measured { of: Observable::Variable(_), .. } => 0,
             Self::Survived => 1,
-            Self::Measured { of: Measured::Output(_), .. } => 2,
+            Self::Measured { of: Observable::Output(_), .. } => 2,
             Self::Failed => 3,
         }
     }
@@ -76,7 +76,7 @@ impl ObservedUnit {
     /// Outputs that were measured.
     pub fn outputs(&self) -> impl Iterator<Item = usize> + '_ {
         self.observations.iter().filter_map(|o| match o.quantity {
-            Quantity::Measured { of: Measured::Output(output), .. } => Some(output),
+            Quantity::Measured { of: Observable::Output(output), .. } => Some(output),
             _ => None,
         })
     }

@@ -2,7 +2,7 @@
 //! or a random variable of the scene, with value and standard deviation of its error, or `survived` or `failed` without both.
 //! A first line that begins with `unit` is a heading; lines that begin with `#` are comments.
 
-use super::observation::{Measured, Observation, ObservedUnit, Quantity};
+use super::observation::{Observable, Observation, ObservedUnit, Quantity};
 use crate::analyses::quantity::output_quantity;
 use crate::study::LifeModel;
 use common::scene::{Faults, Scene, SceneSource, Section, read_quantity, read_rows, read_text};
@@ -88,10 +88,10 @@ impl UnitReader<'_> {
         }
         let output = self.scene.outputs.get(place);
         let of = match output {
-            Some(_) => Measured::Output(place),
-            None => Measured::Variable(place - self.scene.outputs.len()),
+            Some(_) => Observable::Output(place),
+            None => Observable::Variable(place - self.scene.outputs.len()),
         };
-        if let Measured::Variable(k) = of
+        if let Observable::Variable(k) = of
             && self.scene.variables[k].distribution.is_constant()
         {
             row.inconsistent(
@@ -119,11 +119,11 @@ impl UnitReader<'_> {
             Some(Quantity::Measured { of, .. }) => Some(of),
             _ => None,
         };
-        if text.is_empty() && (quantity.is_none() || matches!(of, Some(Measured::Variable(_)))) {
+        if text.is_empty() && (quantity.is_none() || matches!(of, Some(Observable::Variable(_)))) {
             return Some(0.0);
         }
         let first = match of {
-            Some(Measured::Output(output)) => self.model.beginning(*output),
+            Some(Observable::Output(output)) => self.model.beginning(*output),
             _ => 0.0,
         };
         let last = self.model.end();
@@ -149,7 +149,7 @@ fn contradictions(unit: &ObservedUnit) -> Vec<(u64, &'static str, String)> {
         let Observation { line, cycles, ref name, quantity } = *observation;
         if let Some(failure) = failed.filter(|failure| failure.line != line) {
             let after = match quantity {
-                Quantity::Measured { of: Measured::Variable(_), .. } => false,
+                Quantity::Measured { of: Observable::Variable(_), .. } => false,
                 Quantity::Survived => cycles >= failure.cycles,
                 _ => cycles > failure.cycles || quantity == Quantity::Failed,
             };
@@ -169,7 +169,7 @@ fn contradictions(unit: &ObservedUnit) -> Vec<(u64, &'static str, String)> {
             else {
                 continue;
             };
-            let same_life = before.cycles == cycles || matches!(of, Measured::Variable(_));
+            let same_life = before.cycles == cycles || matches!(of, Observable::Variable(_));
             let (difference, error) = ((one - other).abs(), e.hypot(f));
             if same_life && first == of && difference > CONTRADICTION * error {
                 let what = format!(
