@@ -111,25 +111,15 @@ impl TargetReader<'_> {
     fn free(&self, name: &str, row: &mut Section) -> Option<FreeParameter> {
         let lists = ["changes", "mean_of", "spread_of"];
         let given: Vec<&str> = lists.into_iter().filter(|key| row.get(key).is_some()).collect();
+        let written = ["lower", "upper"].map(|key| row.get(key));
         let (kind, of) = match given.as_slice() {
             ["changes"] => {
                 let keys = row.texts("changes", "a list of keys of the scene").unwrap_or_default();
                 let of = self.check_keys(name, row, &keys);
                 (ParameterKind::Keys(keys.into_iter().map(str::to_owned).collect()), of)
             }
-            [list] => {
-                let list = if *list == "mean_of" { "mean_of" } else { "spread_of" };
-                let known = self.scene.variables.iter().map(|variable| variable.name.as_str());
-                let names = row.texts(list, "a list of random variables").unwrap_or_default();
-                let variable = |name: &&str| row.reference(list, "variable", name, known.clone());
-                let found: Vec<usize> = names.iter().filter_map(variable).collect();
-                if names.is_empty() {
-                    row.inconsistent(list, "is empty, expected the names of random variables");
-                }
-                let kind =
-                    if list == "mean_of" { ParameterKind::Mean(found) } else { ParameterKind::Spread(found) };
-                (kind, Some(NUMBER))
-            }
+            ["mean_of"] => (ParameterKind::Mean(self.variables(row, "mean_of")), Some(NUMBER)),
+            ["spread_of"] => (ParameterKind::Spread(self.variables(row, "spread_of")), Some(NUMBER)),
             _ => {
                 let what = "expected exactly one of changes (keys of the scene), mean_of and spread_of (names of variables)";
                 row.inconsistent("name", what);
@@ -139,15 +129,11 @@ impl TargetReader<'_> {
         };
         // A factor is above 0.
         let range = if let ParameterKind::Keys(_) = kind { Range::Any } else { Range::Positive };
-        let (lower, upper) = match of {
-            Some(of) => (row.quantity("lower", of, range), row.quantity("upper", of, range)),
-            None => (None, None),
-        };
+        let [lower, upper] = ["lower", "upper"].map(|key| row.quantity(key, of?, range));
         if let (Some(from), Some(to)) = (lower, upper)
             && from >= to
         {
-            let [from, to] =
-                ["lower", "upper"].map(|key| row.get(key).map(Value::to_string).unwrap_or_default());
+            let [from, to] = written.map(|value| value.map(Value::to_string).unwrap_or_default());
             row.out_of_range("lower", from, format!("below upper, {to}"));
         }
         row.finish();
@@ -158,6 +144,17 @@ impl TargetReader<'_> {
             ParameterKind::Mean(_) | ParameterKind::Spread(_) => String::new(),
         };
         Some(FreeParameter { name: name.to_owned(), kind, lower, upper, unit })
+    }
+
+    /// The random variables named at a key.
+    fn variables(&self, row: &mut Section, key: &'static str) -> Vec<usize> {
+        let known = self.scene.variables.iter().map(|variable| variable.name.as_str());
+        let names = row.texts(key, "a list of random variables");
+        if names.as_ref().is_some_and(Vec::is_empty) {
+            row.inconsistent(key, "is empty, expected the names of random variables");
+        }
+        let names = names.unwrap_or_default();
+        names.iter().filter_map(|name| row.reference(key, "variable", name, known.clone())).collect()
     }
 
     /// The kind of the quantity at `keys` of the scene, which the parameter `name` sets. The parameter becomes a variable.
