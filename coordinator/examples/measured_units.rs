@@ -8,7 +8,9 @@
 //! ```
 
 use common::scene::{Scene, SceneSource};
-use coordinator::analyses::update::{FleetSettings, Observation, ObservedUnit, Quantity, UnitReport, update};
+use coordinator::analyses::update::{
+    FleetSettings, Observable, Observation, ObservedUnit, Quantity, UnitReport, update,
+};
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, StoreError};
 use coordinator::results::summary::StudySummary;
@@ -64,8 +66,11 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let noise: f64 = StandardNormal.sample(&mut rng);
                 let value =
                     history(&times(scene), unit, limit.output).value_at(cycles).ok_or("no value there")?;
-                let quantity =
-                    Quantity::Output { output: limit.output, value: value + std * noise, error: std };
+                let quantity = Quantity::Measured {
+                    of: Observable::Output(limit.output),
+                    value: value + std * noise,
+                    error: std,
+                };
                 let observation =
                     Observation { line: j as u64 + 1, cycles, name: "measured".to_owned(), quantity };
                 fleet.push(ObservedUnit { name: j.to_string(), observations: vec![observation] });

@@ -2,7 +2,7 @@
 
 use super::conditions::ConditionRow;
 use super::context::Overrides;
-use super::faults::{Fault, FaultKind};
+use super::faults::{Fault, Faults};
 use super::joint::{Clearance, ContactDamping, GuideClearance, GuideWear, Joint, JointKind};
 use super::model::{Condition, Fails, LimitState, Scene};
 use super::resolve::resolve;
@@ -27,19 +27,19 @@ pub(super) fn conditions(
         let message = "over several conditions an output of the motion is its largest or its smallest value: its limit states must all \
                        fail above or all below"
             .to_owned();
-        faults.push(Fault::new(origin, format!("limit_states.{limit}"), FaultKind::Inconsistent { message }));
+        faults.push(Fault::new(origin, format!("limit_states.{limit}"), message));
     }
     for ConditionRow { name, share, changes } in rows {
         let place = format!("conditions.{name}.changes");
         let fault = |key: &str, message: String| {
             let key = if changes.contains_key(key) { format!("{place}.{key}") } else { place.clone() };
-            Fault::new(origin, key, FaultKind::Inconsistent { message })
+            Fault::new(origin, key, message)
         };
         let mut all = overrides.clone();
         all.extend(changes.iter().map(|(key, value)| (key.clone(), *value)));
-        match resolve(origin, document, &all) {
+        match resolve(origin, document, &all, false) {
             // Random variables belong to the scene without the condition.
-            Err(wrong) => faults.extend(
+            Err(Faults(wrong)) => faults.extend(
                 wrong
                     .iter()
                     .filter(|wrong| !wrong.key.starts_with("variables."))

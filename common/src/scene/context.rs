@@ -5,7 +5,7 @@
 //! `Section`s, which pass what they read to the context that they share.
 
 use super::expression::{ExpressionError, evaluate, read_unit};
-use super::faults::{Fault, FaultKind, in_first_unit, nearest};
+use super::faults::{Fault, FaultKind, Faults, in_first_unit};
 use super::parameters::{Lookup, Parameters, why_not_a_name};
 use super::quantity::{AngleUnit, Kind, NUMBER, Quantity};
 use super::unit_advice::advised;
@@ -91,9 +91,14 @@ impl<'s> Context<'s> {
         self.faults.borrow_mut().push(Fault::new(self.origin, key, kind));
     }
 
+    /// Records faults that have their places already.
+    pub(super) fn extend_faults(&self, Faults(faults): Faults) {
+        self.faults.borrow_mut().extend(faults);
+    }
+
     /// Records that a value contradicts another one.
     pub(super) fn inconsistent(&self, key: impl Into<String>, message: impl Into<String>) {
-        self.fault(key, FaultKind::Inconsistent { message: message.into() });
+        self.fault(key, message.into().into());
     }
 
     /// Removes quantities, by the path of their key, from those read so far.
@@ -293,10 +298,7 @@ impl<'s> Context<'s> {
     ) -> Option<usize> {
         let found = known.clone().position(|candidate| candidate == name);
         if found.is_none() {
-            let nearest = nearest(name, known.clone());
-            let known = known.map(str::to_owned).collect();
-            let value = name.to_owned();
-            self.fault(key, FaultKind::UnknownReference { what, value, nearest, known });
+            self.fault(key, FaultKind::unknown_reference(what, name, known));
         }
         found
     }
@@ -305,9 +307,7 @@ impl<'s> Context<'s> {
     pub(super) fn word<T: Copy>(&self, key: &str, word: &str, words: &[(&str, T)]) -> Option<T> {
         let found = words.iter().find(|(name, _)| *name == word).map(|(_, meaning)| *meaning);
         if found.is_none() {
-            let nearest = nearest(word, words.iter().map(|(name, _)| *name));
-            let known = words.iter().map(|(name, _)| (*name).to_owned()).collect();
-            self.fault(key, FaultKind::UnknownWord { value: word.to_owned(), nearest, known });
+            self.fault(key, FaultKind::unknown_word(word, words.iter().map(|(name, _)| *name)));
         }
         found
     }
@@ -333,10 +333,20 @@ pub fn read_quantity(text: &str, kind: Kind) -> Result<f64, FaultKind> {
     read.ok_or_else(fault)
 }
 
+/// A finite number and the rest of the text, its unit.
+pub fn number_and_unit(text: &str) -> Option<(f64, &str)> {
+    let text = text.trim();
+    // A unit may begin with e or E, as no exponent without digits does.
+    (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end)).find_map(|end| {
+        Some((text[..end].parse::<f64>().ok().filter(|n| n.is_finite())?, text[end..].trim()))
+    })
+}
+
 /// True if a text is one number with or without a unit, not an expression.
 fn is_number_with_unit(text: &str) -> bool {
-    let unit = text.trim_start_matches(|c: char| c.is_ascii_digit() || "+-.eE ".contains(c)).trim_end();
     // The only digits of a unit are its exponents.
     let exponents = |pair: &[u8]| !pair[1].is_ascii_digit() || matches!(pair[0], b'^' | b'-');
-    unit.is_empty() || (unit.as_bytes().windows(2).all(exponents) && read_unit(unit).is_ok())
+    number_and_unit(text).is_some_and(|(_, unit)| {
+        unit.is_empty() || (unit.as_bytes().windows(2).all(exponents) && read_unit(unit).is_ok())
+    })
 }

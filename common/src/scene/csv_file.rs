@@ -77,7 +77,7 @@ impl<'t> CsvFile<'t> {
     pub(super) fn read(file: &'t str, text: &'t str, key: &str) -> Result<Self, Faults> {
         let at_end = |message: &str| {
             let end = text.trim_end().len();
-            Err(Faults(vec![fault_at(file, text, end..end, key, message.to_owned())]))
+            Err(Faults(vec![Fault::at(file, text, end..end, key, message)]))
         };
         let mut rows = csv_rows(text).into_iter().map(|row| row.cells);
         let Some(head) = rows.next() else {
@@ -176,12 +176,8 @@ impl<'t> CsvFile<'t> {
     }
 
     fn fault(&self, span: Range<usize>, key: &str, message: String) -> Fault {
-        fault_at(self.file, self.text, span, key, message)
+        Fault::at(self.file, self.text, span, key, message)
     }
-}
-
-fn fault_at(file: &str, text: &str, span: Range<usize>, key: &str, message: String) -> Fault {
-    Fault::at(file, text, span, key, FaultKind::Inconsistent { message })
 }
 
 /// Why a cell is no number, and what to write instead.

@@ -4,7 +4,7 @@
 //! the name of the file and the SHA-256 of its content. Paths are relative to the file of the scene. The places of all numbers are kept, so that later faults point into the CSV file.
 
 use super::csv_file::{CsvColumn, CsvFile};
-use super::faults::{Fault, FaultKind, Faults};
+use super::faults::{FaultKind, Faults};
 use crate::text_file::read_text;
 use std::ops::Range;
 use std::path::Path;
@@ -107,9 +107,7 @@ impl ImportRequest<'_> {
             Some(_) => Vec::new(),
         };
         let [at, value] = names.as_slice() else {
-            return Err(
-                self.one("columns", FaultKind::Inconsistent { message: format!("expected {EXPECTED}") })
-            );
+            return Err(self.one("columns", format!("expected {EXPECTED}")));
         };
         let columns = [("at", at, "columns.1"), ("value", value, "columns.2")];
         let read = columns.map(|(key, name, place)| {
@@ -136,10 +134,7 @@ impl ImportRequest<'_> {
             None if csv.width() == 1 => 0,
             None => return Err(self.unnamed_column(&csv, "column", EXPECTED)),
             Some(Value::String(name)) => csv.find(&name).map_err(|kind| self.one("column", kind))?,
-            Some(_) => {
-                let message = format!("expected {EXPECTED}");
-                return Err(self.one("column", FaultKind::Inconsistent { message }));
-            }
+            Some(_) => return Err(self.one("column", format!("expected {EXPECTED}"))),
         };
         let column = csv.column(place, &self.path)?;
         table.extend(list(&column));
@@ -152,28 +147,23 @@ impl ImportRequest<'_> {
 
     fn refuse_beside(&self, table: &Table, keys: &[&str; 2]) -> Result<(), Faults> {
         if keys.iter().any(|key| table.contains_key(*key)) {
-            let message = format!("give either csv, or {} and {}, not both", keys[0], keys[1]);
-            return Err(self.one("csv", FaultKind::Inconsistent { message }));
+            return Err(self.one("csv", format!("give either csv, or {} and {}, not both", keys[0], keys[1])));
         }
         Ok(())
     }
 
     /// Name and text of the file that a table names; name and hash take the place of its key.
     fn file(&self, table: &mut Table) -> Result<(String, String), Faults> {
-        let fault = |message: String| self.one("csv", FaultKind::Inconsistent { message });
         let Some(Value::String(name)) = table.remove("csv") else {
-            return Err(fault(
-                "expected the path of a CSV file, relative to the file of the scene".to_owned(),
-            ));
+            return Err(self.one("csv", "expected the path of a CSV file, relative to the file of the scene"));
         };
         let Some(folder) = self.folder else {
-            return Err(fault(format!(
-                "\"{name}\" cannot be found: this scene has no file that it is relative to"
-            )));
+            let what = format!("\"{name}\" cannot be found: this scene has no file that it is relative to");
+            return Err(self.one("csv", what));
         };
         let path = folder.join(&name);
         let text = read_text(&path, "a CSV file")
-            .map_err(|why| fault(format!("{} cannot be read: {why}", path.display())))?;
+            .map_err(|why| self.one("csv", format!("{} cannot be read: {why}", path.display())))?;
         // The values state where they are from.
         let hash = ring::digest::digest(&ring::digest::SHA256, text.as_bytes());
         let hash: String = hash.as_ref().iter().map(|byte| format!("{byte:02x}")).collect();
@@ -187,8 +177,8 @@ impl ImportRequest<'_> {
         self.one(key, FaultKind::Missing { expected })
     }
 
-    fn one(&self, key: &str, kind: FaultKind) -> Faults {
-        Faults(vec![Fault::new(self.origin, format!("{}.{key}", self.path), kind)])
+    fn one(&self, key: &str, kind: impl Into<FaultKind>) -> Faults {
+        Faults::one(self.origin, &format!("{}.{key}", self.path), kind)
     }
 }
 

@@ -2,8 +2,11 @@
 //!
 //! The wanted contents are compared with those of the text, table by table and row by row; only what differs is written.
 
+use serde::de::IntoDeserializer;
+use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
-use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, TableLike};
+use toml_edit::ser::ValueSerializer;
+use toml_edit::{ArrayOfTables, DocumentMut, Item, TableLike};
 
 /// A text with the contents of `document`, in the form of the last of `texts`; what that does not have has the form of the first of the
 /// others that has it.
@@ -158,40 +161,12 @@ fn written(value: &Value, has_heads: bool) -> Item {
 }
 
 fn inline(value: &Value) -> toml_edit::Value {
-    match value {
-        Value::String(text) => text.as_str().into(),
-        Value::Integer(number) => (*number).into(),
-        Value::Float(number) => (*number).into(),
-        Value::Boolean(word) => (*word).into(),
-        Value::Datetime(time) => (*time).into(),
-        Value::Array(list) => list.iter().map(inline).collect::<Array>().into(),
-        Value::Table(table) => {
-            table.iter().map(|(key, value)| (key.as_str(), inline(value))).collect::<InlineTable>().into()
-        }
-    }
+    value.serialize(ValueSerializer::new()).expect("a value of TOML")
 }
 
 /// The value of an item; `None` if it has none.
 fn read(item: &Item) -> Option<Value> {
-    let table = |table: &dyn TableLike| {
-        Value::Table(table.iter().filter_map(|(key, item)| Some((key.to_owned(), read(item)?))).collect())
-    };
-    Some(match item {
-        Item::None => return None,
-        Item::Table(of) => table(of),
-        Item::ArrayOfTables(rows) => Value::Array(rows.iter().map(|row| table(row)).collect()),
-        Item::Value(value) => match value {
-            toml_edit::Value::String(text) => Value::String(text.value().clone()),
-            toml_edit::Value::Integer(number) => Value::Integer(*number.value()),
-            toml_edit::Value::Float(number) => Value::Float(*number.value()),
-            toml_edit::Value::Boolean(word) => Value::Boolean(*word.value()),
-            toml_edit::Value::Datetime(time) => Value::Datetime(*time.value()),
-            toml_edit::Value::Array(list) => {
-                Value::Array(list.iter().filter_map(|value| read(&Item::Value(value.clone()))).collect())
-            }
-            toml_edit::Value::InlineTable(of) => table(of),
-        },
-    })
+    Value::deserialize(item.clone().into_value().ok()?.into_deserializer()).ok()
 }
 
 /// The tables of another text have the places of that text.

@@ -90,7 +90,7 @@ pub(super) fn flatten(text: String, origin: &str, folder: Option<&Path>) -> Resu
         for path in without {
             if !leave_out(&mut merged, &path) {
                 let message = format!("the extended scene has no {path:?}");
-                let faults = Faults::one(&layer.file, WITHOUT, FaultKind::Inconsistent { message });
+                let faults = Faults::one(&layer.file, WITHOUT, message);
                 return Err(Layers(vec![layer.clone()]).located(faults));
             }
         }
@@ -101,7 +101,7 @@ pub(super) fn flatten(text: String, origin: &str, folder: Option<&Path>) -> Resu
 
 /// Paths of what a scene leaves out of the one that it extends.
 fn left_out(without: Option<Value>, extends: bool, origin: &str) -> Result<Vec<String>, Faults> {
-    let refuse = |message: String| Err(Faults::one(origin, WITHOUT, FaultKind::Inconsistent { message }));
+    let refuse = |message: String| Err(Faults::one(origin, WITHOUT, message));
     match without {
         None => Ok(vec![]),
         Some(_) if !extends => refuse("needs `extends`: the scene that has what is left out".to_owned()),
@@ -129,7 +129,7 @@ fn base(
     }
     let Some(name) = extends.as_str() else {
         let message = format!("{extends} is not the name of a scene or file");
-        return Err(Faults::one(origin, KEY, FaultKind::Inconsistent { message }));
+        return Err(Faults::one(origin, KEY, message));
     };
     if let Some(text) = builtin::text(name) {
         return Ok((text.to_owned(), name.to_owned(), None));

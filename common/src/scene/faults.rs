@@ -48,12 +48,12 @@ pub struct Fault {
 
 impl Fault {
     /// A fault whose place in the text is not known yet.
-    pub fn new(file: impl Into<String>, key: impl Into<String>, kind: FaultKind) -> Self {
-        Fault { file: file.into(), key: key.into(), kind, location: None, used_at: None }
+    pub fn new(file: impl Into<String>, key: impl Into<String>, kind: impl Into<FaultKind>) -> Self {
+        Fault { file: file.into(), key: key.into(), kind: kind.into(), location: None, used_at: None }
     }
 
     /// A fault at the bytes `span` of the text of its file.
-    pub fn at(file: &str, text: &str, span: Range<usize>, key: &str, kind: FaultKind) -> Self {
+    pub fn at(file: &str, text: &str, span: Range<usize>, key: &str, kind: impl Into<FaultKind>) -> Self {
         let location = Some(Box::new(Location::new(file, text, span)));
         Fault { location, ..Self::new(file, key, kind) }
     }
@@ -61,7 +61,7 @@ impl Fault {
 
 impl Faults {
     /// A single fault.
-    pub fn one(file: &str, key: &str, kind: FaultKind) -> Self {
+    pub fn one(file: &str, key: &str, kind: impl Into<FaultKind>) -> Self {
         Faults(vec![Fault::new(file, key, kind)])
     }
 
@@ -251,7 +251,42 @@ pub enum FaultKind {
     },
 }
 
+/// A contradiction, in words.
+impl From<String> for FaultKind {
+    fn from(message: String) -> Self {
+        Self::Inconsistent { message }
+    }
+}
+
+/// A contradiction, in words.
+impl From<&str> for FaultKind {
+    fn from(message: &str) -> Self {
+        message.to_owned().into()
+    }
+}
+
 impl FaultKind {
+    /// A key that is none of those `known`.
+    pub(super) fn unknown_key<'n>(key: &str, known: impl Iterator<Item = &'n str> + Clone) -> Self {
+        Self::UnknownKey { nearest: nearest(key, known.clone()), known: known.map(str::to_owned).collect() }
+    }
+
+    /// A word that is none of those `known`.
+    pub fn unknown_word<'n>(word: &str, known: impl Iterator<Item = &'n str> + Clone) -> Self {
+        let (nearest, known) = (nearest(word, known.clone()), known.map(str::to_owned).collect());
+        Self::UnknownWord { value: word.to_owned(), nearest, known }
+    }
+
+    /// A name that is none of those `known`, of a kind of thing.
+    pub fn unknown_reference<'n>(
+        what: &'static str,
+        name: &str,
+        known: impl Iterator<Item = &'n str> + Clone,
+    ) -> Self {
+        let (nearest, known) = (nearest(name, known.clone()), known.map(str::to_owned).collect());
+        Self::UnknownReference { what, value: name.to_owned(), nearest, known }
+    }
+
     /// What [`Fault::used_at`] points to, in words.
     pub(super) fn related(&self) -> &'static str {
         match self {

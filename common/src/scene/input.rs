@@ -1,9 +1,10 @@
-//! Files that people write besides scenes, TOML: read by the same [`Section`]s, with all faults at once, each with its line.
+//! Files that people write besides scenes, TOML or CSV: read by the same [`Section`]s, with all faults at once, each with its line.
 
 use super::context::{Context, Overrides};
+use super::csv_file::{CsvRow, csv_rows};
 use super::document::document;
 use super::extends::read_input as read;
-use super::faults::{Fault, FaultKind, Faults};
+use super::faults::{Fault, Faults};
 use super::layers::{Layer, Layers};
 use super::section::Section;
 use std::path::Path;
@@ -40,6 +41,11 @@ impl InputFile {
         &self.layers.0[0].file
     }
 
+    /// Its tables as written.
+    pub fn document(&self) -> &Table {
+        &self.document
+    }
+
     /// What `reader` makes of the whole file, unless it records a fault; a key that it does not ask for is one.
     ///
     /// # Errors
@@ -58,13 +64,65 @@ impl InputFile {
     /// # Errors
     /// These faults, with their places, if there are any.
     pub fn refuse_for(&self, faults: impl IntoIterator<Item = (String, String)>) -> Result<(), Faults> {
-        let fault = |(key, message)| Fault::new(self.origin(), key, FaultKind::Inconsistent { message });
+        let fault = |(key, what): (String, String)| Fault::new(self.origin(), key, what);
         self.faultless(faults.into_iter().map(fault).collect())
     }
 
     fn faultless(&self, faults: Vec<Fault>) -> Result<(), Faults> {
         if faults.is_empty() { Ok(()) } else { Err(self.layers.located(Faults(faults))) }
     }
+}
+
+/// What `reader` makes of the rows of a CSV text, each with its line and its cells as texts by `columns`, unless it records a fault; empty
+/// cells are absent. A first line that begins with the name of the first column is a heading.
+///
+/// # Errors
+/// All faults, with their places; the key of a fault is its column.
+pub fn read_rows<T>(
+    text: &str,
+    file: &str,
+    columns: &[&str],
+    reader: impl FnOnce(&mut [(u64, Section)]) -> T,
+) -> Result<T, Faults> {
+    let all = csv_rows(text);
+    let is_heading = all.first().is_some_and(|row| row.cells[0].text.eq_ignore_ascii_case(columns[0]));
+    let rows = &all[usize::from(is_heading)..];
+    let table = |row: &CsvRow| -> Table {
+        let cells = columns.iter().zip(&row.cells).filter(|(_, cell)| !cell.text.is_empty());
+        cells.map(|(column, cell)| ((*column).to_owned(), cell.text.into())).collect()
+    };
+    let tables: Vec<Table> = rows.iter().map(table).collect();
+    let none = Overrides::new();
+    let cx = Context::new(file, &none);
+    let (expected, names) = (columns.len(), columns.join(", "));
+    if rows.is_empty() {
+        cx.inconsistent("", format!("the file has no row; expected lines of {names}"));
+    }
+    let mut sections = Vec::new();
+    for (row, table) in rows.iter().zip(&tables) {
+        let section = Section::new(&cx, row.line.to_string(), table);
+        if row.cells.len() <= expected {
+            sections.push((row.line, section));
+            continue;
+        }
+        // Which cells are meant for which column is not known.
+        let found = row.cells.len();
+        let what = format!(
+            "{found} cells, expected {expected}: {names}; a comma within a number separates cells, too"
+        );
+        section.inconsistent(columns[expected - 1], what);
+    }
+    let read = reader(&mut sections);
+    let place = |fault: Fault| {
+        let (line, column) = fault.key.split_once('.').unwrap_or_default();
+        let row = rows.iter().find(|row| row.line.to_string() == line);
+        let cell = row.and_then(|row| row.cells.get(columns.iter().position(|other| *other == column)?));
+        let end = row.map_or(text.trim_end().len(), |row| row.cells[row.cells.len() - 1].span.end);
+        Fault::at(file, text, cell.map_or(end..end, |cell| cell.span.clone()), column, fault.kind)
+    };
+    let mut faults: Vec<Fault> = cx.take_faults().into_iter().map(place).collect();
+    faults.sort_by_key(|fault| fault.location.as_ref().map(|place| (place.line, place.column)));
+    if faults.is_empty() { Ok(read) } else { Err(Faults(faults)) }
 }
 
 #[cfg(test)]

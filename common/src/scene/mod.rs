@@ -11,7 +11,7 @@
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
 //! | reading | `document`, `duplicate_key`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `input` | one pass over the file that records every fault |
 //! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
-//! | whole | `resolve`, `conditioned`, `merge`, `edit`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`] | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples |
+//! | whole | `resolve`, `conditioned`, `merge`, `edit`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`], `setting` | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples; values set by name |
 
 mod attachment;
 mod bodies;
@@ -61,10 +61,10 @@ mod outputs;
 mod parameters;
 pub mod quantity;
 mod quantity_list;
-mod reading;
 mod reference;
 mod resolve;
 mod section;
+mod setting;
 mod simulator;
 pub mod source;
 mod tables;
@@ -77,12 +77,12 @@ mod wear_output;
 mod wear_outputs;
 
 pub use attachment::Attachment;
-pub use context::{Range, read_quantity};
+pub use context::{Range, number_and_unit, read_quantity};
 pub use csv_file::{Cell, CsvRow, csv_rows};
 pub use drive::{Curve, Drive, Over, Table};
 pub use extends::read_input as read_text;
 pub use faults::{Fault, FaultKind, Faults, nearest};
-pub use input::InputFile;
+pub use input::{InputFile, read_rows};
 pub use joint::{
     Clearance, ContactDamping, ContactLaw, ControlPoints, GuideClearance, GuideWear, IdealFriction, Joint,
     JointKind, Material, RestitutionLaw, WearingSurfaces,
@@ -101,5 +101,6 @@ pub use reference::published_results;
 pub use section::Section;
 pub use simulator::REQUEST_FILE;
 pub use source::SceneSource;
+pub use variable_law::{DEFAULT_LAW, laws};
 pub use warnings::Warning;
 pub use wear_output::WearQuantity;

@@ -2,7 +2,7 @@
 
 use super::context::{Context, Range};
 use super::csv_import::SOURCE;
-use super::faults::{FaultKind, nearest};
+use super::faults::FaultKind;
 use super::quantity::Kind;
 use toml::{Table, Value};
 
@@ -28,8 +28,7 @@ pub(super) fn quantity_list(cx: &Context, path: &str, value: &Value, kind: Kind)
 fn with_one_unit(cx: &Context, path: &str, table: &Table, kind: Kind) -> Option<Vec<f64>> {
     let before = cx.fault_count();
     for key in table.keys().filter(|key| !KEYS.contains(&key.as_str())) {
-        let (nearest, known) = (nearest(key, KEYS), KEYS.map(str::to_owned).to_vec());
-        cx.fault(format!("{path}.{key}"), FaultKind::UnknownKey { nearest, known });
+        cx.fault(format!("{path}.{key}"), FaultKind::unknown_key(key, KEYS.into_iter()));
     }
     let unit_key = format!("{path}.unit");
     let unit = match table.get("unit") {

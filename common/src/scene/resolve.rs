@@ -5,45 +5,49 @@ use super::body_row::BodyRow;
 use super::clearance::materials;
 use super::conditions::{ConditionRow, condition_rows};
 use super::context::{Context, Overrides};
-use super::correlations::{CorrelationRow, correlation_rows};
-use super::faults::{Fault, FaultKind};
+use super::correlations::{correlation_rows, correlations};
+use super::faults::{Fault, FaultKind, Faults};
 use super::joints::{JointRow, joints};
 use super::life::life;
 use super::limit_states::limit_states;
 use super::limits::{COUNT_LIMIT, VALUE_LIMIT};
 use super::load::Load;
 use super::loads::loads;
+use super::measured::MeasuredVariable;
 use super::model::{ExternalSimulator, Life, LimitState, Scene, StudySettings};
 use super::outputs::{OutputRow, outputs};
 use super::quantity::{ACCELERATION, Quantity};
 use super::section::Section;
 use super::simulator::{declared_life, declared_outputs, simulator};
-use super::variables::{VariableRow, variable_rows, variables};
+use super::variables::{variable_rows, variables};
 use crate::accuracy::{AccuracyNameError, NamedAccuracy};
 use std::collections::{BTreeMap, BTreeSet};
 use toml::Table;
 
 /// Result of one pass over a scene.
 pub(super) struct Resolved {
-    /// The scene, its `variables` still empty.
+    /// The scene; without random variables and correlations unless these were asked for.
     pub(super) scene: Scene,
-    /// Correlations as written; those of the scene are still empty.
-    pub(super) correlations: Vec<CorrelationRow>,
     /// Operating conditions as written; those of the scene are still empty.
     pub(super) conditions: Vec<ConditionRow>,
-    /// Random variables as written.
-    pub(super) variables: Vec<VariableRow>,
+    /// Random variables that have measured samples.
+    pub(super) measured: Vec<MeasuredVariable>,
     /// Every quantity read, by the path of its key.
     pub(super) seen: BTreeMap<String, Quantity>,
     /// Parameters that something depends on.
     pub(super) used: BTreeSet<String>,
 }
 
-/// Reads a whole scene.
+/// Reads a whole scene; `with_variables`, also its random variables and correlations, whose nominal values follow from its quantities.
 ///
 /// # Errors
 /// Every fault found.
-pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> Result<Resolved, Vec<Fault>> {
+pub(super) fn resolve(
+    origin: &str,
+    document: &Table,
+    overrides: &Overrides,
+    with_variables: bool,
+) -> Result<Resolved, Faults> {
     let cx = Context::new(origin, overrides);
     let mut file = Section::new(&cx, "", document);
     if let Some(parameters) = file.get("parameters") {
@@ -55,7 +59,7 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
     let variables_written = document.get("variables").and_then(toml::Value::as_array).map_or(0, Vec::len);
     let parts = Parts::read(&mut file, variables_written);
     let mut rows = variable_rows(&mut file, parts.simulator.is_some());
-    let correlations = correlation_rows(&mut file);
+    let correlation_rows = correlation_rows(&mut file);
     if !rows.is_empty() && parts.limit_states.is_empty() {
         file.missing("limit_states", "at least one limit state for a study");
     }
@@ -71,17 +75,29 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
         cx.check_overrides();
     }
     let seen = cx.take_seen();
-    match parts.scene() {
+    let scene = parts.scene().filter(|_| cx.fault_count() == 0);
+    match &scene {
+        Some(_) if !with_variables => rows.clear(),
+        Some(_) => {}
+        // Faults of the variables whose nominal values could be read.
+        None => rows.retain(|row| row.changes.iter().all(|key| seen.contains_key(key))),
+    }
+    let (variables, measured): (Vec<_>, Vec<_>) = variables(&cx, &rows, &seen).into_iter().unzip();
+    let correlations = match &scene {
+        Some(_) if with_variables => {
+            let names: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
+            correlations(&cx, &correlation_rows, &names, &variables)
+        }
+        _ => vec![],
+    };
+    let used = cx.used_parameters();
+    match scene {
         Some(scene) if cx.fault_count() == 0 => {
-            let used = cx.used_parameters();
-            Ok(Resolved { scene, correlations, conditions, variables: rows, seen, used })
+            let scene = Scene { variables, correlations, ..scene };
+            let measured = measured.into_iter().flatten().collect();
+            Ok(Resolved { scene, conditions, measured, seen, used })
         }
-        _ => {
-            // Faults of the variables whose nominal values could be read.
-            rows.retain(|row| row.changes.iter().all(|key| seen.contains_key(key)));
-            variables(&cx, &rows, &seen);
-            Err(without_followers(cx.take_faults()))
-        }
+        _ => Err(Faults(without_followers(cx.take_faults()))),
     }
 }
 

@@ -2,7 +2,7 @@
 //! read. What is wrong is recorded in the context of the pass; a method then returns `None` and reading continues.
 
 use super::context::{Context, Range};
-use super::faults::{FaultKind, nearest};
+use super::faults::{FaultKind, Faults, nearest};
 use super::quantity::Kind;
 use super::quantity_list::quantity_list;
 use std::ops::RangeInclusive;
@@ -35,6 +35,16 @@ impl<'s> Section<'s> {
     /// Records a fault at a key.
     pub fn fault(&self, key: &str, kind: FaultKind) {
         self.cx.fault(self.key(key), kind);
+    }
+
+    /// Number of faults of the file so far.
+    pub fn fault_count(&self) -> usize {
+        self.cx.fault_count()
+    }
+
+    /// Records faults of another file, which have their places.
+    pub fn faults_elsewhere(&self, faults: Faults) {
+        self.cx.extend_faults(faults);
     }
 
     /// Records that the value of a key contradicts something.
@@ -129,9 +139,7 @@ impl<'s> Section<'s> {
             return;
         }
         for key in self.table.keys().filter(|key| !self.known.contains(&key.as_str())) {
-            let nearest = nearest(key, self.known.iter().copied());
-            let known = self.known.iter().map(|key| (*key).to_owned()).collect();
-            self.fault(key, FaultKind::UnknownKey { nearest, known });
+            self.fault(key, FaultKind::unknown_key(key, self.known.iter().copied()));
         }
     }
 }

@@ -3,19 +3,17 @@
 
 use super::builtin;
 use super::conditioned::conditions;
-use super::context::{Overrides, read_quantity};
+use super::context::Overrides;
 use super::edit::rewritten;
-use super::expression::read_unit;
 use super::extends::{flatten, read, unknown_scene};
-use super::faults::{Fault, FaultKind, Faults, in_unit, nearest};
+use super::faults::{Fault, FaultKind, Faults, in_unit};
 use super::layers::Layers;
 use super::location::Location;
 use super::magnitudes::magnitudes;
 use super::measured::MeasuredVariable;
 use super::model::Scene;
-use super::quantity::{Dimension, Kind, Quantity};
-use super::reading::Reading;
-use super::resolve::resolve;
+use super::quantity::Quantity;
+use super::resolve::{Resolved, resolve};
 use super::simulator::settle_folder;
 use super::warnings::{Warning, warnings};
 use crate::random::RandomVariable;
@@ -32,6 +30,7 @@ pub struct SceneSource {
     nominal: Scene,
     seen: BTreeMap<String, Quantity>,
     unused_parameters: Vec<String>,
+    measured: Vec<MeasuredVariable>,
     layers: Layers,
 }
 
@@ -97,20 +96,21 @@ impl SceneSource {
         };
 
         // Values as written, then the variables, then the nominal scene with every variable at its mean.
-        let Reading { base, variables, correlations, used } =
-            Reading::of(origin, &document, &Overrides::new())?;
+        let Resolved { scene, measured, seen, used, .. } =
+            resolve(origin, &document, &Overrides::new(), true)?;
         let parameters = document.get("parameters").and_then(toml::Value::as_table);
         let mut unused_parameters: Vec<String> =
             parameters.into_iter().flat_map(Table::keys).cloned().collect();
-        unused_parameters.retain(|name| !base.used.contains(name) && !used.contains(name));
+        unused_parameters.retain(|name| !used.contains(name));
         unused_parameters.sort();
         let mut source = SceneSource {
             origin: origin.to_owned(),
             text,
             document,
-            nominal: Scene { variables, correlations, ..base.scene },
-            seen: base.seen,
+            nominal: scene,
+            seen,
             unused_parameters,
+            measured,
             layers,
         };
         source.nominal = source.resolve_sample(&source.means())?;
@@ -154,6 +154,11 @@ impl SceneSource {
         &self.nominal.variables
     }
 
+    /// Index of the random variable of this name.
+    pub fn variable(&self, name: &str) -> Option<usize> {
+        self.variables().iter().position(|variable| variable.name == name)
+    }
+
     /// The means of the random variables `(d,)`, SI.
     pub fn means(&self) -> Vec<f64> {
         self.variables().iter().map(|variable| variable.distribution.parent_mean()).collect()
@@ -166,11 +171,8 @@ impl SceneSource {
     }
 
     /// The random variables that have measured samples, with these.
-    ///
-    /// # Errors
-    /// None at present, since a source is checked when it is read.
-    pub fn measured(&self) -> Result<Vec<MeasuredVariable>, Faults> {
-        Reading::measured(&self.origin, &self.document)
+    pub fn measured(&self) -> &[MeasuredVariable] {
+        &self.measured
     }
 
     /// What is valid but most likely not meant, with the path of the key.
@@ -232,14 +234,6 @@ impl SceneSource {
         &self.nominal
     }
 
-    /// The nominal scene: every random variable at its mean.
-    ///
-    /// # Errors
-    /// None at present, since a source is checked when it is read; the signature is that of the other `resolve_*`.
-    pub fn resolve(&self) -> Result<Scene, Faults> {
-        Ok(self.nominal.clone())
-    }
-
     /// The scene for one sample `(d,)` of the random variables, SI.
     ///
     /// # Errors
@@ -263,9 +257,8 @@ impl SceneSource {
     /// # Errors
     /// An unknown name, or values that give an invalid scene.
     pub fn resolve_with(&self, settings: &[(String, f64)]) -> Result<Scene, Faults> {
-        let is_variable = |name: &str| self.variables().iter().any(|variable| variable.name == name);
         let (of_variables, keys): (Vec<_>, Vec<_>) =
-            settings.iter().cloned().partition(|(name, _)| is_variable(name));
+            settings.iter().cloned().partition(|(name, _)| self.variable(name).is_some());
         let variables = self.variables_with(&keys)?;
         let mut overrides = Overrides::new();
         for variable in &variables {
@@ -284,12 +277,13 @@ impl SceneSource {
     /// An unknown key, or values that give an invalid scene.
     pub fn variables_with(&self, keys: &[(String, f64)]) -> Result<Vec<RandomVariable>, Faults> {
         if let Some((key, _)) = keys.iter().find(|(key, _)| !self.seen.contains_key(key)) {
-            return Err(self.unknown_setting(key));
+            return Err(self.unknown(key));
         }
         if keys.is_empty() {
             return Ok(self.variables().to_vec());
         }
-        Ok(Reading::of(&self.origin, &self.document, &keys.iter().cloned().collect())?.variables)
+        let overrides = keys.iter().cloned().collect();
+        Ok(resolve(&self.origin, &self.document, &overrides, true)?.scene.variables)
     }
 
     /// The means `(d,)` with some variables set to other values, SI: the inputs of an external simulator, whose scene has
@@ -300,50 +294,17 @@ impl SceneSource {
     pub fn sample_with(&self, settings: &[(String, f64)]) -> Result<Vec<f64>, Faults> {
         let mut sample = self.means();
         for (name, value) in settings {
-            let place = self.variables().iter().position(|variable| variable.name == *name);
-            sample[place.ok_or_else(|| self.unknown_setting(name))?] = *value;
+            sample[self.variable(name).ok_or_else(|| self.unknown(name))?] = *value;
         }
         Ok(sample)
     }
 
-    /// Reads `name=quantity`, e.g. `rod_length=40.05mm`, as name and SI value; the unit must be of the kind of the value
-    /// that the name stands for.
-    ///
-    /// # Errors
-    /// An unknown name, no quantity, or one of another kind.
-    pub fn parse_setting(&self, setting: &str) -> Result<(String, f64), Faults> {
-        let fault = |kind| Faults::one("--set", setting, kind);
-        let Some((name, value)) = setting.split_once('=') else {
-            let message = "expected variable=value, e.g. rod_length=40.05mm".to_owned();
-            return Err(fault(FaultKind::Inconsistent { message }));
-        };
-        let (name, value) = (name.trim(), value.trim());
-        let variable = self.variables().iter().find(|variable| variable.name == name);
-        let expected = match variable.map(|variable| (variable, variable.changes.first())) {
-            // An input of a simulator has the dimension of its unit, if that is a known one.
-            Some((input, None)) => {
-                Kind::from_dimension(read_unit(&input.unit).map_or(Dimension::NONE, |unit| unit.dimension))
-            }
-            Some((_, Some(key))) => self.seen[key].kind(),
-            None => self.seen.get(name).ok_or_else(|| self.unknown_setting(name))?.kind(),
-        };
-        Ok((name.to_owned(), read_quantity(value, expected).map_err(fault)?))
-    }
-
-    fn unknown_setting(&self, name: &str) -> Faults {
-        let names: Vec<&str> = self.variables().iter().map(|variable| variable.name.as_str()).collect();
-        let all = names.iter().copied().chain(self.seen.keys().map(String::as_str));
-        let kind = FaultKind::UnknownReference {
-            what: "variable",
-            value: name.to_owned(),
-            nearest: nearest(name, all),
-            known: names.into_iter().map(str::to_owned).collect(),
-        };
-        Faults::one(&self.origin, "", kind)
+    fn unknown(&self, name: &str) -> Faults {
+        Faults::one(&self.origin, "", self.unknown_setting(name))
     }
 
     fn resolve_overridden(&self, overrides: &Overrides) -> Result<Scene, Faults> {
-        let resolved = resolve(&self.origin, &self.document, overrides).map_err(Faults)?;
+        let resolved = resolve(&self.origin, &self.document, overrides, false)?;
         let (variables, correlations) = (self.nominal.variables.clone(), self.nominal.correlations.clone());
         let conditions =
             conditions(&self.origin, &self.document, overrides, &resolved.scene, &resolved.conditions)

@@ -8,7 +8,7 @@ use super::measured::{MeasuredVariable, WrittenSamples, refuses_fit_without_samp
 use super::quantity::{Dimension, Quantity};
 use super::section::Section;
 use super::variable_law::WrittenLaw;
-use crate::random::{Distribution, RandomVariable};
+use crate::random::RandomVariable;
 use std::collections::BTreeMap;
 use toml::Value;
 
@@ -56,19 +56,6 @@ impl VariableLaw {
         matches!(self, Self::Parameters(law) if law.takes_nominal())
     }
 
-    fn distribution(
-        &self,
-        cx: &Context,
-        path: &str,
-        nominal: Quantity,
-        changes: &[String],
-    ) -> Option<Distribution> {
-        match self {
-            Self::Parameters(law) => law.distribution(cx, path, nominal, changes),
-            Self::Measured(samples) => Some(samples.measured(cx, path, nominal.kind())?.distribution),
-        }
-    }
-
     /// Unit of the samples.
     fn unit(&self) -> Option<&str> {
         match self {
@@ -107,12 +94,13 @@ fn changes<'s>(row: &mut Section<'s>) -> Option<Vec<&'s str>> {
     changes.filter(|changes| !changes.is_empty())
 }
 
-/// Gives the variables their distributions, from the nominal values `seen` at the keys they change.
+/// Gives the variables their distributions, from the nominal values `seen` at the keys they change, and their measured samples if they
+/// have them.
 pub(super) fn variables(
     cx: &Context,
     rows: &[VariableRow],
     seen: &BTreeMap<String, Quantity>,
-) -> Vec<RandomVariable> {
+) -> Vec<(RandomVariable, Option<MeasuredVariable>)> {
     let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
     for row in rows {
         for key in &row.changes {
@@ -125,26 +113,20 @@ pub(super) fn variables(
     rows.iter().filter_map(|row| variable(cx, row, seen)).collect()
 }
 
-/// The variables that have measured samples, with these.
-pub(super) fn measured(
+fn variable(
     cx: &Context,
-    rows: &[VariableRow],
+    row: &VariableRow,
     seen: &BTreeMap<String, Quantity>,
-) -> Vec<MeasuredVariable> {
-    let samples = |row: &VariableRow| match &row.law {
-        VariableLaw::Parameters(_) => None,
-        VariableLaw::Measured(samples) => {
-            let kind = nominal(cx, row, seen)?.kind();
-            samples.measured(cx, &format!("variables.{}", row.name), kind)
-        }
-    };
-    rows.iter().filter_map(samples).collect()
-}
-
-fn variable(cx: &Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) -> Option<RandomVariable> {
+) -> Option<(RandomVariable, Option<MeasuredVariable>)> {
     let path = format!("variables.{}", row.name);
     let nominal = nominal(cx, row, seen)?;
-    let distribution = row.law.distribution(cx, &path, nominal, &row.changes)?;
+    let (distribution, measured) = match &row.law {
+        VariableLaw::Parameters(law) => (law.distribution(cx, &path, nominal, &row.changes)?, None),
+        VariableLaw::Measured(samples) => {
+            let measured = samples.measured(cx, &path, nominal.kind())?;
+            (measured.distribution.clone(), Some(measured))
+        }
+    };
     let dimension = nominal.dimension;
     let unit = match &row.unit {
         Some(unit) => match read_unit(unit) {
@@ -164,7 +146,9 @@ fn variable(cx: &Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) 
         },
         None => row.law.unit().map_or_else(|| dimension.si_unit(), str::to_owned),
     };
-    Some(RandomVariable { name: row.name.clone(), distribution, changes: row.changes.clone(), unit })
+    let variable =
+        RandomVariable { name: row.name.clone(), distribution, changes: row.changes.clone(), unit };
+    Some((variable, measured))
 }
 
 /// The common value of all keys of the variable without it; the mean of a simulator's input, which has no keys.

@@ -27,7 +27,7 @@ fn near(found: f64, expected: f64, tolerance: f64) {
 
 #[test]
 fn the_flapping_wing_has_the_numbers_of_the_model() {
-    let scene = flapping_wing().resolve().unwrap();
+    let scene = flapping_wing().nominal().clone();
     assert_eq!((scene.bodies.len(), scene.joints.len(), scene.loads.len()), (6, 6, 2));
     assert_eq!(scene.variables.len(), 30);
     assert_eq!((scene.life.cycles, scene.life.checkpoint_every), (72_000, 1_000));
@@ -97,7 +97,7 @@ fn ideal_angle(scene: &Scene, side: &str, sign: f64, crank: f64) -> f64 {
 /// and by 20.33 r/min at most.
 #[test]
 fn ideal_kinematics_of_the_flapping_wing() {
-    let scene = flapping_wing().resolve().unwrap();
+    let scene = flapping_wing().nominal().clone();
     let OutputKind::AngularVelocityDifference { a, b } = &scene.outputs[1].kind else { panic!() };
     assert_eq!((a.label.as_str(), b.label.as_str()), ("right", "left"));
     let n = 7200;
@@ -167,7 +167,7 @@ fn variables_have_the_spread_of_the_table() {
     near(spread("friction"), 0.015 * 0.025, 1e-16);
     near(spread("load_stiffness"), 0.006 * 95.0, 1e-13);
     // All but names, spreads and the accuracy they ask for is shared.
-    let (mut paper, mut workshop) = (paper.resolve().unwrap(), workshop.resolve().unwrap());
+    let (mut paper, mut workshop) = (paper.nominal().clone(), workshop.nominal().clone());
     assert_ne!(paper.name, workshop.name);
     for scene in [&mut paper, &mut workshop] {
         scene.variables.clear();
@@ -185,8 +185,8 @@ fn variables_have_the_spread_of_the_table() {
 /// The drive in the wind tunnel is that of the simulations but for speed, load, life and the limit of the asymmetry.
 #[test]
 fn the_experiment_shares_the_drive() {
-    let mut drive = flapping_wing().resolve().unwrap();
-    let mut tunnel = SceneSource::builtin("flapping-wing-experiment").unwrap().resolve().unwrap();
+    let mut drive = flapping_wing().nominal().clone();
+    let mut tunnel = SceneSource::builtin("flapping-wing-experiment").unwrap().nominal().clone();
     near(tunnel.life.period, 0.12, 1e-15);
     assert_eq!((tunnel.life.cycles, tunnel.loads.len(), tunnel.variables.len()), (104_000, 2, 31));
     assert!(tunnel.loads.iter().all(|load| matches!(load, Load::Drag { .. })), "{:?}", tunnel.loads);
@@ -201,7 +201,7 @@ fn the_experiment_shares_the_drive() {
 #[test]
 fn a_sample_changes_exactly_what_its_variables_change() {
     let source = flapping_wing();
-    let nominal = source.resolve().unwrap();
+    let nominal = source.nominal().clone();
     assert_eq!(source.resolve_sample(&source.means()).unwrap(), nominal);
 
     let mut sample = source.means();

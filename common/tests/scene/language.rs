@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 const EVERYTHING: &str = include_str!("../scenes/everything.toml");
 
 fn scene() -> Scene {
-    SceneSource::parse(EVERYTHING, "everything").unwrap().resolve().unwrap()
+    SceneSource::parse(EVERYTHING, "everything").unwrap().nominal().clone()
 }
 
 fn body(scene: &Scene, name: &str) -> usize {

@@ -96,7 +96,7 @@ fn files_and_a_version_are_read() {
     let keys =
         "version = \"2024.1\"\nresults = \"out/r.txt\"\ntemplates = [\"beam.inp\"]\nfiles = [\"mesh\"]";
     let text = beam("timeout = \"2 min\"", keys);
-    let scene = SceneSource::parse(&text, "beam.toml").unwrap().resolve().unwrap();
+    let scene = SceneSource::parse(&text, "beam.toml").unwrap().nominal().clone();
     let simulator = scene.simulator.unwrap();
     assert_eq!(simulator.version, "2024.1");
     let SimulatorKind::Program(program) = simulator.kind else { panic!() };
@@ -116,7 +116,7 @@ fn without_a_life_there_is_one_checkpoint() {
 fn a_study_of_a_server_is_read() {
     let server = "umbridge = \"http://127.0.0.1:4242/\"\nmodel = \"posterior\"\nconfig = { level = 2 }\ntimeout = \"1 h\"";
     let text = beam("program = [\"python3\", \"beam.py\"]\ntimeout = \"2 min\"", server);
-    let scene = SceneSource::parse(&text, "beam.toml").unwrap().resolve().unwrap();
+    let scene = SceneSource::parse(&text, "beam.toml").unwrap().nominal().clone();
     let SimulatorKind::UmBridge(model) = scene.simulator.unwrap().kind else { panic!() };
     assert_eq!((model.url.as_str(), model.model.as_str()), ("http://127.0.0.1:4242", "posterior"));
     assert_eq!(model.config["level"].as_integer(), Some(2));
@@ -296,7 +296,7 @@ fn a_program_runs_in_the_folder_of_its_scene() {
         // What is stored knows the folder too.
         let stored = SceneSource::parse(loaded.text(), "campaign.db").unwrap();
         assert_eq!(stored.nominal(), loaded.nominal());
-        match stored.resolve().unwrap().simulator.unwrap().kind {
+        match stored.nominal().clone().simulator.unwrap().kind {
             SimulatorKind::Program(program) => program.folder,
             SimulatorKind::UmBridge(_) => panic!("a program"),
         }

@@ -1,9 +1,8 @@
 //! Problems of known optimum.
 
 use common::random::{Distribution, standard_normal_cdf};
-use coordinator::analyses::optimise::{
-    DesignProblem, DesignQuantity, PrintedUnit, QuantityKind, ReliabilityTarget,
-};
+use coordinator::analyses::optimise::{DesignProblem, DesignQuantity, QuantityKind, ReliabilityTarget};
+use coordinator::analyses::quantity::ShownUnit;
 use coordinator::statistics::design::{Stream, open_stream};
 use coordinator::statistics::optimisation::CostModel;
 use rand::RngExt;
@@ -42,7 +41,7 @@ fn quantity(k: usize, kind: QuantityKind, bounds: (f64, f64), cost: CostModel) -
         kind,
         lower: bounds.0,
         upper: bounds.1,
-        unit: PrintedUnit { symbol: String::new(), si: 1.0 },
+        unit: ShownUnit::of(""),
         cost,
         cost_unit: 1.0,
         grades: vec![],

@@ -5,7 +5,7 @@
 //! | [`budget`] | the cheapest accuracy within an error budget |
 //! | [`tradeoff`] | time against error of the accuracy settings |
 //! | [`calibrate`] | free parameters fitted to measurements |
-//! | [`scene_settings`] | a scene with values set by key before a study |
+//! | [`scene_settings`] | a scene with values set by key, before a study or in a finished one |
 //! | [`scene_difference`] | the keys in which scenes differ |
 //! | [`designs`] | one study for all designs within ranges of design variables |
 //! | [`optimise`] | the cheapest design that reaches a reliability |
@@ -28,6 +28,7 @@ pub mod replay;
 mod replay_tests;
 pub mod scene_difference;
 pub mod scene_settings;
+mod setting;
 pub mod tradeoff;
 pub mod update;
 pub mod what_if;

@@ -1,6 +1,32 @@
-//! Quantities that a person writes: for an output of a scene, e.g. `15.2 um`, and a checkpoint of its life.
+//! Quantities that a person writes: for an output of a scene, e.g. `15.2 um`, and a checkpoint of its life; and the unit in which
+//! a quantity is shown.
 
-use common::scene::{Life, Output, OutputUnit, Section, read_quantity};
+use common::scene::expression::read_unit;
+use common::scene::quantity::{Kind, NUMBER};
+use common::scene::{Life, Output, OutputUnit, Scene, Section, number_and_unit, read_quantity};
+
+/// Unit in which a quantity is written and shown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShownUnit {
+    /// Symbol; empty for a plain number.
+    pub symbol: String,
+    /// The unit in SI.
+    pub si: f64,
+    /// Kind of the quantities that have it.
+    pub kind: Kind,
+}
+
+impl ShownUnit {
+    /// The unit with this symbol; one of a simulator, which is only displayed, is that of plain numbers.
+    pub fn of(symbol: &str) -> Self {
+        let unit = read_unit(symbol).ok();
+        Self {
+            symbol: if symbol == "1" { String::new() } else { symbol.to_owned() },
+            si: unit.map_or(1.0, |unit| unit.multiply / unit.divide),
+            kind: unit.map_or(NUMBER, |unit| Kind::from_dimension(unit.dimension)),
+        }
+    }
+}
 
 /// The SI value of a quantity of `output`; the output of an external simulator has the unit of its scene, which may be left
 /// out.
@@ -33,11 +59,18 @@ pub fn checkpoint(row: &mut Section, life: &Life, default: Option<u32>) -> Optio
     found.map(|place| (place, all[place]))
 }
 
+/// The limit state at the key `limit_state` of a row, its name and index; by default `total`, all together, which has no index.
+pub fn limit_state<'s>(row: &mut Section<'s>, scene: &Scene) -> Option<(&'s str, Option<usize>)> {
+    let name = row.text_or("limit_state", "the name of a limit state, or total", "total")?;
+    let limits = scene.limit_states.iter().map(|limit| limit.name.as_str());
+    let place = row.meant("limit_state", "limit state", name, limits.chain(["total"]))?;
+    Some((name, Some(place).filter(|place| *place < scene.limit_states.len())))
+}
+
 fn external(unit: &str, text: &str) -> Result<f64, String> {
-    let number = text.strip_suffix(unit).unwrap_or(text).trim();
-    let value = number.parse::<f64>().ok().filter(|value| value.is_finite());
+    let read = number_and_unit(text).filter(|(_, found)| found.is_empty() || *found == unit);
     let expected = if unit.is_empty() { String::new() } else { format!(" in {unit}") };
-    value.ok_or_else(|| format!("{text:?}: expected a number{expected}"))
+    read.map(|(value, _)| value).ok_or_else(|| format!("{text:?}: expected a number{expected}"))
 }
 
 #[cfg(test)]

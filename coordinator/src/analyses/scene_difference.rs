@@ -30,9 +30,8 @@ pub fn differing_keys(scenes: &[&SceneSource]) -> Vec<DifferingKey> {
 
 /// All values of a scene by the paths of their keys.
 fn written_values(scene: &SceneSource) -> BTreeMap<String, String> {
-    let document: toml::Table = scene.text().parse().expect("the scene was read from this text");
     let mut values = BTreeMap::new();
-    collect(&Value::Table(document), "", &mut values);
+    collect(&Value::Table(scene.document().clone()), "", &mut values);
     values
 }
 

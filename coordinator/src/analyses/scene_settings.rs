@@ -1,99 +1,119 @@
-//! A scene with values set by key before a study: quantities of the scene (`parameters.clearance=25 um`), means of random variables
-//! (`friction=0.06`), and distributions, thresholds and correlations as in a what-if (`friction.std=5 %`). The values are written
-//! into the text of the scene, which is then read and checked like any scene file and stored with the study.
+//! A scene with values set by key: quantities of the scene (`parameters.clearance=25 um`), means of random variables
+//! (`friction=0.06`), and distributions, thresholds and correlations (`friction.std=5 %`). The values are written into the text of
+//! the scene, which is then read and checked like any scene file and stored with the study.
+//!
+//! A value has the meaning that it has in the file. A standard deviation that the file gives as a share of the mean
+//! follows a changed mean, and so do bounds that the file does not name. Of keys that exclude each other those that were set
+//! replace the others; what the distribution then lacks is taken from the present one.
 
-use super::what_if::{redistributed, setting_fault};
-use common::scene::{Fault, Faults, SceneSource};
+use super::setting::{Allowed, Place, Setting, parse_all};
+use common::random::RandomVariable;
+use common::scene::expression::read_unit;
+use common::scene::{DEFAULT_LAW, Fault, Faults, SceneSource, laws};
 use toml::{Table, Value};
 
-/// The scene with these settings, each `KEY=VALUE` as typed.
+/// Keys of a tolerance fit that gives a variable its moments.
+pub const FIT_KEYS: [&str; 3] = ["fit", "diameter", "capability"];
+
+/// The scene with these settings before a study of it, each `KEY=VALUE` as typed.
 ///
 /// # Errors
 /// The faults of all settings, or those of the scene that they give.
 pub fn scene_with(source: &SceneSource, settings: &[String]) -> Result<SceneSource, Faults> {
+    with_settings(source, settings, Allowed::Everything)
+}
+
+/// The scene of a finished study with other distributions, correlations and thresholds, e.g. `rod_length.std=0.1 mm`.
+///
+/// # Errors
+/// As [`scene_with`]; also for quantities, which change what is simulated, and for constants of the study.
+pub fn changed_scene(source: &SceneSource, settings: &[String]) -> Result<SceneSource, Faults> {
+    with_settings(source, settings, Allowed::Studied)
+}
+
+/// As [`changed_scene`], of a scene whose constants may be changed too.
+///
+/// # Errors
+/// As [`scene_with`]; also for quantities.
+pub fn redistributed(source: &SceneSource, settings: &[String]) -> Result<SceneSource, Faults> {
+    with_settings(source, settings, Allowed::Distributions)
+}
+
+fn with_settings(source: &SceneSource, settings: &[String], allowed: Allowed) -> Result<SceneSource, Faults> {
+    let (read, mut faults) = parse_all(source, settings, allowed);
+    let (quantities, others): (Vec<_>, Vec<_>) =
+        read.into_iter().partition(|setting| matches!(setting.place, Place::Quantity(_)));
+    // The faults of both are found together.
+    let alone = [edited(source, &quantities), edited(source, &others)];
+    let found = alone.iter().filter_map(|edited| edited.as_ref().err());
+    faults.extend(found.flat_map(|Faults(found)| found.iter().cloned()));
+    match alone {
+        [Ok(changed), Ok(_)] if faults.is_empty() && !quantities.is_empty() => edited(&changed, &others),
+        [_, Ok(changed)] if faults.is_empty() => Ok(changed),
+        _ => Err(Faults(faults)),
+    }
+}
+
+/// The scene with settings that do not depend on each other.
+fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Faults> {
+    if settings.is_empty() {
+        return Ok(source.clone());
+    }
     let mut faults: Vec<Fault> = Vec::new();
-    let mut quantities: Vec<(&str, &str)> = Vec::new();
-    let mut others: Vec<String> = Vec::new();
-    for setting in settings {
-        let (key, value) =
-            setting.split_once('=').map_or((setting.trim(), ""), |(k, v)| (k.trim(), v.trim()));
-        let variables = source.variables();
-        if variables.iter().any(|variable| variable.name == key) {
-            others.push(format!("{key}.mean={value}"));
-            continue;
-        }
-        // Thresholds and parameters of distributions have forms of their own.
-        if !is_scene_quantity(source, key) && !is_within_scene(key) {
-            others.push(setting.clone());
-            continue;
-        }
-        if let Err(Faults(found)) = source.parse_setting(setting) {
-            faults.extend(found);
-        } else if quantities.iter().any(|(known, _)| *known == key) {
-            faults.push(setting_fault(setting, "this is set twice"));
-        } else if let Some(variable) =
-            variables.iter().find(|variable| variable.changes.iter().any(|change| change == key))
-        {
-            let message = format!(
-                "the random variable \"{name}\" changes this key in every simulation; set {name} or {name}.mean instead",
-                name = variable.name
-            );
-            faults.push(setting_fault(setting, message));
-        } else {
-            quantities.push((key, value));
-        }
-    }
-    // The faults of the other settings are found together with these.
-    let others_alone = redistributed(source, &others);
-    if let Err(Faults(found)) = &others_alone {
-        faults.extend(found.iter().cloned());
-    }
-    if !faults.is_empty() {
-        return Err(Faults(faults));
-    }
-    if quantities.is_empty() {
-        return others_alone;
-    }
     let changed = source.edited("--set", |document| {
-        for (key, value) in quantities {
-            let parts: Vec<&str> = key.split('.').collect();
-            let written = value.parse::<f64>().map_or_else(|_| Value::String(value.to_owned()), Value::Float);
-            if insert(document, &parts, written).is_none() {
-                let setting = format!("{key}={value}");
-                faults.push(setting_fault(
-                    &setting,
-                    "this key cannot be set; write a scene that `extends` this one",
-                ));
+        for (k, variable) in source.variables().iter().enumerate() {
+            let of_variable = |setting: &Setting| match setting.place {
+                Place::Variable(i, key) if i == k => Some((key, setting.value.clone())),
+                _ => None,
+            };
+            let set: Vec<(&str, Value)> = settings.iter().filter_map(of_variable).collect();
+            if let Some(row) = row(document, &variable.name).filter(|_| !set.is_empty()) {
+                change_variable(row, variable, &set);
+            }
+        }
+        for Setting { place, value } in settings {
+            match place {
+                Place::Variable(..) => {}
+                Place::Quantity(key) | Place::Threshold(key) => {
+                    let parts: Vec<&str> = key.split('.').collect();
+                    if insert(document, &parts, value.clone()).is_none() {
+                        let what = "this key cannot be set; write a scene that `extends` this one";
+                        faults.push(Fault::new("--set", key, what));
+                    }
+                }
+                Place::Correlation(pair) => {
+                    let names = pair.map(|k| source.variables()[k].name.as_str());
+                    let is_pair = |row: &Value| {
+                        let pair = row.get("variables").and_then(Value::as_array);
+                        pair.is_some_and(|pair| names.iter().all(|name| pair.contains(&Value::from(*name))))
+                    };
+                    let rows = rows(document, "correlations");
+                    rows.retain(|row| !is_pair(row));
+                    rows.push(value.clone());
+                }
             }
         }
     });
-    if !faults.is_empty() {
-        return Err(Faults(faults));
-    }
-    redistributed(&changed?, &others)
+    if faults.is_empty() { changed } else { Err(Faults(faults)) }
 }
 
-/// Whether a key is a quantity of the scene itself: no random variable, distribution, threshold or correlation.
-pub fn is_scene_quantity(source: &SceneSource, key: &str) -> bool {
-    let is_variable = source.variables().iter().any(|variable| variable.name == key);
-    !is_variable && is_quantity(source, key) && !is_distribution(key)
+/// The rows of a list of tables of a scene.
+pub fn rows<'d>(document: &'d mut Table, list: &str) -> &'d mut Vec<Value> {
+    let rows = document.entry(list).or_insert_with(|| Value::Array(vec![]));
+    rows.as_array_mut().expect("the lists of a valid scene are lists")
 }
 
-/// Whether a key is a quantity of the scene, whatever value is given to it.
-fn is_quantity(source: &SceneSource, key: &str) -> bool {
-    use common::scene::FaultKind::UnknownReference;
-    let unknown = |fault: &Fault| matches!(fault.kind, UnknownReference { .. });
-    !source.parse_setting(&format!("{key}=1")).is_err_and(|Faults(faults)| faults.iter().any(unknown))
+/// The row of a random variable.
+pub fn row<'d>(document: &'d mut Table, name: &str) -> Option<&'d mut Table> {
+    let is_asked = |row: &&mut Table| row.get("name").and_then(Value::as_str) == Some(name);
+    rows(document, "variables").iter_mut().filter_map(Value::as_table_mut).find(is_asked)
 }
 
-/// Whether a key can only be that of a quantity of the scene, so that an unknown one is answered with the nearest quantity.
-fn is_within_scene(key: &str) -> bool {
-    ["parameters.", "bodies.", "joints.", "loads.", "materials."].iter().any(|start| key.starts_with(start))
-}
-
-/// Whether a key belongs to a random variable, a limit state or a correlation.
-fn is_distribution(key: &str) -> bool {
-    ["variables.", "limit_states.", "correlations"].iter().any(|start| key.starts_with(start))
+/// A row of the list of random variables: one that changes these `keys`, with the keys of its distribution.
+pub fn variable_row(name: &str, keys: &[String], law: &[(&str, Value)]) -> Table {
+    let row = [("name", Value::from(name)), ("changes", Value::from(keys.to_vec()))];
+    let row = row.into_iter().chain(law.iter().cloned());
+    row.map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
 /// Writes a value at the path of a key: keys of tables, names of rows, and numbers or coordinates of entries. `None` if the
@@ -131,91 +151,86 @@ fn insert_below(below: &mut Value, path: &[&str], value: Value) -> Option<()> {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use common::scene::quantity::{AngleUnit, Quantity};
-
-    fn set(settings: &[&str]) -> Result<SceneSource, Faults> {
-        let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
-        scene_with(&SceneSource::builtin("four-bar").unwrap(), &settings)
-    }
-
-    /// A value as a scene writes it, in SI base units.
-    fn written(quantity: &Quantity, value: f64) -> String {
-        let unit = quantity.dimension.base_units();
-        match (quantity.angle, unit.as_str()) {
-            (AngleUnit::Present, "") => format!("{value:e} rad"),
-            (AngleUnit::Present, unit) if unit.starts_with("1/") => format!("{value:e} rad{}", &unit[1..]),
-            _ => format!("{value:e} {unit}").trim_end().to_owned(),
-        }
-    }
-
-    #[test]
-    fn issue_set_of_every_key_of_every_scene_is_the_edited_scene() {
-        let (mut compared, mut refused) = (0, 0);
-        for name in SceneSource::builtin_names() {
-            let source = SceneSource::builtin(name).unwrap();
-            for (key, quantity) in source.quantities() {
-                let changed = |change: &String| change == key;
-                if source.variables().iter().any(|variable| variable.changes.iter().any(changed)) {
-                    continue; // Refused: its random variable is to be set.
-                }
-                let setting = format!("{key}={}", written(quantity, quantity.value * 1.001));
-                let Ok(edited) = scene_with(&source, std::slice::from_ref(&setting)) else {
-                    refused += 1;
-                    continue;
-                };
-                let set = source.resolve_with(&[source.parse_setting(&setting).unwrap()]).unwrap();
-                assert_eq!(set, *edited.nominal(), "{name}: {setting}");
-                compared += 1;
+/// Writes the changed keys of a variable into its row, without those that they exclude.
+fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Value)]) {
+    let sets = |key: &str| set.iter().any(|(known, _)| *known == key);
+    let word = |value: &Value| value.as_str().map(str::to_owned);
+    leave_samples(row, variable, set);
+    let before = row.get("distribution").and_then(word).unwrap_or_else(|| DEFAULT_LAW.to_owned());
+    let asked = set.iter().find(|(key, _)| *key == "distribution").and_then(|(_, value)| word(value));
+    let law = asked.unwrap_or_else(|| before.clone());
+    let present = &variable.distribution;
+    let moments = [("mean", present.parent_mean()), ("std", present.given_std())];
+    let fill = |row: &mut Table, values: &[(&str, f64)]| {
+        for (key, value) in values {
+            if !row.contains_key(*key) {
+                row.insert((*key).to_owned(), written_value(*value, &variable.unit));
             }
         }
-        assert!(compared > 400 && refused < compared / 10, "{compared} compared, {refused} refused");
+    };
+    let remove = |row: &mut Table, keys: &[&str]| keys.iter().for_each(|key| drop(row.remove(*key)));
+    // Moments in place of a fit, or of the bounds and the mode that located the variable.
+    let moments_set = sets("mean") || sets("std");
+    let bounds_set = sets("lower") || sets("upper");
+    if row.contains_key("fit") && (moments_set || law != before) {
+        remove(row, &FIT_KEYS);
+        fill(row, &moments);
     }
-
-    #[test]
-    fn issue_a_set_scene_lost_its_comments() {
-        let source = SceneSource::builtin("four-bar").unwrap();
-        let found = set(&["parameters.width=11 mm", "friction.std=4 %", "wear.threshold=9 um"]).unwrap();
-        let differ = found.text().lines().zip(source.text().lines()).filter(|(a, b)| a != b);
-        assert_eq!(differ.count(), 3, "{}", found.text());
-        assert_eq!(set(&["parameters.width=10 mm"]).unwrap().digest(), source.digest());
+    let by_bounds = before == "triangular" || (before == "uniform" && row.contains_key("lower"));
+    if law != before && by_bounds && !row.contains_key("mean") {
+        fill(row, &[("mean", present.mean()), ("std", present.std())]);
     }
-
-    #[test]
-    fn variables_and_thresholds_are_set_by_their_names() {
-        let found =
-            set(&["friction=0.06", "wear.threshold=9 um", "load_torque.std=5 %", "parameters.width=11 mm"])
-                .unwrap();
-        let scene = found.nominal();
-        let law = |name: &str| scene.variables.iter().find(|v| v.name == name).unwrap().distribution.clone();
-        assert!((law("friction").parent_mean() - 0.06).abs() < 1e-12);
-        assert!((law("load_torque").given_std() - 0.04).abs() < 1e-12);
-        assert!((scene.limit_states[0].threshold - 9e-6).abs() < 1e-15);
-    }
-
-    #[test]
-    fn every_fault_of_every_setting_is_reported() {
-        let said = set(&[
-            "parameters.friction=0.06",
-            "parameters.width=3 kg",
-            "nothing=1",
-            "wear.threshhold=2",
-            "friction=x",
-            "parameters.clearence=25 um",
-        ])
-        .unwrap_err()
-        .to_string();
-        for part in [
-            "did you mean \"parameters.clearance\"",
-            "set friction or friction.mean instead",
-            "parameters.width=3 kg",
-            "nothing=1",
-            "wear.threshhold=2",
-        ] {
-            assert!(said.contains(part), "{part}\n{said}");
+    match law.as_str() {
+        "uniform" if bounds_set => {
+            remove(row, &["mean", "std"]);
+            remove(row, &FIT_KEYS);
+            let (lower, upper) = present.support();
+            if lower.is_finite() && upper.is_finite() {
+                fill(row, &[("lower", lower), ("upper", upper)]);
+            }
         }
-        assert!(set(&["friction=x"]).is_err() && set(&["parameters.width=-3 mm"]).is_err());
+        "uniform" if moments_set || law != before => {
+            remove(row, &["lower", "upper"]);
+            fill(row, &moments);
+        }
+        "exponential" if sets("std") => remove(row, &["lower"]),
+        "exponential" if sets("lower") => remove(row, &["std"]),
+        _ => {}
+    }
+    // Keys that another distribution does not take; an unknown one is a fault of the changed scene.
+    if let Some((_, taken)) = laws().iter().find(|(name, _)| *name == law).filter(|_| law != before) {
+        let all = ["mean", "std", "truncation", "lower", "upper", "mode"];
+        all.iter().filter(|key| !taken.contains(key)).for_each(|key| drop(row.remove(*key)));
+    }
+    for (key, value) in set {
+        row.insert((*key).to_owned(), value.clone());
     }
 }
+
+/// Replaces measured samples by the distribution that is asked for or was fitted, with their moments. An empirical distribution has
+/// none that could be changed: that is a fault of the changed scene.
+fn leave_samples(row: &mut Table, variable: &RandomVariable, set: &[(&str, Value)]) {
+    let asked = set.iter().find(|(key, _)| *key == "distribution").map(|(_, value)| value.clone());
+    let Some(law) = asked.or_else(|| row.get("fit").cloned()).filter(|_| row.contains_key("samples")) else {
+        return;
+    };
+    row.retain(|key, _| key != "samples" && key != "fit");
+    row.insert("distribution".to_owned(), law);
+    let present = &variable.distribution;
+    for (key, value) in [("mean", present.parent_mean()), ("std", present.given_std())] {
+        row.insert(key.to_owned(), written_value(value, &variable.unit));
+    }
+}
+
+/// A value in SI as in a scene file, in the unit of its variable.
+pub fn written_value(value: f64, unit: &str) -> Value {
+    match read_unit(unit) {
+        Ok(read) if unit != "1" => Value::String(format!("{:e} {unit}", value * read.divide / read.multiply)),
+        // A plain number, or a unit of the simulator, which is only displayed.
+        _ => Value::Float(value),
+    }
+}
+
+#[cfg(test)]
+#[path = "scene_settings_tests.rs"]
+mod tests;

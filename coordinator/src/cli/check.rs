@@ -125,7 +125,7 @@ pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), Com
         evaluation.as_ref().and_then(|found| found.cycles.last().copied()).unwrap_or(scene.life.cycles);
     let (lives, of_limits) = evaluation.map(|found| nominal_check(scene, &found)).unwrap_or_default();
     warnings.extend(of_limits);
-    let measured = measured_findings(&source)?;
+    let measured = measured_findings(&source);
     warnings.extend(measured.iter().filter_map(MeasuredFinding::warning));
     if as_json {
         let places: Vec<Option<Location>> = warnings.iter().map(|w| source.location(&w.key)).collect();

@@ -57,7 +57,7 @@ pub fn explain(name: &str, accuracy: &AccuracyArguments, verbosity: Verbosity) -
         }
     };
     warnings.extend(of_limits);
-    let measured = measured_findings(&source)?;
+    let measured = measured_findings(&source);
     warnings.extend(measured.iter().filter_map(MeasuredFinding::warning));
     if verbosity.json {
         let mut value = serde_json::to_value(scene)?;

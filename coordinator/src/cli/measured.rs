@@ -1,6 +1,5 @@
 //! The measured variables of a scene: how many values they have, which distribution was taken from them and whether it fits.
 
-use super::error::CommandError;
 use common::random::Family;
 use common::scene::expression::read_unit;
 use common::scene::{MeasuredVariable, SceneSource, Warning};
@@ -35,15 +34,9 @@ struct FamilyTest {
 }
 
 /// The measured variables of a scene with the tests of their families.
-///
-/// # Errors
-/// [`CommandError::Scene`].
-pub fn measured_findings(source: &SceneSource) -> Result<Vec<MeasuredFinding>, CommandError> {
-    let unit = |name: &str| {
-        let variable = source.variables().iter().find(|variable| variable.name == name);
-        variable.map_or("1", |variable| variable.unit.as_str())
-    };
-    Ok(source.measured()?.iter().map(|measured| finding(measured, unit(&measured.name))).collect())
+pub fn measured_findings(source: &SceneSource) -> Vec<MeasuredFinding> {
+    let unit = |name: &str| source.variable(name).map_or("1", |k| source.variables()[k].unit.as_str());
+    source.measured().iter().map(|measured| finding(measured, unit(&measured.name))).collect()
 }
 
 fn finding(measured: &MeasuredVariable, unit: &str) -> MeasuredFinding {

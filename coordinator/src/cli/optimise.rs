@@ -8,8 +8,8 @@ use super::stored_study::{OpenedStudy, StoredStudy};
 use clap::Args;
 use common::scene::{InputFile, Scene};
 use coordinator::analyses::optimise::{
-    DesignProblem, OptimisationProgress, OptimisationResult, OptimiseError, StudyBasis, answer, design_names,
-    design_settings, for_designs, optimise as find, read_problem,
+    DesignProblem, OptimisationProgress, OptimisationResult, OptimiseError, StudyBasis, answer,
+    design_settings, optimise as find, read_problem,
 };
 use coordinator::analyses::what_if::{json, redistributed};
 use coordinator::presentation::report::ReportError;
@@ -64,12 +64,9 @@ pub struct OptimiseArguments {
 pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(), CommandError> {
     let mut opened = OpenedStudy::open(&arguments.dir, arguments.max_evaluations > 0)?;
     let base = opened.present()?;
-    let names = opened.space.as_ref().map(design_names).unwrap_or_default();
     let file = InputFile::load(&arguments.problem)?;
-    let mut problem = read_problem(&file, &base, &names)?;
-    if let Some(space) = &opened.space {
-        problem = for_designs(problem, space, opened.study.scene(), &file)?;
-    }
+    let space = opened.space.as_ref().map(|space| (space, opened.study.scene()));
+    let problem = read_problem(&file, &base, space)?;
     let result = search(&mut opened, base.nominal(), &problem, arguments, verbosity)?;
     let sets = design_settings(&problem, base.nominal(), &result.values).map_err(OptimiseError::Law)?;
     let changed = redistributed(&base, &sets)?;

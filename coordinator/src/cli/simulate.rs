@@ -12,7 +12,7 @@ use common::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, NarrowGroove,
     UnsettledMotion, WornLife,
 };
-use common::scene::{Fault, FaultKind, Faults, OutputUnit, Scene, SceneSource};
+use common::scene::{Fault, Faults, OutputUnit, Scene, SceneSource};
 use coordinator::results::control_points::{ControlPointsRow, control_points_rows};
 use coordinator::results::result_files::write_text;
 use serde::Serialize;
@@ -165,7 +165,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(
     check_destination(arguments.out.as_deref())?;
     check_destination(arguments.report.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
-    let settings = settings(&source, &arguments.set)?;
+    let settings = source.parse_settings(&arguments.set)?;
     if let Some(simulator) = &source.nominal().simulator {
         external::check_accuracy(source.origin(), &arguments.accuracy)?;
         if arguments.report.is_some() {
@@ -197,27 +197,6 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(
     if has_lines && !verbosity.quiet && !verbosity.json { print(&simulated.text(&files)) } else { Ok(()) }
 }
 
-/// Reads every `--set`; reports all faults at once.
-fn settings(source: &SceneSource, all: &[String]) -> Result<Vec<(String, f64)>, CommandError> {
-    let mut faults = Vec::new();
-    let mut settings = Vec::new();
-    for setting in all {
-        match source.parse_setting(setting) {
-            Ok((name, _)) if settings.iter().any(|(known, _)| *known == name) => {
-                faults.push(unsettable(setting, format!("{name} is set twice")));
-            }
-            Ok(setting) => settings.push(setting),
-            Err(found) if is_unknown(&found) && is_other_key(source, setting) => {
-                let message = "this key is no random variable and no quantity, and only those can be set; write a scene \
-                    that `extends` this one and changes it";
-                faults.push(unsettable(setting, message.to_owned()));
-            }
-            Err(found) => faults.extend(found.0),
-        }
-    }
-    if faults.is_empty() { Ok(settings) } else { Err(Faults(faults).into()) }
-}
-
 /// The faults without those that one value has at several keys.
 fn one_of_each_cause(Faults(all): Faults) -> Faults {
     let mut found: Vec<Fault> = Vec::new();
@@ -227,25 +206,6 @@ fn one_of_each_cause(Faults(all): Faults) -> Faults {
         }
     }
     Faults(found)
-}
-
-fn unsettable(setting: &str, message: String) -> Fault {
-    Fault::new("--set", setting, FaultKind::Inconsistent { message })
-}
-
-fn is_unknown(faults: &Faults) -> bool {
-    faults.0.iter().any(|fault| matches!(fault.kind, FaultKind::UnknownReference { .. }))
-}
-
-/// Whether the name in `name=value` is a key of the scene with a whole number, a text or a switch, e.g. `life.cycles`.
-fn is_other_key(source: &SceneSource, setting: &str) -> bool {
-    let name = setting.split_once('=').map_or(setting, |(name, _)| name.trim());
-    let mut parts = name.split('.');
-    let (Some(first), Ok(document)) = (parts.next(), source.text().parse::<toml::Table>()) else {
-        return false;
-    };
-    let value = parts.try_fold(document.get(first), |value, key| Some(value?.get(key)));
-    value.flatten().is_some_and(|value| value.is_integer() || value.is_bool())
 }
 
 fn printed<'r>(

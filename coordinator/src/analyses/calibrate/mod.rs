@@ -26,7 +26,7 @@ pub use design::{CalibrationProgress, CalibrationSettings, calibrate};
 pub use report::{CalibrationResult, Conflict, FittedParameter, FittedTarget, TargetCost, answer};
 pub use space::{FreeParameter, ParameterKind, Space};
 pub use target_file::{of_parameters, read as read_targets};
-pub use targets::{CalibrationTargets, ShownUnit, Target, TargetQuantity};
+pub use targets::{CalibrationTargets, OutputStatistic, Target, TargetQuantity};
 
 use crate::farm::evaluate::EvaluateError;
 use crate::statistics::surrogate::SurrogateError;

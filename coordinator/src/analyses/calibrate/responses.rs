@@ -1,7 +1,7 @@
 //! Surrogates of the responses that the targets need, and the values of the targets predicted with them at any parameters.
 
 use super::space::Space;
-use super::targets::{Target, TargetQuantity};
+use super::targets::{OutputStatistic, Target, TargetQuantity};
 use crate::statistics::design::Population;
 use crate::statistics::learning::running_maximum;
 use crate::statistics::surrogate::{
@@ -125,18 +125,17 @@ impl<'a> ResponseSurrogates<'a> {
             ((0..=POPULATION).map(|j| mean[(place, j)]).collect(), group, place)
         };
         match quantity {
-            TargetQuantity::Mean { output, n } => {
-                let (values, ..) = row(Group::Value(*output), Column::Checkpoint(*n));
-                mean(&values[..POPULATION])
-            }
-            TargetQuantity::Std { output, n } => {
+            TargetQuantity::Output { statistic, output, n } => {
                 let (values, ..) = row(Group::Value(*output), Column::Checkpoint(*n));
                 let centre = mean(&values[..POPULATION]);
-                let squares: f64 = values[..POPULATION].iter().map(|y| (y - centre).powi(2)).sum();
-                (squares / (POPULATION - 1) as f64).sqrt()
-            }
-            TargetQuantity::Nominal { output, n } => {
-                row(Group::Value(*output), Column::Checkpoint(*n)).0[POPULATION]
+                match statistic {
+                    OutputStatistic::Mean => centre,
+                    OutputStatistic::Std => {
+                        let squares: f64 = values[..POPULATION].iter().map(|y| (y - centre).powi(2)).sum();
+                        (squares / (POPULATION - 1) as f64).sqrt()
+                    }
+                    OutputStatistic::Nominal => values[POPULATION],
+                }
             }
             TargetQuantity::PeakForce { joint } => row(Group::Forces, Column::Joint(*joint)).0[POPULATION],
             TargetQuantity::Depth { joint, angle } => {
@@ -172,11 +171,7 @@ fn mean(values: &[f64]) -> f64 {
 /// The responses that a target needs.
 fn needed(quantity: &TargetQuantity, limits: &[LimitState]) -> Vec<(Group, Column)> {
     match quantity {
-        TargetQuantity::Mean { output, n }
-        | TargetQuantity::Std { output, n }
-        | TargetQuantity::Nominal { output, n } => {
-            vec![(Group::Value(*output), Column::Checkpoint(*n))]
-        }
+        TargetQuantity::Output { output, n, .. } => vec![(Group::Value(*output), Column::Checkpoint(*n))],
         TargetQuantity::Reliability { limit_state, n } => {
             let chosen =
                 limits.iter().enumerate().filter(|(s, _)| limit_state.is_none_or(|chosen| chosen == *s));

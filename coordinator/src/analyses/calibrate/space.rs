@@ -12,10 +12,10 @@
 //! deviation at the same probability, and so remain positive.
 
 use super::CalibrationError;
+use crate::analyses::scene_settings::{rows, variable_row, written_value};
 use crate::statistics::design::InputModel;
 use common::random::Distribution;
 use common::scene::{Scene, SceneSource};
-use toml::{Table, Value};
 
 /// Effect of a free parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,8 +41,6 @@ pub struct FreeParameter {
     pub upper: f64,
     /// SI unit; empty for a factor.
     pub unit: String,
-    /// Bounds as written in the file of targets.
-    pub bounds: [String; 2],
 }
 
 /// Free parameters and random variables.
@@ -64,17 +62,8 @@ impl Space {
     /// # Errors
     /// [`CalibrationError::Scene`] if a free parameter is no valid variable of the scene.
     pub fn new(source: &SceneSource, free: &[FreeParameter]) -> Result<Self, CalibrationError> {
-        let scene = source.nominal();
-        let own = scene.variables.len();
-        let extended = with_parameters(source, free)?;
-        let mut free = free.to_vec();
-        let added = extended.nominal().variables[own..].to_vec();
-        let keyed = free.iter_mut().filter(|free| matches!(free.kind, ParameterKind::Keys(_)));
-        for (free, variable) in keyed.zip(added) {
-            (free.lower, free.upper) = variable.distribution.support();
-            free.unit = variable.unit;
-        }
-        Ok(Self { inputs: InputModel::from_scene(scene), own: source.clone(), source: extended, free })
+        let (inputs, own) = (InputModel::from_scene(source.nominal()), source.clone());
+        Ok(Self { inputs, own, source: with_parameters(source, free)?, free: free.to_vec() })
     }
 
     /// The nominal scene.
@@ -184,20 +173,10 @@ fn with_parameters(source: &SceneSource, free: &[FreeParameter]) -> Result<Scene
         ParameterKind::Mean(_) | ParameterKind::Spread(_) => None,
     });
     Ok(source.edited(source.origin(), |document| {
-        let variables = document.entry("variables").or_insert_with(|| Value::Array(Vec::new()));
-        if let Value::Array(rows) = variables {
-            for (free, keys) in keyed {
-                let mut row = Table::new();
-                row.insert("name".into(), Value::String(free.name.clone()));
-                row.insert("changes".into(), Value::Array(keys.iter().cloned().map(Value::String).collect()));
-                row.insert("distribution".into(), Value::String("uniform".into()));
-                for (key, bound) in ["lower", "upper"].into_iter().zip(&free.bounds) {
-                    // A number without a unit stays a number.
-                    let value = bound.parse().map_or_else(|_| Value::String(bound.clone()), Value::Float);
-                    row.insert(key.into(), value);
-                }
-                rows.push(Value::Table(row));
-            }
+        for (free, keys) in keyed {
+            let [lower, upper] = [free.lower, free.upper].map(|bound| written_value(bound, &free.unit));
+            let law = [("distribution", "uniform".into()), ("lower", lower), ("upper", upper)];
+            rows(document, "variables").push(variable_row(&free.name, keys, &law).into());
         }
     })?)
 }
@@ -212,10 +191,9 @@ mod tests {
         let free = FreeParameter {
             name: "play".into(),
             kind: ParameterKind::Keys(vec!["parameters.clearance".into()]),
-            lower: 0.0,
-            upper: 0.0,
-            unit: String::new(),
-            bounds: ["20 um".into(), "40 um".into()],
+            lower: 20e-6,
+            upper: 40e-6,
+            unit: "m".into(),
         };
         let space = Space::new(&source, &[free]).unwrap();
         let names: Vec<&str> = source.variables().iter().map(|variable| variable.name.as_str()).collect();

@@ -2,14 +2,13 @@
 
 use super::CalibrationError;
 use super::space::{FreeParameter, ParameterKind};
-use super::targets::{CalibrationTargets, ShownUnit, Target, TargetQuantity};
-use crate::analyses::quantity::checkpoint;
-use common::scene::expression::read_unit;
+use super::targets::{CalibrationTargets, OutputStatistic, Target, TargetQuantity};
+use crate::analyses::quantity::{ShownUnit, checkpoint, limit_state};
 use common::scene::quantity::{ANGLE, FORCE, Kind, LENGTH, NUMBER};
 use common::scene::{
-    Fault, FaultKind, Faults, InputFile, JointKind, Range, Scene, SceneSource, Section, csv_rows, read_text,
+    Fault, Faults, InputFile, JointKind, Range, Scene, SceneSource, Section, csv_rows, number_and_unit,
+    read_text,
 };
-use std::cell::RefCell;
 use std::path::Path;
 use toml::{Table, Value};
 
@@ -30,18 +29,16 @@ const KEYS: [&str; 10] = [
 /// The words of `statistic`.
 #[derive(Clone, Copy, PartialEq)]
 enum Statistic {
-    Mean,
-    Std,
-    Nominal,
+    Output(OutputStatistic, &'static str),
     Reliability,
     PeakForce,
     Depth,
 }
 
 const STATISTICS: [(&str, Statistic); 6] = [
-    ("mean", Statistic::Mean),
-    ("std", Statistic::Std),
-    ("nominal", Statistic::Nominal),
+    ("mean", Statistic::Output(OutputStatistic::Mean, "mean")),
+    ("std", Statistic::Output(OutputStatistic::Std, "std")),
+    ("nominal", Statistic::Output(OutputStatistic::Nominal, "nominal")),
     ("reliability", Statistic::Reliability),
     ("peak-force", Statistic::PeakForce),
     ("depth", Statistic::Depth),
@@ -53,11 +50,9 @@ const STATISTICS: [(&str, Statistic); 6] = [
 /// All faults.
 pub fn read(file: &InputFile, source: &SceneSource) -> Result<CalibrationTargets, Faults> {
     let folder = Path::new(file.origin()).parent().unwrap_or(Path::new("."));
-    let profile_faults = RefCell::default();
-    let read = file.read(|file| {
+    file.read(|file| {
         let published = published(file, folder);
-        let reader =
-            TargetReader { folder, source, scene: source.nominal(), published, faults: &profile_faults };
+        let reader = TargetReader { folder, source, scene: source.nominal(), published };
         for key in ["parameters", "targets"] {
             if file.get(key).and_then(Value::as_array).is_none_or(Vec::is_empty) {
                 file.inconsistent(key, format!("at least one [[{key}]] is needed"));
@@ -69,16 +64,7 @@ pub fn read(file: &InputFile, source: &SceneSource) -> Result<CalibrationTargets
         let mut targets = file.unnamed_rows("targets");
         let targets = targets.iter_mut().filter_map(|row| reader.target(row)).flatten().collect();
         CalibrationTargets { free, targets }
-    });
-    let mut faults = profile_faults.take();
-    match read {
-        Ok(targets) if faults.is_empty() => Ok(targets),
-        Ok(_) => Err(Faults(faults)),
-        Err(Faults(found)) => {
-            faults.splice(0..0, found);
-            Err(Faults(faults))
-        }
-    }
+    })
 }
 
 /// The error of a space of free parameters; a fault of the variable that represents one is that of the parameter in its file.
@@ -105,12 +91,10 @@ fn published(file: &mut Section, folder: &Path) -> Table {
         return Table::new();
     }
     let Some(name) = file.text("reference", "a file with a table [published]") else { return Table::new() };
-    let table = read_text(&folder.join(name)).map_err(|faults| faults.to_string()).and_then(|text| {
-        let mut table: Table = text.parse().map_err(|error: toml::de::Error| format!("{name}: {error}"))?;
-        match table.remove("published") {
-            Some(Value::Table(published)) => Ok(published),
-            _ => Err(format!("{name} has no table [published]")),
-        }
+    let read = InputFile::load(&folder.join(name)).map_err(|Faults(faults)| faults[0].to_string());
+    let table = read.and_then(|read| match read.document().get("published") {
+        Some(Value::Table(published)) => Ok(published.clone()),
+        _ => Err(format!("{name} has no table [published]")),
     });
     table.map_err(|what| file.inconsistent("reference", what)).unwrap_or_default()
 }
@@ -121,34 +105,21 @@ struct TargetReader<'a> {
     scene: &'a Scene,
     /// Results that targets may name.
     published: Table,
-    /// Faults in the files of profiles.
-    faults: &'a RefCell<Vec<Fault>>,
 }
 
 impl TargetReader<'_> {
     fn free(&self, name: &str, row: &mut Section) -> Option<FreeParameter> {
         let lists = ["changes", "mean_of", "spread_of"];
         let given: Vec<&str> = lists.into_iter().filter(|key| row.get(key).is_some()).collect();
-        let bounds = ["lower", "upper"].map(|key| row.get(key).map(text_of).unwrap_or_default());
+        let written = ["lower", "upper"].map(|key| row.get(key));
         let (kind, of) = match given.as_slice() {
             ["changes"] => {
                 let keys = row.texts("changes", "a list of keys of the scene").unwrap_or_default();
                 let of = self.check_keys(name, row, &keys);
                 (ParameterKind::Keys(keys.into_iter().map(str::to_owned).collect()), of)
             }
-            [list] => {
-                let list = if *list == "mean_of" { "mean_of" } else { "spread_of" };
-                let known = self.scene.variables.iter().map(|variable| variable.name.as_str());
-                let names = row.texts(list, "a list of random variables").unwrap_or_default();
-                let variable = |name: &&str| row.reference(list, "variable", name, known.clone());
-                let found: Vec<usize> = names.iter().filter_map(variable).collect();
-                if names.is_empty() {
-                    row.inconsistent(list, "is empty, expected the names of random variables");
-                }
-                let kind =
-                    if list == "mean_of" { ParameterKind::Mean(found) } else { ParameterKind::Spread(found) };
-                (kind, Some(NUMBER))
-            }
+            ["mean_of"] => (ParameterKind::Mean(self.variables(row, "mean_of")), Some(NUMBER)),
+            ["spread_of"] => (ParameterKind::Spread(self.variables(row, "spread_of")), Some(NUMBER)),
             _ => {
                 let what = "expected exactly one of changes (keys of the scene), mean_of and spread_of (names of variables)";
                 row.inconsistent("name", what);
@@ -158,18 +129,32 @@ impl TargetReader<'_> {
         };
         // A factor is above 0.
         let range = if let ParameterKind::Keys(_) = kind { Range::Any } else { Range::Positive };
-        let (lower, upper) = match of {
-            Some(of) => (row.quantity("lower", of, range), row.quantity("upper", of, range)),
-            None => (None, None),
-        };
+        let [lower, upper] = ["lower", "upper"].map(|key| row.quantity(key, of?, range));
         if let (Some(from), Some(to)) = (lower, upper)
             && from >= to
         {
-            row.out_of_range("lower", bounds[0].clone(), format!("below upper, {}", bounds[1]));
+            let [from, to] = written.map(|value| value.map(Value::to_string).unwrap_or_default());
+            row.out_of_range("lower", from, format!("below upper, {to}"));
         }
         row.finish();
-        let (lower, upper) = (lower?, upper?);
-        Some(FreeParameter { name: name.to_owned(), kind, lower, upper, unit: String::new(), bounds })
+        let (lower, upper, of) = (lower?, upper?, of?);
+        let unit = match kind {
+            ParameterKind::Keys(_) if of.si.is_empty() => of.dimension.si_unit(),
+            ParameterKind::Keys(_) => of.si.to_owned(),
+            ParameterKind::Mean(_) | ParameterKind::Spread(_) => String::new(),
+        };
+        Some(FreeParameter { name: name.to_owned(), kind, lower, upper, unit })
+    }
+
+    /// The random variables named at a key.
+    fn variables(&self, row: &mut Section, key: &'static str) -> Vec<usize> {
+        let known = self.scene.variables.iter().map(|variable| variable.name.as_str());
+        let names = row.texts(key, "a list of random variables");
+        if names.as_ref().is_some_and(Vec::is_empty) {
+            row.inconsistent(key, "is empty, expected the names of random variables");
+        }
+        let names = names.unwrap_or_default();
+        names.iter().filter_map(|name| row.reference(key, "variable", name, known.clone())).collect()
     }
 
     /// The kind of the quantity at `keys` of the scene, which the parameter `name` sets. The parameter becomes a variable.
@@ -231,13 +216,10 @@ impl TargetReader<'_> {
         };
         match statistic? {
             Statistic::Reliability => {
-                let name = row.text_or("limit_state", "the name of a limit state, or total", "total");
-                let limits = self.scene.limit_states.iter().map(|limit| limit.name.as_str());
-                let place = name
-                    .and_then(|name| row.meant("limit_state", "limit state", name, limits.chain(["total"])));
+                let limit = limit_state(row, self.scene);
                 let n = checkpoint(row, &self.scene.life, None).map_or(0, |(n, _)| n);
-                let limit_state = Some(place?).filter(|place| *place < self.scene.limit_states.len());
-                Some((TargetQuantity::Reliability { limit_state, n }, NUMBER, format!("R {}", name?)))
+                let (name, limit_state) = limit?;
+                Some((TargetQuantity::Reliability { limit_state, n }, NUMBER, format!("R {name}")))
             }
             Statistic::PeakForce => {
                 let joint = self.joint(row)?;
@@ -251,18 +233,14 @@ impl TargetReader<'_> {
                 let label = format!("depth of bore {name} at {:.0} deg", angle.to_degrees());
                 Some((TargetQuantity::Depth { joint, angle }, LENGTH, label))
             }
-            statistic => {
+            Statistic::Output(statistic, word) => {
                 let outputs = self.scene.outputs.iter().map(|output| output.name.as_str());
                 let name = row.text("output", "the name of an output");
                 let output = name.and_then(|name| row.meant("output", "output", name, outputs));
                 let n = checkpoint(row, &self.scene.life, None);
                 // After a fault it is read on with any checkpoint.
                 let (output, n) = (output?, n.map_or(0, |(n, _)| n));
-                let (quantity, word) = match statistic {
-                    Statistic::Mean => (TargetQuantity::Mean { output, n }, "mean"),
-                    Statistic::Std => (TargetQuantity::Std { output, n }, "std"),
-                    _ => (TargetQuantity::Nominal { output, n }, "nominal"),
-                };
+                let quantity = TargetQuantity::Output { statistic, output, n };
                 let output = &self.scene.outputs[output];
                 Some((quantity, output.kind.unit().kind(), format!("{word} of {}", output.name)))
             }
@@ -279,7 +257,7 @@ impl TargetReader<'_> {
         let (joint, (tolerance, unit)) = (joint?, tolerance?);
         let file = path.display().to_string();
         let name = name.map_or_else(|| format!("bore {}", self.scene.joints[joint].name), str::to_owned);
-        let mut targets = Vec::new();
+        let (mut targets, mut faults) = (Vec::new(), Vec::new());
         let rows = csv_rows(&text);
         for cells in rows.iter().map(|row| &row.cells) {
             let Ok(angle) = cells[0].text.parse::<f64>() else { continue };
@@ -287,8 +265,7 @@ impl TargetReader<'_> {
             let Some(depth) = depth.filter(|depth| depth.is_finite() && angle.is_finite()) else {
                 let message = format!("expected an angle in degrees and a depth in {}", unit.symbol);
                 let span = cells[0].span.start..cells[cells.len() - 1].span.end;
-                let kind = FaultKind::Inconsistent { message };
-                self.faults.borrow_mut().push(Fault::at(&file, &text, span, "profile", kind));
+                faults.push(Fault::at(&file, &text, span, "profile", message));
                 continue;
             };
             targets.push(Target {
@@ -299,9 +276,10 @@ impl TargetReader<'_> {
                 unit: unit.clone(),
             });
         }
-        if targets.is_empty() && self.faults.borrow().is_empty() {
+        if targets.is_empty() && faults.is_empty() {
             row.inconsistent("profile", format!("{file} has no line with an angle and a depth"));
         }
+        row.faults_elsewhere(Faults(faults));
         Some(targets)
     }
 
@@ -339,17 +317,7 @@ impl TargetReader<'_> {
         let (written, kind) = (written?, kind?);
         let value = written.as_str().and_then(|name| self.published.get(name)).unwrap_or(written);
         let found = row.as_quantity(key, value, kind, range)?;
-        let text = text_of(value);
-        let symbol = text.trim_start_matches(|c: char| c.is_ascii_digit() || "+-.eE ".contains(c)).trim();
-        let si = read_unit(symbol).map_or(1.0, |unit| unit.multiply / unit.divide);
-        Some((found, ShownUnit { symbol: symbol.to_owned(), si }))
-    }
-}
-
-/// Text of a quantity in TOML.
-fn text_of(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.clone(),
-        other => other.to_string(),
+        let symbol = value.as_str().and_then(number_and_unit).map_or("", |(_, unit)| unit);
+        Some((found, ShownUnit::of(symbol)))
     }
 }

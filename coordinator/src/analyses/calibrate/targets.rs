@@ -1,26 +1,26 @@
 //! Targets of a calibration: quantities with the values to be met and their tolerances.
 
 use super::space::FreeParameter;
+use crate::analyses::quantity::ShownUnit;
+
+/// Statistic of an output over the random variables.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum OutputStatistic {
+    /// Its mean.
+    Mean,
+    /// Its standard deviation.
+    Std,
+    /// Its value at the means of the random variables.
+    Nominal,
+}
 
 /// Quantity of a target.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TargetQuantity {
-    /// Mean over the random variables of an output at checkpoint `n`.
-    Mean {
-        /// Index of the output.
-        output: usize,
-        /// Index of the checkpoint.
-        n: usize,
-    },
-    /// Standard deviation over the random variables of an output at checkpoint `n`.
-    Std {
-        /// Index of the output.
-        output: usize,
-        /// Index of the checkpoint.
-        n: usize,
-    },
-    /// Value of an output at the means of the random variables, at checkpoint `n`.
-    Nominal {
+    /// Statistic of an output at checkpoint `n`.
+    Output {
+        /// What of its values.
+        statistic: OutputStatistic,
         /// Index of the output.
         output: usize,
         /// Index of the checkpoint.
@@ -75,15 +75,6 @@ impl Target {
     }
 }
 
-/// Unit of a number as written in the file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ShownUnit {
-    /// Symbol; empty for a plain number.
-    pub symbol: String,
-    /// The unit in SI.
-    pub si: f64,
-}
-
 /// Free parameters and targets of a calibration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationTargets {
@@ -99,12 +90,17 @@ mod tests {
 
     #[test]
     fn issue_the_sampling_error_of_a_reliability_is_part_of_its_tolerance() {
-        let unit = ShownUnit { symbol: String::new(), si: 1.0 };
+        let unit = ShownUnit::of("");
         let reliability = TargetQuantity::Reliability { limit_state: None, n: 3 };
         let target =
             |quantity| Target { name: "R".into(), quantity, value: 0.5, tolerance: 0.02, unit: unit.clone() };
         let widened = target(reliability).counted_over(1000).tolerance;
         assert!((widened - (0.02_f64.powi(2) + 2.5e-4).sqrt()).abs() < 1e-15, "{widened}");
-        assert_eq!(target(TargetQuantity::Mean { output: 0, n: 3 }).counted_over(1000).tolerance, 0.02);
+        assert_eq!(
+            target(TargetQuantity::Output { statistic: OutputStatistic::Mean, output: 0, n: 3 })
+                .counted_over(1000)
+                .tolerance,
+            0.02
+        );
     }
 }

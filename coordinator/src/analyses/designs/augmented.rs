@@ -11,7 +11,8 @@
 //! simulations; the reliability of a design is computed with its own.
 
 use super::space::DesignSpace;
-use crate::analyses::what_if::written_value;
+use super::variable::DesignVariable;
+use crate::analyses::scene_settings::{FIT_KEYS, row, rows, written_value};
 use common::random::{Correlation, RandomVariable};
 use common::scene::{Faults, Scene, SceneSource};
 use toml::{Table, Value};
@@ -54,27 +55,18 @@ impl DesignSpace {
             (0..self.base.variables().len()).map(|k| envelope(k, &corners, &middle, &ends)).collect();
         let correlations = self.correlations(&envelopes, &middle);
         self.base.edited("--design", |document| {
-            let rows = document.entry("variables").or_insert_with(|| Value::Array(vec![]));
-            let rows = rows.as_array_mut().expect("the variables of a scene are a list");
             for (variable, envelope) in
                 self.base.variables().iter().zip(&envelopes).filter(|(_, e)| !e.is_fixed)
             {
-                let is_own =
-                    |row: &&mut Table| row.get("name").and_then(Value::as_str) == Some(&variable.name);
-                if let Some(row) = rows.iter_mut().filter_map(Value::as_table_mut).find(is_own) {
+                if let Some(row) = row(document, &variable.name) {
                     write_envelope(row, variable, envelope);
                 }
             }
-            for (design, name) in self.variables.iter().zip(&self.added) {
-                let Some(name) = name else { continue };
-                let law = [
-                    ("distribution", Value::from("uniform")),
-                    ("lower", design.written(design.lower)),
-                    ("upper", design.written(design.upper)),
-                ];
-                let row = design.row(name, &law);
-                rows.push(Value::Table(row));
-            }
+            let uniform = |design: &DesignVariable| {
+                let [lower, upper] = [design.lower, design.upper].map(|end| design.written(end));
+                design.row(&[("distribution", "uniform".into()), ("lower", lower), ("upper", upper)])
+            };
+            rows(document, "variables").extend(self.variables.iter().filter_map(uniform));
             if correlations.is_empty() {
                 document.remove("correlations");
             } else {
@@ -109,7 +101,7 @@ impl DesignSpace {
                 e.slopes.iter().map(loading).collect()
             })
             .collect();
-        for (i, _) in self.added.iter().enumerate().filter(|(_, name)| name.is_some()) {
+        for (i, _) in self.variables.iter().enumerate().filter(|(_, design)| design.added.is_some()) {
             loadings.push((0..self.variables.len()).map(|j| f64::from(u8::from(i == j))).collect());
         }
         let rest = |k: usize| {
@@ -155,8 +147,8 @@ fn envelope(k: usize, corners: &[Scene], middle: &Scene, ends: &[[Scene; 2]]) ->
 
 /// Writes the distribution over all designs into the row of a variable.
 fn write_envelope(row: &mut Table, variable: &RandomVariable, envelope: &Envelope) {
-    for key in ["std", "truncation", "mode", "fit"] {
-        row.remove(key);
+    for key in ["std", "truncation", "mode"].iter().chain(&FIT_KEYS) {
+        row.remove(*key);
     }
     row.insert("distribution".to_owned(), Value::from("truncated-normal"));
     let (lower, upper) = envelope.bounds;

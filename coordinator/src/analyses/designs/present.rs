@@ -47,18 +47,15 @@ impl DesignSpace {
 
     /// The space of those design variables alone that are quantities of the scene.
     fn only_quantities(&self) -> Self {
-        let kept = self.added.iter().map(Option::is_some);
-        let variables = self.variables.iter().zip(kept).filter(|(_, kept)| *kept).map(|(v, _)| v.clone());
-        let added = self.added.iter().filter(|name| name.is_some()).cloned().collect();
-        Self { base: self.base.clone(), variables: variables.collect(), added }
+        let kept = self.variables.iter().filter(|variable| variable.added.is_some()).cloned();
+        Self { base: self.base.clone(), variables: kept.collect() }
     }
 
     /// The keys of those design variables that are quantities of the scene, with the random variable, an index and a name, that
     /// stands for each in the augmented scene, and the range.
     pub fn quantities(&self) -> Vec<(&super::DesignVariable, usize, &str)> {
         let first = self.base.variables().len();
-        let named =
-            self.variables.iter().zip(&self.added).filter_map(|(v, name)| Some((v, name.as_deref()?)));
+        let named = self.variables.iter().filter_map(|variable| Some((variable, variable.added.as_deref()?)));
         named.enumerate().map(|(i, (variable, name))| (variable, first + i, name)).collect()
     }
 

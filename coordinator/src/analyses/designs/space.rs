@@ -1,10 +1,11 @@
 //! The designs of a study: its scene and the ranges of the design variables.
 
-use super::variable::{DesignVariable, fault, number_and_unit};
-use crate::analyses::scene_settings::{is_scene_quantity, scene_with};
-use common::scene::{Fault, FaultKind, Faults, Scene, SceneSource};
+use super::variable::DesignVariable;
+use crate::analyses::scene_settings::{rows, scene_with};
+use crate::analyses::setting::is_scene_quantity;
+use common::scene::{Fault, Faults, Scene, SceneSource, number_and_unit};
 use serde::{Deserialize, Serialize};
-use toml::{Table, Value};
+use toml::Value;
 
 /// Name of the document of a campaign file with the [`StoredSpace`].
 pub const DESIGNS_DOCUMENT: &str = "designs";
@@ -17,9 +18,6 @@ const MOST: usize = 3;
 pub struct DesignSpace {
     pub(super) base: SceneSource,
     pub(super) variables: Vec<DesignVariable>,
-    /// Names of the random variables that stand for design variables in the augmented scene; `None` for those that change a
-    /// distribution or a threshold.
-    pub(super) added: Vec<Option<String>>,
 }
 
 /// A design space as stored with its study.
@@ -57,28 +55,24 @@ impl DesignSpace {
         Self::of_variables(SceneSource::parse(&stored.scene, origin)?, stored.variables)
     }
 
-    fn of_variables(base: SceneSource, variables: Vec<DesignVariable>) -> Result<Self, Faults> {
+    fn of_variables(base: SceneSource, mut variables: Vec<DesignVariable>) -> Result<Self, Faults> {
         if variables.len() > MOST {
             let message = format!("{} design variables; at most {MOST} are allowed", variables.len());
-            return Err(fault("", message));
+            return Err(Faults::one("--design", "", message));
         }
         let twice =
             variables.iter().enumerate().find(|(i, v)| variables[..*i].iter().any(|w| w.key == v.key));
         if let Some((_, twice)) = twice {
-            return Err(fault(&twice.key, "this key has two ranges"));
+            return Err(Faults::one("--design", &twice.key, "this key has two ranges"));
         }
         let mut names: Vec<String> = base.variables().iter().map(|variable| variable.name.clone()).collect();
-        let mut name = |variable: &DesignVariable| {
-            is_scene_quantity(&base, &variable.key).then(|| {
-                let last = variable.key.rsplit('.').next().unwrap_or(&variable.key);
-                let taken = names.iter().any(|name| name == last);
-                let name = if taken { variable.key.replace('.', "_") } else { last.to_owned() };
-                names.push(name.clone());
-                name
-            })
-        };
-        let added = variables.iter().map(&mut name).collect();
-        let space = Self { base, variables, added };
+        for variable in variables.iter_mut().filter(|variable| is_scene_quantity(&base, &variable.key)) {
+            let last = variable.key.rsplit('.').next().unwrap_or(&variable.key);
+            let taken = names.iter().any(|name| name == last);
+            names.push(if taken { variable.key.replace('.', "_") } else { last.to_owned() });
+            variable.added = names.last().cloned();
+        }
+        let space = Self { base, variables };
         // A key that is wrong is wrong at every corner.
         let fault = space.corners().iter().find_map(|values| space.source_at(values).err());
         fault.map_or(Ok(space), |Faults(found)| {
@@ -114,22 +108,14 @@ impl DesignSpace {
     /// The faults of the design.
     pub fn with_constants(&self, values: &[f64]) -> Result<SceneSource, Faults> {
         let design = self.source_at(values)?;
-        let constants = self.variables.iter().zip(&self.added).zip(values);
-        let rows: Vec<Table> = constants
-            .filter_map(|((variable, name), value)| {
-                let law = [("distribution", Value::from("constant")), ("mean", variable.written(*value))];
-                Some(variable.row(name.as_ref()?, &law))
-            })
-            .collect();
-        if rows.is_empty() {
+        let constant = |(variable, value): (&DesignVariable, &f64)| {
+            variable.row(&[("distribution", Value::from("constant")), ("mean", variable.written(*value))])
+        };
+        let constants: Vec<Value> = self.variables.iter().zip(values).filter_map(constant).collect();
+        if constants.is_empty() {
             return Ok(design);
         }
-        design.edited("--design", |document| {
-            let list = document.entry("variables").or_insert_with(|| Value::Array(vec![]));
-            list.as_array_mut()
-                .expect("the variables of a scene are a list")
-                .extend(rows.into_iter().map(Value::Table));
-        })
+        design.edited("--design", |document| rows(document, "variables").extend(constants))
     }
 
     /// The scene of [`DesignSpace::with_constants`].
@@ -153,10 +139,7 @@ impl DesignSpace {
     /// # Errors
     /// Keys that are no design variables, missing ones, and values outside their ranges.
     pub fn design(&self, settings: &[String]) -> Result<Vec<f64>, Faults> {
-        let refuse = |text: &str, message: String| {
-            let kind = FaultKind::Inconsistent { message };
-            Faults::one("--at", text, kind)
-        };
+        let refuse = |text: &str, message: String| Faults::one("--at", text, message);
         let keys = || self.variables.iter().map(|v| v.key.as_str()).collect::<Vec<_>>().join(", ");
         let mut values = vec![None; self.variables.len()];
         for setting in settings {

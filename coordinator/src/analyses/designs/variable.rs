@@ -1,8 +1,9 @@
 //! A design variable as typed: `KEY=LOWER..UPPER`, with numbers in one unit.
 
-use common::scene::{FaultKind, Faults};
+use crate::analyses::scene_settings::variable_row;
+use common::scene::{Faults, number_and_unit};
 use serde::{Deserialize, Serialize};
-use toml::{Table, Value};
+use toml::Value;
 
 /// A key of the scene with a range of values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -15,6 +16,9 @@ pub struct DesignVariable {
     pub upper: f64,
     /// Unit as typed; empty for a plain number.
     pub unit: String,
+    /// Name of the random variable that stands for it in the augmented scene; `None` if it changes a distribution or a threshold.
+    #[serde(skip)]
+    pub(super) added: Option<String>,
 }
 
 impl DesignVariable {
@@ -23,7 +27,7 @@ impl DesignVariable {
     /// # Errors
     /// The fault of the text.
     pub fn parse(text: &str) -> Result<Self, Faults> {
-        let refuse = |message: &str| Err(fault(text, message));
+        let refuse = |message: &str| Err(Faults::one("--design", text, message));
         let range = text.split_once('=').and_then(|(key, range)| Some((key.trim(), range.split_once("..")?)));
         let Some((key, (lower, upper))) = range.filter(|(key, _)| !key.is_empty()) else {
             return refuse("expected KEY=LOWER..UPPER, e.g. parameters.clearance='18 um..30 um'");
@@ -38,7 +42,7 @@ impl DesignVariable {
         if lower >= upper {
             return refuse("the lower end of the range must be below the upper one");
         }
-        Ok(Self { key: key.to_owned(), lower, upper, unit: unit.to_owned() })
+        Ok(Self { key: key.to_owned(), lower, upper, unit: unit.to_owned(), added: None })
     }
 
     /// The setting `KEY=VALUE` of a value in the unit of the range.
@@ -56,16 +60,13 @@ impl DesignVariable {
         if self.unit.is_empty() { Value::Float(value) } else { Value::from(self.with_unit(value)) }
     }
 
-    /// The row of a random variable `name` that changes this key, with the keys of its distribution.
-    pub(super) fn row(&self, name: &str, law: &[(&str, Value)]) -> Table {
-        let mut row = Table::new();
-        row.insert("name".to_owned(), Value::from(name));
-        row.insert("changes".to_owned(), Value::Array(vec![Value::from(self.key.as_str())]));
-        law.iter().for_each(|(key, value)| drop(row.insert((*key).to_owned(), value.clone())));
+    /// The row of the random variable that stands for it, with the keys of its distribution; `None` if none does.
+    pub(super) fn row(&self, law: &[(&str, Value)]) -> Option<Value> {
+        let mut row = variable_row(self.added.as_ref()?, std::slice::from_ref(&self.key), law);
         if !self.unit.is_empty() && self.unit != "%" {
             row.insert("unit".to_owned(), Value::from(self.unit.as_str()));
         }
-        row
+        Some(Value::Table(row))
     }
 
     /// The value at the share `t` in [0, 1] of the range, without digits beyond a millionth of it.
@@ -82,29 +83,14 @@ impl DesignVariable {
     }
 }
 
-/// The fault of a design variable.
-pub(super) fn fault(text: &str, message: impl Into<String>) -> Faults {
-    let kind = FaultKind::Inconsistent { message: message.into() };
-    Faults::one("--design", text, kind)
-}
-
-/// A finite number and the rest of the text, its unit.
-pub(super) fn number_and_unit(text: &str) -> Option<(f64, &str)> {
-    let text = text.trim();
-    // A unit may begin with e or E, as no exponent without digits does.
-    (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end)).find_map(|end| {
-        Some((text[..end].parse::<f64>().ok().filter(|n| n.is_finite())?, text[end..].trim()))
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn ranges_are_read_with_their_unit() {
-        let expected =
-            DesignVariable { key: "a.b".to_owned(), lower: 18.0, upper: 30.5, unit: "um".to_owned() };
+        let (key, unit) = ("a.b".to_owned(), "um".to_owned());
+        let expected = DesignVariable { key, lower: 18.0, upper: 30.5, unit, added: None };
         for text in ["a.b=18um..30.5um", "a.b = 18 um .. 30.5 um", "a.b=18..30.5 um", "a.b=1.8e1..3.05e1um"] {
             assert_eq!(DesignVariable::parse(text), Ok(expected.clone()), "{text}");
         }

@@ -9,21 +9,12 @@ use common::scene::{Faults, InputFile, Scene};
 /// Share of a range by which a bound may lie outside of it, for rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Names of the design variables as a problem file may give them: `(key, name of the random variable that represents it)`.
-pub fn design_names(space: &DesignSpace) -> Vec<(String, String)> {
-    space
-        .quantities()
-        .into_iter()
-        .map(|(variable, _, name)| (variable.key.clone(), name.to_owned()))
-        .collect()
-}
-
 /// The problem, read for the present design of a study with the design variables of `space` and the `augmented` scene.
 ///
 /// # Errors
 /// A bound lies outside the range of the study, or a random variable does not follow a design
 /// variable along a straight line.
-pub fn for_designs(
+pub(super) fn for_designs(
     problem: DesignProblem,
     space: &DesignSpace,
     augmented: &Scene,

@@ -31,12 +31,9 @@ mod tests;
 mod trust;
 
 pub use campaign::StudyBasis;
-pub use design_variables::{design_names, for_designs};
 pub use moments::with_moments;
 pub use optimum::{OptimisationProgress, optimise};
-pub use problem::{
-    DesignProblem, DesignQuantity, Grade, PrintedUnit, QuantityKind, ReliabilityTarget, StudiedDesigns,
-};
+pub use problem::{DesignProblem, DesignQuantity, Grade, QuantityKind, ReliabilityTarget, StudiedDesigns};
 pub use problem_file::read as read_problem;
 pub use report::answer;
 pub use result::{

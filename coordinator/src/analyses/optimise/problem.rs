@@ -2,6 +2,7 @@
 
 use super::moments::with_moments;
 use crate::analyses::designs::Follower;
+use crate::analyses::quantity::ShownUnit;
 use crate::statistics::design::InputModel;
 use crate::statistics::optimisation::CostModel;
 use common::random::{Distribution, LawError};
@@ -36,15 +37,6 @@ impl QuantityKind {
     }
 }
 
-/// Unit of a quantity as it is printed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PrintedUnit {
-    /// Symbol; empty for a plain number.
-    pub symbol: String,
-    /// The unit in SI.
-    pub si: f64,
-}
-
 /// A standard tolerance grade.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grade {
@@ -68,7 +60,7 @@ pub struct DesignQuantity {
     /// Upper bound [SI].
     pub upper: f64,
     /// Unit in results.
-    pub unit: PrintedUnit,
+    pub unit: ShownUnit,
     /// Cost over the quantity in `cost_unit`.
     pub cost: CostModel,
     /// Unit of the quantity in the cost [SI].

@@ -1,21 +1,16 @@
 //! Costs and grades of the file of an optimisation problem.
 
-use super::problem::{Grade, PrintedUnit};
+use super::problem::Grade;
+use crate::analyses::quantity::ShownUnit;
 use crate::statistics::optimisation::{CostModel, CostTable};
 use common::random::ToleranceClass;
 use common::scene::expression::read_unit;
-use common::scene::quantity::{Kind, LENGTH, NUMBER};
+use common::scene::quantity::{LENGTH, NUMBER};
 use common::scene::{Range, Section};
 use toml::Value;
 
 /// Grades of the table: IT5 to IT11 are read, IT12 is ten times IT7.
 const GRADES: std::ops::RangeInclusive<u8> = 5..=12;
-
-/// The kind of quantity that a variable is, and the unit in which it is printed.
-pub(super) struct VariableUnit {
-    pub kind: Kind,
-    pub printed: PrintedUnit,
-}
 
 /// The words of `model`.
 #[derive(Clone, Copy)]
@@ -34,7 +29,7 @@ const MODELS: [(&str, CostWord); 4] = [
 ];
 
 /// The grades of a quantity by ascending width; none if it has none. `word` is its parameter, as far as it is known.
-pub(super) fn grades(row: &mut Section, word: Option<&str>, unit: Option<&VariableUnit>) -> Vec<Grade> {
+pub(super) fn grades(row: &mut Section, word: Option<&str>, unit: Option<&ShownUnit>) -> Vec<Grade> {
     if row.get("grades").is_none() {
         if row.get("diameter").is_some() {
             row.inconsistent("diameter", "is for grades only");
@@ -67,7 +62,7 @@ pub(super) fn grades(row: &mut Section, word: Option<&str>, unit: Option<&Variab
 /// The cost of a quantity and the unit of the quantity in it [SI]. `unit` is that of the quantity, as far as it is known.
 pub(super) fn cost(
     row: &mut Section,
-    unit: Option<&VariableUnit>,
+    unit: Option<&ShownUnit>,
     grades: &[Grade],
 ) -> Option<(CostModel, f64)> {
     let mut row = row.section("cost", "a table { model, ... }")?;
@@ -75,7 +70,7 @@ pub(super) fn cost(
     let read = text.map(|text| read_unit(text).map_err(|error| error.to_string()));
     let of_kind = |dimension| unit.is_none_or(|unit| unit.kind.dimension == dimension);
     let cost_unit = match read {
-        None => unit.map_or(1.0, |unit| unit.printed.si),
+        None => unit.map_or(1.0, |unit| unit.si),
         Some(Ok(found)) if of_kind(found.dimension) => found.multiply / found.divide,
         Some(found) => {
             let expected = unit.map_or("", |unit| unit.kind.name);
@@ -107,12 +102,7 @@ pub(super) fn cost(
     Some((model?, cost_unit))
 }
 
-fn table(
-    row: &mut Section,
-    unit: Option<&VariableUnit>,
-    grades: &[Grade],
-    cost_unit: f64,
-) -> Option<CostTable> {
+fn table(row: &mut Section, unit: Option<&ShownUnit>, grades: &[Grade], cost_unit: f64) -> Option<CostTable> {
     let expected = "a list of points, e.g. [[\"1 um\", 8.0], [\"2 um\", 5.0]]";
     let Some(value) = row.get("points") else {
         row.missing("points", expected);

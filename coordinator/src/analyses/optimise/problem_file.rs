@@ -1,12 +1,12 @@
 //! Reader of the file of an optimisation problem, TOML; every fault is reported at once.
 
-use super::problem::{DesignProblem, DesignQuantity, Grade, PrintedUnit, QuantityKind, ReliabilityTarget};
-use super::problem_costs::VariableUnit;
-use crate::analyses::quantity::checkpoint;
+use super::design_variables::for_designs;
+use super::problem::{DesignProblem, DesignQuantity, Grade, QuantityKind, ReliabilityTarget};
+use crate::analyses::designs::{DesignSpace, DesignVariable};
+use crate::analyses::quantity::{ShownUnit, checkpoint, limit_state};
 use crate::statistics::design::InputModel;
 use common::random::Distribution;
-use common::scene::expression::read_unit;
-use common::scene::quantity::{Kind, NUMBER};
+use common::scene::quantity::NUMBER;
 use common::scene::{FaultKind, Faults, InputFile, Range, Scene, SceneSource, Section, nearest};
 use toml::Value;
 
@@ -15,17 +15,18 @@ const SAME: f64 = 1e-9;
 /// Parameters of a random variable that a quantity may be.
 const PARAMETERS: [&str; 3] = ["mean", "std", "tolerance"];
 
-/// Reads the file of a problem for the scene of a study; `names` are the design variables of the study, `(key, name of the
-/// random variable that represents it)`.
+/// Reads the file of a problem for the scene of a study, or for its present design if it has `designs`: their space and the scene
+/// that was studied for them.
 ///
 /// # Errors
 /// All faults.
 pub fn read(
     file: &InputFile,
     source: &SceneSource,
-    names: &[(String, String)],
+    designs: Option<(&DesignSpace, &Scene)>,
 ) -> Result<DesignProblem, Faults> {
-    let reader = ProblemReader { scene: source.nominal(), names };
+    let keys = designs.map(|(space, _)| space.quantities()).unwrap_or_default();
+    let reader = ProblemReader { scene: source.nominal(), designs: &keys };
     let problem = file.read(|file| {
         let mut rows = ["quantities", "targets"].map(|key| {
             let rows = file.unnamed_rows(key);
@@ -49,7 +50,10 @@ pub fn read(
         DesignProblem { quantities, targets, fixed_bounds: fixed_bounds(source), designs: None }
     })?;
     file.refuse_for(reader.impossible_bounds(&problem))?;
-    Ok(problem)
+    match designs {
+        Some((space, studied)) => for_designs(problem, space, studied, file),
+        None => Ok(problem),
+    }
 }
 
 /// True if two quantities change the same parameter of a variable.
@@ -61,10 +65,9 @@ fn changes_same(a: &DesignQuantity, b: &Option<DesignQuantity>) -> bool {
 
 /// Bounds that the scene gives, by variable.
 fn fixed_bounds(source: &SceneSource) -> Vec<[bool; 2]> {
-    let rows = source.document().get("variables").and_then(Value::as_array);
+    let rows = source.document().get("variables").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
     let given = |name: &str| {
-        let mut rows = rows.into_iter().flatten();
-        let row = rows.find(|row| row.get("name").and_then(Value::as_str) == Some(name));
+        let row = rows.iter().find(|row| row.get("name").and_then(Value::as_str) == Some(name));
         ["lower", "upper"].map(|key| row.is_some_and(|row| row.get(key).is_some()))
     };
     source.variables().iter().map(|variable| given(&variable.name)).collect()
@@ -73,8 +76,8 @@ fn fixed_bounds(source: &SceneSource) -> Vec<[bool; 2]> {
 /// The rows of a file for a scene. After a fault they are read on with values that have no meaning.
 struct ProblemReader<'a> {
     scene: &'a Scene,
-    /// Design variables of the study: key, and name of the random variable that represents it.
-    names: &'a [(String, String)],
+    /// Design variables of the study, each with index and name of the random variable that stands for it.
+    designs: &'a [(&'a DesignVariable, usize, &'a str)],
 }
 
 impl ProblemReader<'_> {
@@ -103,7 +106,7 @@ impl ProblemReader<'_> {
         let (lower, upper) = self.bounds(row, variables.first().copied(), kind, &grades);
         let cost = super::problem_costs::cost(row, unit.as_ref(), &grades);
         row.finish();
-        let ((cost, cost_unit), unit) = (cost?, unit?.printed);
+        let ((cost, cost_unit), unit) = (cost?, unit?);
         let name = changes.join(", ");
         Some(DesignQuantity { name, variables, kind, lower, upper, unit, cost, cost_unit, grades })
     }
@@ -111,10 +114,10 @@ impl ProblemReader<'_> {
     /// Variable and parameter of a key such as `rod_length.std`; after a typing error those that were meant.
     fn variable_of(&self, row: &Section, change: &str) -> Option<(usize, &'static str)> {
         let variables = self.scene.variables.iter().map(|variable| variable.name.as_str());
-        let designs = self.names.iter().map(|(key, _)| key.as_str());
+        let designs = self.designs.iter().map(|(variable, ..)| variable.key.as_str());
         if nearest(change, designs.clone()).is_some() {
-            let (_, name) = &self.names[row.meant("change", "design variable", change, designs)?];
-            return Some((variables.clone().position(|variable| variable == name)?, "mean"));
+            let (_, k, _) = self.designs[row.meant("change", "design variable", change, designs)?];
+            return Some((k, "mean"));
         }
         let Some((name, word)) = change.rsplit_once('.') else {
             let what = "expected a variable and what changes of it";
@@ -123,8 +126,7 @@ impl ProblemReader<'_> {
         };
         let k = row.meant("change", "random variable", name, variables);
         let Some(word) = PARAMETERS.into_iter().find(|known| *known == word) else {
-            let (nearest, known) = (nearest(word, PARAMETERS), PARAMETERS.map(str::to_owned).to_vec());
-            row.fault("change", FaultKind::UnknownWord { value: word.to_owned(), nearest, known });
+            row.fault("change", FaultKind::unknown_word(word, PARAMETERS.into_iter()));
             return None;
         };
         let k = k?;
@@ -140,15 +142,8 @@ impl ProblemReader<'_> {
         Some((k, word))
     }
 
-    fn unit_of(&self, k: usize) -> VariableUnit {
-        let symbol = self.scene.variables[k].unit.clone();
-        let (kind, si) = match read_unit(&symbol) {
-            Ok(unit) => (Kind::from_dimension(unit.dimension), unit.multiply / unit.divide),
-            // A unit of the simulator, which is only displayed.
-            Err(_) => (NUMBER, 1.0),
-        };
-        let symbol = if symbol == "1" { String::new() } else { symbol };
-        VariableUnit { kind, printed: PrintedUnit { symbol, si } }
+    fn unit_of(&self, k: usize) -> ShownUnit {
+        ShownUnit::of(&self.scene.variables[k].unit)
     }
 
     /// Variables of one quantity have the same value in the study and the same unit.
@@ -204,22 +199,18 @@ impl ProblemReader<'_> {
     }
 
     fn shown(&self, k: usize, value: f64) -> String {
-        let PrintedUnit { symbol, si } = self.unit_of(k).printed;
+        let ShownUnit { symbol, si, .. } = self.unit_of(k);
         let number = format!("{}", (value / si * 1e9).round() / 1e9);
         if symbol.is_empty() { number } else { format!("{number} {symbol}") }
     }
 
     fn target(&self, row: &mut Section) -> Option<ReliabilityTarget> {
-        let name = row.text_or("limit_state", "the name of a limit state, or total", "total");
-        let limits = self.scene.limit_states.iter().map(|limit| limit.name.as_str());
-        let place =
-            name.and_then(|name| row.reference("limit_state", "limit state", name, limits.chain(["total"])));
+        let limit_state = limit_state(row, self.scene);
         let all = self.scene.life.checkpoints();
         let checkpoint = checkpoint(row, &self.scene.life, all.last().copied());
         let reliability = row.quantity("reliability", NUMBER, Range::Between(0.0, 1.0));
         row.finish();
-        let (name, (checkpoint, cycles)) = (name?, checkpoint?);
-        let limit_state = Some(place?).filter(|place| *place < self.scene.limit_states.len());
+        let ((name, limit_state), (checkpoint, cycles)) = (limit_state?, checkpoint?);
         let name = if all.len() > 1 { format!("R {name} at {cycles}") } else { format!("R {name}") };
         Some(ReliabilityTarget { name, limit_state, checkpoint, cycles, reliability: reliability? })
     }

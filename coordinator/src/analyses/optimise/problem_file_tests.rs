@@ -22,7 +22,7 @@ fn read(text: &str) -> Result<DesignProblem, Vec<String>> {
         let line = fault.location.as_ref().expect("every fault has its line").line;
         format!("{line}: {}: {}", fault.key, fault.kind)
     };
-    let read = InputFile::parse(text, "p.toml").and_then(|file| super::read(&file, &source, &[]));
+    let read = InputFile::parse(text, "p.toml").and_then(|file| super::read(&file, &source, None));
     read.map_err(|Faults(faults)| faults.iter().map(line).collect())
 }
 

@@ -3,6 +3,7 @@
 use super::TargetState::{Met, MetWithinErrors};
 use super::*;
 use crate::analyses::designs::DesignSpace;
+use crate::analyses::quantity::ShownUnit;
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::Mode;
 use crate::statistics::optimisation::CostModel;
@@ -76,7 +77,7 @@ fn quantity(k: usize, kind: QuantityKind, bounds: (f64, f64), cost: CostModel) -
         kind,
         lower: bounds.0,
         upper: bounds.1,
-        unit: PrintedUnit { symbol: String::new(), si: 1.0 },
+        unit: ShownUnit::of(""),
         cost,
         cost_unit: 1.0,
         grades: vec![],
@@ -216,7 +217,7 @@ fn a_design_variable_is_optimised_with_the_dimensions_that_follow_it() {
         [[targets]]\nreliability = 0.99";
     let read = |text: &str| {
         let file = InputFile::parse(text, "p.toml")?;
-        for_designs(read_problem(&file, &present, &design_names(&space))?, &space, scene, &file)
+        read_problem(&file, &present, Some((&space, scene)))
     };
     let mut problem = read(text).unwrap();
     problem.targets = vec![target(Some(0), 0.99)];

@@ -96,8 +96,9 @@ pub(super) fn held(region: &[(f64, f64)], y: &[f64]) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{PrintedUnit, QuantityKind};
+    use super::super::QuantityKind;
     use super::*;
+    use crate::analyses::quantity::ShownUnit;
     use crate::statistics::optimisation::CostModel;
 
     #[test]
@@ -108,7 +109,7 @@ mod tests {
             kind: QuantityKind::Mean,
             lower: 0.0,
             upper: 6.0,
-            unit: PrintedUnit { symbol: String::new(), si: 1.0 },
+            unit: ShownUnit::of(""),
             cost: CostModel::Linear { c0: 0.0, c1: 1.0 },
             cost_unit: 1.0,
             grades: vec![],

@@ -84,8 +84,8 @@ fn update_unit(
     let mut evidence = Vec::new();
     for observation in &unit.observations {
         evidence.push(match observation.quantity {
-            quantity @ (Quantity::Output { value, error, .. } | Quantity::Variable { value, error, .. }) => {
-                measured.push((quantity, observation.cycles));
+            Quantity::Measured { of, value, error } => {
+                measured.push((of, observation.cycles));
                 Evidence::Measured { index: measured.len() - 1, value, std: error }
             }
             Quantity::Survived => Evidence::Survived(observation.cycles),

@@ -18,7 +18,7 @@ mod text;
 mod unit_file;
 
 pub use fleet::{FleetSettings, update};
-pub use observation::{Observation, ObservedUnit, Quantity};
+pub use observation::{Observable, Observation, ObservedUnit, Quantity};
 pub use result::{FleetReport, ObservationRow, RemainingLife, UnitReport, UpdatedVariable};
 pub use text::answer;
 pub use unit_file::read as read_units;

@@ -1,24 +1,24 @@
 //! What was observed of a unit.
 
+/// What of a unit can be measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Observable {
+    /// The output of the scene with this index.
+    Output(usize),
+    /// The random variable of the scene with this index.
+    Variable(usize),
+}
+
 /// The quantity of an observation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Quantity {
-    /// An output of the scene was measured.
-    Output {
-        /// Index of the output.
-        output: usize,
-        /// Value [unit of the output].
+    /// It was measured.
+    Measured {
+        /// What was measured.
+        of: Observable,
+        /// Value [unit of the output, or SI].
         value: f64,
-        /// Standard deviation of its error [unit of the output].
-        error: f64,
-    },
-    /// A random variable of the scene was measured.
-    Variable {
-        /// Index of the variable.
-        variable: usize,
-        /// Value that was measured [SI].
-        value: f64,
-        /// Standard deviation of its error [SI].
+        /// Standard deviation of its error [unit of the output, or SI].
         error: f64,
     },
     /// The unit had not failed by then.
@@ -31,9 +31,9 @@ impl Quantity {
     /// Rank among observations at the same life: variables, survival, outputs, failure.
     pub(super) fn rank(&self) -> u8 {
         match self {
-            Self::Variable { .. } => 0,
+            Self::Measured { of: Observable::Variable(_), .. } => 0,
             Self::Survived => 1,
-            Self::Output { .. } => 2,
+            Self::Measured { of: Observable::Output(_), .. } => 2,
             Self::Failed => 3,
         }
     }
@@ -76,7 +76,7 @@ impl ObservedUnit {
     /// Outputs that were measured.
     pub fn outputs(&self) -> impl Iterator<Item = usize> + '_ {
         self.observations.iter().filter_map(|o| match o.quantity {
-            Quantity::Output { output, .. } => Some(output),
+            Quantity::Measured { of: Observable::Output(output), .. } => Some(output),
             _ => None,
         })
     }

@@ -1,7 +1,7 @@
 //! The prior of a unit, which is the beginning of the study's own population with its deviations, and the predictions of what
 //! was measured of it.
 
-use super::observation::Quantity;
+use super::observation::Observable;
 use crate::statistics::design::{Population, deviation};
 use crate::statistics::updating::{Predictions, UnitModel};
 use crate::study::{LifeModel, LifeResponses};
@@ -46,7 +46,7 @@ impl<'a> Prior<'a> {
 pub(super) struct UnitPredictor<'a> {
     pub model: &'a LifeModel,
     /// Measured quantities in the order of their values, with their lives.
-    pub measured: Vec<(Quantity, f64)>,
+    pub measured: Vec<(Observable, f64)>,
     /// Outputs among them.
     pub outputs: Vec<usize>,
     /// Whether the stated numerical errors of the simulations count.
@@ -61,18 +61,17 @@ impl UnitPredictor<'_> {
         let n = states.len() / dimension;
         let (mut values, mut errors) = (Vec::new(), Vec::new());
         for j in 0..n {
-            for (quantity, life) in &self.measured {
-                let (value, error) = match *quantity {
-                    Quantity::Output { output, .. } => {
+            for (measured, life) in &self.measured {
+                let (value, error) = match *measured {
+                    Observable::Output(output) => {
                         let place = wanted.iter().position(|w| *w == output).unwrap_or(0);
                         let value = model.value_at(output, &responses.histories[place], j, *life);
                         (value, model.error_at(output, value, *life, self.numerical_errors))
                     }
-                    Quantity::Variable { variable, .. } => {
+                    Observable::Variable(variable) => {
                         let v = &states[j * dimension..j * dimension + d];
                         (physical(model, v, variable), 0.0)
                     }
-                    Quantity::Survived | Quantity::Failed => continue,
                 };
                 values.push(value);
                 errors.push(error);

@@ -142,7 +142,7 @@ fn every_fault_of_a_file_is_named_with_line_and_column() {
         ("A,400,wear,1,0", "column error: allowed: a standard deviation above 0"),
         ("A,400,wear,1", "column error: \"\": expected a number in um"),
         ("A,400,survived,1", "column value: \"1\": survived has no value"),
-        (",400,wear,1,1", "column unit: is empty"),
+        (",400,wear,1,1", "column unit: is missing, expected the name of the unit"),
         ("A,400,wear,1,1,1", "6 cells, expected 5"),
         ("A,400,failed\nA,500,wear,15,1", "line 2, column cycles: unit A had failed by 400 cycles (line 1)"),
         ("A,400,failed\nA,400,survived", "unit A had failed by 400 cycles"),
@@ -150,7 +150,7 @@ fn every_fault_of_a_file_is_named_with_line_and_column() {
             "A,400,wear,10,0.1\nA,400,wear,11,0.1",
             "line 2, column value: wear of unit A contradicts line 1: the values differ by 7.1",
         ),
-        ("", "line 1, column : the file has no observation"),
+        ("", "line 1, column : the file has no row"),
     ] {
         let said = faults(row);
         assert!(said.contains(expected), "{row}: {said}");

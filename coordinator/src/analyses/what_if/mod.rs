@@ -6,8 +6,6 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | `setting` | reader of one change, `KEY=VALUE` |
-//! | `changed_scene` | the scene with the changes, checked like a scene file |
 //! | `changes` | what was changed, as data |
 //! | `answer` | reliability, lives and first failures before and after, and their changes |
 //! | `region` | where the changed population leaves the simulated region |
@@ -15,18 +13,15 @@
 //! | `report` | the answer as JSON, with tables, its meaning and its errors in words |
 
 mod answer;
-mod changed_scene;
 mod changes;
 mod outside;
 mod region;
 mod report;
-mod setting;
 #[cfg(test)]
 mod tests;
 
+pub use super::scene_settings::{changed_scene, redistributed};
 pub use answer::{Agreement, FinishedStudy, POPULATION, WhatIf, ask};
-pub use changed_scene::{changed_scene, redistributed, written_value};
 pub use changes::{ChangedCorrelation, ChangedThreshold, ChangedVariable, Changes, LawParameters};
 pub use region::{OutsideVariable, Region};
 pub use report::{answer, json};
-pub use setting::{VARIABLE_KEYS, fault as setting_fault};

@@ -1,6 +1,7 @@
-//! Changed scenes: what each change means, and what is refused.
+//! Scenes with settings: what each means, and what is refused.
 
 use super::*;
+use common::scene::quantity::{AngleUnit, Quantity};
 
 const SCENE: &str = r#"
 scene = { name = "bar" }
@@ -88,7 +89,7 @@ fn every_fault_is_reported_and_names_what_is_allowed() {
     for part in [
         "--set: forze.std=1 kN: there is no variable \"forze\", did you mean \"force\"?",
         "\"sd\" is no key of a random variable; allowed: distribution, mean, std",
-        "there is no limit state \"yeld\"; there are: yield",
+        "there is no limit state \"yeld\", did you mean \"yield\"?; there are: yield",
         "e.g. area.mean=... or area.std=...",
         "expected KEY=VALUE",
         "expected a value after =",
@@ -109,4 +110,104 @@ fn every_fault_is_reported_and_names_what_is_allowed() {
     let found =
         changed_scene(&four_bar, &["parameters.crank_length=21 mm".to_owned()]).unwrap_err().to_string();
     assert!(found.contains("changes what is simulated"), "{found}");
+}
+
+fn set(settings: &[&str]) -> Result<SceneSource, Faults> {
+    let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
+    scene_with(&SceneSource::builtin("four-bar").unwrap(), &settings)
+}
+
+/// A value as a scene writes it, in SI base units.
+fn written(quantity: &Quantity, value: f64) -> String {
+    let unit = quantity.dimension.base_units();
+    match (quantity.angle, unit.as_str()) {
+        (AngleUnit::Present, "") => format!("{value:e} rad"),
+        (AngleUnit::Present, unit) if unit.starts_with("1/") => format!("{value:e} rad{}", &unit[1..]),
+        _ => format!("{value:e} {unit}").trim_end().to_owned(),
+    }
+}
+
+#[test]
+fn issue_set_of_every_key_of_every_scene_is_the_edited_scene() {
+    let (mut compared, mut refused) = (0, 0);
+    for name in SceneSource::builtin_names() {
+        let source = SceneSource::builtin(name).unwrap();
+        for (key, quantity) in source.quantities() {
+            let changed = |change: &String| change == key;
+            if source.variables().iter().any(|variable| variable.changes.iter().any(changed)) {
+                continue; // Refused: its random variable is to be set.
+            }
+            let setting = format!("{key}={}", written(quantity, quantity.value * 1.001));
+            let Ok(edited) = scene_with(&source, std::slice::from_ref(&setting)) else {
+                refused += 1;
+                continue;
+            };
+            let set = source.resolve_with(&[source.parse_setting(&setting).unwrap()]).unwrap();
+            assert_eq!(set, *edited.nominal(), "{name}: {setting}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 400 && refused < compared / 10, "{compared} compared, {refused} refused");
+}
+
+#[test]
+fn issue_a_set_scene_lost_its_comments() {
+    let source = SceneSource::builtin("four-bar").unwrap();
+    let found = set(&["parameters.width=11 mm", "friction.std=4 %", "wear.threshold=9 um"]).unwrap();
+    let differ = found.text().lines().zip(source.text().lines()).filter(|(a, b)| a != b);
+    assert_eq!(differ.count(), 3, "{}", found.text());
+    assert_eq!(set(&["parameters.width=10 mm"]).unwrap().digest(), source.digest());
+}
+
+#[test]
+fn variables_and_thresholds_are_set_by_their_names() {
+    let found =
+        set(&["friction=0.06", "wear.threshold=9 um", "load_torque.std=5 %", "parameters.width=11 mm"])
+            .unwrap();
+    let scene = found.nominal();
+    let law = |name: &str| scene.variables.iter().find(|v| v.name == name).unwrap().distribution.clone();
+    assert!((law("friction").parent_mean() - 0.06).abs() < 1e-12);
+    assert!((law("load_torque").given_std() - 0.04).abs() < 1e-12);
+    assert!((scene.limit_states[0].threshold - 9e-6).abs() < 1e-15);
+}
+
+#[test]
+fn every_fault_of_every_setting_is_reported() {
+    let said = set(&[
+        "parameters.friction=0.06",
+        "parameters.width=3 kg",
+        "nothing=1",
+        "wear.threshhold=2",
+        "friction=x",
+        "parameters.clearence=25 um",
+    ])
+    .unwrap_err()
+    .to_string();
+    for part in [
+        "did you mean \"parameters.clearance\"",
+        "set friction or friction.mean instead",
+        "parameters.width=3 kg",
+        "nothing=1",
+        "wear.threshhold=2",
+    ] {
+        assert!(said.contains(part), "{part}\n{said}");
+    }
+    assert!(set(&["friction=x"]).is_err() && set(&["parameters.width=-3 mm"]).is_err());
+}
+
+#[test]
+fn issue_a_spread_could_not_be_set_where_a_fit_gave_it() {
+    let fitted = |document: &mut Table| {
+        let row = row(document, "clearance_crank").unwrap();
+        row.retain(|key, _| key != "std" && key != "mean");
+        row.extend(
+            [("fit", "H7/e8"), ("diameter", "10 mm")].map(|(key, value)| (key.to_owned(), value.into())),
+        );
+    };
+    let source = SceneSource::builtin("four-bar").unwrap().edited("fitted", fitted).unwrap();
+    let k = source.variable("clearance_crank").unwrap();
+    let law = |source: &SceneSource| source.variables()[k].distribution.clone();
+    let found = redistributed(&source, &["clearance_crank.std=1 um".to_owned()]).unwrap();
+    assert!(near(law(&found).given_std(), 1e-6));
+    assert!(near(law(&found).parent_mean(), law(&source).parent_mean()));
 }

@@ -1,0 +1,204 @@
+//! Reader of one setting as typed: `KEY=VALUE` with a quantity of the scene (`parameters.clearance=25 um`), `VARIABLE=MEAN`,
+//! `VARIABLE.KEY=VALUE`, `LIMIT_STATE.threshold=VALUE` (or `.lower`, `.upper`), `correlation(A,B)=VALUE` or
+//! `rank_correlation(A,B)=VALUE`, with the keys and values of a scene file.
+
+use common::scene::{Fault, FaultKind, Faults, SceneSource};
+use toml::{Table, Value};
+
+/// Keys of a random variable that can be set.
+const VARIABLE_KEYS: [&str; 7] = ["distribution", "mean", "std", "lower", "upper", "mode", "truncation"];
+
+/// What may be set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Allowed {
+    /// Everything, before a study.
+    Everything,
+    /// Distributions, correlations and thresholds.
+    Distributions,
+    /// The same of a finished study, whose simulations do not show the influence of its constants.
+    Studied,
+}
+
+/// What a setting changes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Place {
+    /// A quantity of the scene, by the path of its key.
+    Quantity(String),
+    /// A key of the random variable of this index.
+    Variable(usize, &'static str),
+    /// A threshold of a limit state, by the path of its key.
+    Threshold(String),
+    /// The correlation of the two random variables of these indices, the smaller one first.
+    Correlation([usize; 2]),
+}
+
+/// One setting.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// What it changes.
+    pub place: Place,
+    /// Its value as in a scene file; of a correlation the whole row.
+    pub value: Value,
+}
+
+/// Reads settings, each of another place: those without a fault, and the faults.
+pub fn parse_all(source: &SceneSource, settings: &[String], allowed: Allowed) -> (Vec<Setting>, Vec<Fault>) {
+    let (mut read, mut faults) = (Vec::<Setting>::new(), Vec::new());
+    for setting in settings {
+        match parse(source, setting, allowed) {
+            Ok(found) if read.iter().any(|known| known.place == found.place) => {
+                faults.push(Fault::new("--set", setting, "this is set twice"));
+            }
+            Ok(found) => read.push(found),
+            Err(kind) => faults.push(Fault::new("--set", setting, kind)),
+        }
+    }
+    (read, faults)
+}
+
+/// Whether a key is a quantity of the scene itself: no random variable, distribution, threshold or correlation.
+pub fn is_scene_quantity(source: &SceneSource, key: &str) -> bool {
+    let others = ["variables.", "limit_states.", "correlations"];
+    source.variable(key).is_none()
+        && source.quantities().contains_key(key)
+        && !others.iter().any(|start| key.starts_with(start))
+}
+
+fn parse(source: &SceneSource, setting: &str, allowed: Allowed) -> Result<Setting, FaultKind> {
+    let Some((key, text)) = setting.split_once('=') else {
+        return refuse("expected KEY=VALUE, e.g. rod_length.std='0.1 mm'");
+    };
+    let (key, text) = (key.trim(), text.trim());
+    if text.is_empty() {
+        return refuse("expected a value after =");
+    }
+    let value = read_value(text);
+    if let Some((word, names)) = key.strip_suffix(')').and_then(|key| key.split_once('(')) {
+        let of = match word.trim_end() {
+            "correlation" => "coefficient",
+            "rank_correlation" => "rank",
+            _ => return refuse(&usage()),
+        };
+        return correlation(source, names, of, value);
+    }
+    let place = if allowed == Allowed::Everything {
+        match source.variable(key) {
+            Some(k) => Place::Variable(k, "mean"),
+            None if is_scene_quantity(source, key) || is_within_scene(key) => {
+                return Ok(Setting { place: quantity(source, setting, key)?, value });
+            }
+            None => distribution(source, key)?,
+        }
+    } else if is_scene_quantity(source, key) {
+        return refuse(
+            "this key changes what is simulated, so the results of the study say nothing of it; start a study of the changed \
+             scene with `coordinator run --set`",
+        );
+    } else {
+        distribution(source, key)?
+    };
+    if let (Place::Variable(k, _), Allowed::Studied) = (&place, allowed)
+        && source.variables()[*k].distribution.is_constant()
+    {
+        return refuse(&format!(
+            "\"{}\" was constant in all simulations of the study, which therefore do not show its influence; start a study in \
+             which it varies with `coordinator run`",
+            source.variables()[*k].name
+        ));
+    }
+    Ok(Setting { place, value })
+}
+
+fn refuse<T>(message: &str) -> Result<T, FaultKind> {
+    Err(message.into())
+}
+
+fn usage() -> String {
+    format!(
+        "expected VARIABLE.KEY with one of the keys {}, LIMIT_STATE.threshold (of two, .lower and .upper), \
+         correlation(VARIABLE,VARIABLE) or rank_correlation(VARIABLE,VARIABLE)",
+        VARIABLE_KEYS.join(", ")
+    )
+}
+
+/// Whether a key can only be that of a quantity of the scene, so that an unknown one is answered with the nearest quantity.
+fn is_within_scene(key: &str) -> bool {
+    ["parameters.", "bodies.", "joints.", "loads.", "materials."].iter().any(|start| key.starts_with(start))
+}
+
+/// A number, or the text without its quotes.
+fn read_value(text: &str) -> Value {
+    let bare = text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text);
+    bare.parse::<f64>().map_or_else(|_| Value::String(bare.to_owned()), Value::Float)
+}
+
+/// A quantity of the scene that no random variable changes.
+fn quantity(source: &SceneSource, setting: &str, key: &str) -> Result<Place, FaultKind> {
+    source.parse_setting(setting).map_err(|Faults(mut faults)| faults.remove(0).kind)?;
+    let owner = source.variables().iter().find(|variable| variable.changes.iter().any(|own| own == key));
+    match owner {
+        None => Ok(Place::Quantity(key.to_owned())),
+        Some(owner) => refuse(&format!(
+            "the random variable \"{name}\" changes this key in every simulation; set {name} or {name}.mean instead",
+            name = owner.name
+        )),
+    }
+}
+
+/// A key of a random variable or a threshold.
+fn distribution(source: &SceneSource, key: &str) -> Result<Place, FaultKind> {
+    if source.variable(key).is_some() {
+        return refuse(&format!(
+            "a random variable has no single value; change its distribution, e.g. {key}.mean=... or {key}.std=..."
+        ));
+    }
+    let Some((name, last)) = key.rsplit_once('.') else { return Err(source.unknown_setting(key)) };
+    let name = name.strip_prefix("variables.").or_else(|| name.strip_prefix("limit_states.")).unwrap_or(name);
+    let variable = source.variable(name);
+    let states = &source.nominal().limit_states;
+    let state = states.iter().find(|state| state.name == name);
+    let is_bound = ["lower", "upper"].contains(&last);
+    if let Some(state) = state.filter(|_| last == "threshold" || (is_bound && variable.is_none())) {
+        return match state.middle().is_some() {
+            true if !is_bound => {
+                refuse(&format!("limit state \"{name}\" has lower and upper, no \"{last}\""))
+            }
+            false if is_bound => refuse(&format!("limit state \"{name}\" has a threshold, no \"{last}\"")),
+            _ => Ok(Place::Threshold(format!("limit_states.{name}.{last}"))),
+        };
+    }
+    if last == "threshold" {
+        let known = states.iter().map(|state| state.name.as_str());
+        return Err(FaultKind::unknown_reference("limit state", name, known));
+    }
+    match (variable, VARIABLE_KEYS.into_iter().find(|known| *known == last)) {
+        (Some(k), Some(key)) => Ok(Place::Variable(k, key)),
+        (Some(_), None) => refuse(&format!(
+            "\"{last}\" is no key of a random variable; allowed: {}",
+            VARIABLE_KEYS.join(", ")
+        )),
+        (None, Some(_)) => Err(source.unknown_setting(name)),
+        (None, None) => refuse(&usage()),
+    }
+}
+
+fn correlation(
+    source: &SceneSource,
+    names: &str,
+    key: &'static str,
+    value: Value,
+) -> Result<Setting, FaultKind> {
+    let names: Vec<&str> = names.split(',').map(str::trim).collect();
+    let [first, second] = names[..] else {
+        return refuse("expected two random variables, e.g. correlation(rod_length,friction)=0.5");
+    };
+    if first == second {
+        return refuse("expected two different random variables");
+    }
+    let index = |name: &str| source.variable(name).ok_or_else(|| source.unknown_setting(name));
+    let (first, second) = (index(first)?, index(second)?);
+    let row = [("variables", Value::from(names)), (key, value)];
+    let row: Table = row.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+    let place = Place::Correlation([first.min(second), first.max(second)]);
+    Ok(Setting { place, value: row.into() })
+}
