@@ -27,37 +27,30 @@ enum LawWord {
     Constant,
 }
 
-const LAWS: [(&str, LawWord); 11] = [
-    ("truncated-normal", LawWord::TruncatedNormal),
-    ("normal", LawWord::Normal),
-    ("lognormal", LawWord::Lognormal),
-    ("uniform", LawWord::Uniform),
-    ("gumbel", LawWord::Gumbel(Extreme::Maxima)),
-    ("gumbel-minima", LawWord::Gumbel(Extreme::Minima)),
-    ("weibull", LawWord::Weibull),
-    ("exponential", LawWord::Exponential),
-    ("beta", LawWord::Beta),
-    ("triangular", LawWord::Triangular),
-    ("constant", LawWord::Constant),
+/// A distribution: its meaning and the keys that it takes besides `distribution`.
+type LawRow = (LawWord, &'static [&'static str]);
+
+/// Every distribution by its word; the first one is that of a variable without a word.
+const LAWS: [(&str, LawRow); 11] = [
+    ("truncated-normal", (LawWord::TruncatedNormal, &["mean", "std", "truncation", "lower", "upper"])),
+    ("normal", (LawWord::Normal, &["mean", "std"])),
+    ("lognormal", (LawWord::Lognormal, &["mean", "std"])),
+    ("uniform", (LawWord::Uniform, &["mean", "std", "lower", "upper"])),
+    ("gumbel", (LawWord::Gumbel(Extreme::Maxima), &["mean", "std"])),
+    ("gumbel-minima", (LawWord::Gumbel(Extreme::Minima), &["mean", "std"])),
+    ("weibull", (LawWord::Weibull, &["mean", "std"])),
+    ("exponential", (LawWord::Exponential, &["mean", "std", "lower"])),
+    ("beta", (LawWord::Beta, &["mean", "std", "lower", "upper"])),
+    ("triangular", (LawWord::Triangular, &["lower", "mode", "upper"])),
+    ("constant", (LawWord::Constant, &["mean"])),
 ];
 
-impl LawWord {
-    /// The keys that it takes besides `distribution`.
-    fn keys(self) -> &'static [&'static str] {
-        match self {
-            LawWord::TruncatedNormal => &["mean", "std", "truncation", "lower", "upper"],
-            LawWord::Normal | LawWord::Lognormal | LawWord::Gumbel(_) | LawWord::Weibull => &["mean", "std"],
-            LawWord::Uniform | LawWord::Beta => &["mean", "std", "lower", "upper"],
-            LawWord::Exponential => &["mean", "std", "lower"],
-            LawWord::Triangular => &["lower", "mode", "upper"],
-            LawWord::Constant => &["mean"],
-        }
-    }
+/// Word of the distribution of a variable that names none.
+pub const DEFAULT_LAW: &str = LAWS[0].0;
 
-    /// True if a fit can give its mean and standard deviation.
-    fn takes_a_fit(self) -> bool {
-        !matches!(self, LawWord::Triangular | LawWord::Constant)
-    }
+/// The keys of the distribution with this word, as a scene has them; `None` for an unknown word.
+pub fn law_keys(word: &str) -> Option<&'static [&'static str]> {
+    LAWS.iter().find(|(known, _)| *known == word).map(|(_, (_, keys))| *keys)
 }
 
 /// The distribution of a variable as written, its numbers not yet read.
@@ -71,16 +64,17 @@ pub(super) struct WrittenLaw {
 impl WrittenLaw {
     /// Reads the keys of a distribution; missing and contradictory ones are faults.
     pub(super) fn read(row: &mut Section) -> Option<Self> {
-        let law = row.word_or("distribution", &LAWS, LawWord::TruncatedNormal)?;
+        let (law, keys) = row.word_or("distribution", &LAWS, LAWS[0].1)?;
         let values: BTreeMap<&str, Value> =
-            law.keys().iter().filter_map(|key| Some((*key, row.get(key)?.clone()))).collect();
+            keys.iter().filter_map(|key| Some((*key, row.get(key)?.clone()))).collect();
         let truncation = match law {
             LawWord::TruncatedNormal => {
                 row.quantity_or("truncation", NUMBER, Range::Within(0.1, 10.0), TRUNCATION)
             }
             _ => Some(TRUNCATION),
         };
-        let fit = (law.takes_a_fit() && row.get("fit").is_some()).then(|| WrittenFit::read(row));
+        // A fit gives mean and standard deviation.
+        let fit = (keys.contains(&"std") && row.get("fit").is_some()).then(|| WrittenFit::read(row));
         let written = Self { law, truncation: truncation.unwrap_or(TRUNCATION), values, fit: None };
         let complete = written.complete(row, fit.is_some());
         let fit = fit.map_or(Some(None), |fit| fit.map(Some))?;

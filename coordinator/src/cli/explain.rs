@@ -224,31 +224,28 @@ fn wear(clearance: &Clearance) -> String {
         ControlPoints::Number(number) => format!("{number} control points"),
         ControlPoints::ByArc => "control points by the contact arc".to_owned(),
     };
-    match clearance.wear_coefficients() {
-        [0.0, 0.0] => "does not wear".to_owned(),
-        [bore, 0.0] => format!("the bore wears (Archard, K_H = {bore:e} 1/Pa, {points})"),
-        [0.0, journal] => {
-            format!("the journal wears (Archard, K_H = {journal:e} 1/Pa, {points})")
-        }
-        [bore, journal] => {
-            format!("bore and journal wear (Archard, K_H = {bore:e} and {journal:e} 1/Pa, {points} each)")
-        }
-    }
+    wears(
+        clearance.wear_coefficients(),
+        ["the bore", "the journal"],
+        "bore and journal",
+        [&points, &format!("{points} each")],
+    )
 }
 
 fn guide_wear(wear: &GuideWear) -> String {
-    let points = wear.control_points;
-    match wear.coefficients() {
+    let points = format!("{} control points on each face", wear.control_points);
+    let of_guide = format!("{points} of the guide");
+    wears(wear.coefficients(), ["the guide", "the slider"], "guide and slider", [&points, &of_guide])
+}
+
+/// Which of two surfaces wear, with their wear coefficients [1/Pa] and the control points of one surface and of both.
+fn wears([first, second]: [f64; 2], surfaces: [&str; 2], both: &str, [one, two]: [&str; 2]) -> String {
+    let single = |surface: &str, k: f64| format!("{surface} wears (Archard, K_H = {k:e} 1/Pa, {one})");
+    match [first, second] {
         [0.0, 0.0] => "does not wear".to_owned(),
-        [guide, 0.0] => {
-            format!("the guide wears (Archard, K_H = {guide:e} 1/Pa, {points} control points on each face)")
-        }
-        [0.0, slider] => {
-            format!("the slider wears (Archard, K_H = {slider:e} 1/Pa, {points} control points on each face)")
-        }
-        [guide, slider] => format!(
-            "guide and slider wear (Archard, K_H = {guide:e} and {slider:e} 1/Pa, {points} control points on each face of the guide)"
-        ),
+        [first, 0.0] => single(surfaces[0], first),
+        [0.0, second] => single(surfaces[1], second),
+        [first, second] => format!("{both} wear (Archard, K_H = {first:e} and {second:e} 1/Pa, {two})"),
     }
 }
 
@@ -257,12 +254,7 @@ fn damping(damping: &ContactDamping) -> String {
         ContactDamping::None => "no contact damping".to_owned(),
         ContactDamping::HuntCrossley { factor } => format!("Hunt-Crossley damping {factor} s/m"),
         ContactDamping::Restitution { law, coefficient, .. } => {
-            let law = match law {
-                RestitutionLaw::LankaraniNikravesh => "Lankarani-Nikravesh",
-                RestitutionLaw::HuntCrossley => "Hunt-Crossley",
-                RestitutionLaw::Flores => "Flores",
-            };
-            format!("damping for a restitution of {coefficient} ({law})")
+            format!("damping for a restitution of {coefficient} ({})", law.authors())
         }
     }
 }
@@ -279,9 +271,8 @@ fn contact(clearance: &Clearance) -> String {
 
 fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
     writeln!(out, "Loads")?;
-    let bodies: Vec<&str> = scene.bodies.iter().map(|body| body.name.as_str()).collect();
     for load in &scene.loads {
-        writeln!(out, "  {}", load.explanation(&bodies))?;
+        writeln!(out, "  {}", load.explanation(scene))?;
     }
     match scene.gravity {
         [0.0, 0.0] => writeln!(out, "  no gravity\n"),
@@ -295,12 +286,11 @@ fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let unit = output.kind.unit();
         // As scenes write it.
         let symbol = unit.symbol().replace('\u{b5}', "u");
-        let (body, joint) = (|k: usize| &*scene.bodies[k].name, |k: usize| &*scene.joints[k].name);
         writeln!(
             out,
             "  {}: {}{}",
             output.name,
-            output.kind.description(body, joint),
+            output.kind.description(scene),
             local_pressures(scene, output)
         )?;
         for limit in scene.limit_states.iter().filter(|limit| limit.output == i) {

@@ -8,26 +8,8 @@
 use super::setting::{Setting, fault, parse};
 use common::random::RandomVariable;
 use common::scene::expression::read_unit;
-use common::scene::{Fault, Faults, SceneSource};
+use common::scene::{DEFAULT_LAW, Fault, Faults, SceneSource, law_keys};
 use toml::{Table, Value};
-
-/// Distribution of a variable that names none.
-const DEFAULT: &str = "truncated-normal";
-
-/// Distributions with the keys that they take, as in a scene file.
-const LAWS: [(&str, &[&str]); 11] = [
-    (DEFAULT, &["mean", "std", "truncation", "lower", "upper"]),
-    ("normal", &["mean", "std"]),
-    ("lognormal", &["mean", "std"]),
-    ("uniform", &["mean", "std", "lower", "upper"]),
-    ("gumbel", &["mean", "std"]),
-    ("gumbel-minima", &["mean", "std"]),
-    ("weibull", &["mean", "std"]),
-    ("exponential", &["mean", "std", "lower"]),
-    ("beta", &["mean", "std", "lower", "upper"]),
-    ("triangular", &["lower", "mode", "upper"]),
-    ("constant", &["mean"]),
-];
 
 /// The scene with these changes, each as typed, e.g. `rod_length.std=0.1 mm`.
 ///
@@ -123,7 +105,7 @@ fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Val
     let sets = |key: &str| set.iter().any(|(known, _)| *known == key);
     let word = |value: &Value| value.as_str().map(str::to_owned);
     leave_samples(row, variable, set);
-    let before = row.get("distribution").and_then(word).unwrap_or_else(|| DEFAULT.to_owned());
+    let before = row.get("distribution").and_then(word).unwrap_or_else(|| DEFAULT_LAW.to_owned());
     let asked = set.iter().find(|(key, _)| *key == "distribution").and_then(|(_, value)| word(value));
     let law = asked.unwrap_or_else(|| before.clone());
     let present = &variable.distribution;
@@ -164,7 +146,7 @@ fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Val
         _ => {}
     }
     // Keys that another distribution does not take; an unknown one is a fault of the changed scene.
-    if let Some((_, taken)) = LAWS.iter().find(|(name, _)| *name == law).filter(|_| law != before) {
+    if let Some(taken) = law_keys(&law).filter(|_| law != before) {
         let all = ["mean", "std", "truncation", "lower", "upper", "mode"];
         all.iter().filter(|key| !taken.contains(key)).for_each(|key| drop(row.remove(*key)));
     }

@@ -1,7 +1,7 @@
 //! Tables of what is uncertain and of what counts as failure: random variables, correlations, outputs, limit states, life.
 
 use super::exact::{ExactTexts, exact, exact_number};
-use super::mechanism_tables::place;
+use super::mechanism_tables::subject;
 use crate::presentation::report::format::{UNKNOWN, count, seven_digits};
 use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::{table, table_of_text};
@@ -11,7 +11,7 @@ use crate::results::summary::StudySummary;
 use crate::study::Settings;
 use common::random::{Correlation, RandomVariable};
 use common::scene::expression::{ExpressionError, evaluate, read_unit};
-use common::scene::{Fails, Output, OutputKind, OutputUnit, Scene, SignedBody};
+use common::scene::{Fails, Key, Output, OutputUnit, Scene, Value};
 use maud::{Markup, Render, html};
 
 /// Distribution, moments and bounds of every random variable, in the unit in which it is displayed, and the correlations.
@@ -127,35 +127,13 @@ fn truncation(row: &VariableRow) -> Option<(String, String)> {
 }
 
 /// The bodies or joints that an output belongs to.
-fn subject(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
-    let joints = |joints: &[usize]| {
-        joints.iter().filter_map(|k| Some(scene.joints.get(*k)?.name.as_str())).collect::<Vec<_>>().join(", ")
+fn subjects(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
+    let text = |(key, value): (&Key, Value)| {
+        subject(scene, written, &format!("outputs.{}.{}", output.name, key.name), &value)
     };
-    let signed = |body: &SignedBody| {
-        let sign = if body.sign < 0.0 { "\u{2212}" } else { "+" };
-        let name = scene.bodies.get(body.body).map_or(UNKNOWN, |body| body.name.as_str());
-        format!("{sign}{name} ({})", body.label)
-    };
-    match &output.kind {
-        OutputKind::LargestWear { joints: of }
-        | OutputKind::Wear { joints: of, .. }
-        | OutputKind::PeakJointForce { joints: of }
-        | OutputKind::Impacts { joints: of }
-        | OutputKind::ImpactEnergy { joints: of, .. } => joints(of),
-        OutputKind::AngularVelocityDifference { a, b } | OutputKind::AngleDifference { a, b } => {
-            format!("{}; {}", signed(a), signed(b))
-        }
-        OutputKind::PositionError { at, .. }
-        | OutputKind::PositionBacklash { at, .. }
-        | OutputKind::Acceleration { at } => {
-            place(scene, written, &format!("outputs.{}.at", output.name), at)
-        }
-        OutputKind::DrivingTorque { body }
-        | OutputKind::AngleError { body, .. }
-        | OutputKind::AngularAcceleration { body }
-        | OutputKind::Backlash { body, .. } => scene.bodies[*body].name.clone(),
-        OutputKind::External { .. } => UNKNOWN.to_owned(),
-    }
+    let found: Vec<String> =
+        output.kind.values().into_iter().map(text).filter(|text| !text.is_empty()).collect();
+    if found.is_empty() { UNKNOWN.to_owned() } else { found.join("; ") }
 }
 
 /// The settings that the study used, with the values of its last run; `stored` are those of its file. A study by an earlier version
@@ -199,10 +177,9 @@ fn cycle_of(scene: &Scene, written: &WrittenScene) -> Option<String> {
 
 /// Outputs, limit states and life.
 pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Markup {
-    let (body, joint) = (|k: usize| &*scene.bodies[k].name, |k: usize| &*scene.joints[k].name);
     let outputs = scene.outputs.iter().map(|output| {
-        let what = output.kind.description(body, joint);
-        let of = subject(scene, written, output);
+        let what = output.kind.description(scene);
+        let of = subjects(scene, written, output);
         [output.name.clone(), output.kind.unit().symbol().to_owned(), what, of]
             .map(|cell| cell.render())
             .to_vec()
