@@ -10,7 +10,7 @@ use super::quantity::*;
 pub type SizeWords = &'static str;
 
 elements! {
-    /// A load on one body, or between two.
+    /// A load on one body, or between two; bodies are indices into those of the scene.
     pub enum Load by SizeWords;
 
     /// Spring and damper between two points, along the line that joins them: with l its length, the pull is
@@ -95,7 +95,7 @@ elements! {
     "constant-torque" ("{torque}") => ConstantTorque {
         /// Name, unique in its scene.
         name: String = Form::Name,
-        /// The body, by index.
+        /// The body.
         body: usize = Form::Body,
         /// Torque, counter-clockwise positive [N m].
         torque: f64 = Form::Number(TORQUE, Range::Any),
@@ -106,7 +106,7 @@ elements! {
     "torque" ("{torque}") => VariableTorque {
         /// Name, unique in its scene.
         name: String = Form::Name,
-        /// The body, by index.
+        /// The body.
         body: usize = Form::Body,
         /// Torque over time or an angle, counter-clockwise positive [N m].
         torque: Curve = Form::Curve(TORQUE),
@@ -117,7 +117,7 @@ elements! {
     "motor" ("{stall_torque} at rest") => Motor {
         /// Name, unique in its scene.
         name: String = Form::Name,
-        /// The body that it turns, by index.
+        /// The body that it turns.
         body: usize = Form::Body,
         /// Torque at rest, with the sign of no_load_speed [N m].
         stall_torque: f64 = Form::Number(TORQUE, Range::Any),
@@ -150,7 +150,7 @@ elements! {
     "rotational-drag" ("{quadratic|linear}") => RotationalDrag {
         /// Name, unique in its scene.
         name: String = Form::Name,
-        /// The body, by index.
+        /// The body.
         body: usize = Form::Body,
         /// Torque per angular velocity [N m s/rad].
         linear: f64 = Form::NumberOr(TORSIONAL_DAMPING, Range::NonNegative, 0.0),

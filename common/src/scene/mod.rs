@@ -109,6 +109,6 @@ pub use reference::published_results;
 pub use section::Section;
 pub use simulator::REQUEST_FILE;
 pub use source::SceneSource;
-pub use variable_law::{DEFAULT_LAW, law_keys};
+pub use variable_law::{DEFAULT_LAW, laws};
 pub use warnings::Warning;
 pub use wear_output::WearQuantity;

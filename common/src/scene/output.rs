@@ -20,31 +20,31 @@ pub struct Output {
 }
 
 elements! {
-    /// Kinds of output.
+    /// Kinds of output; bodies and joints are indices into those of the scene.
     pub enum OutputKind by OutputUnit;
 
     /// Largest wear depth over the control points of these joints, of the bushing or the journal, delta_0 [m].
     "largest-wear" (OutputUnit::Length) => LargestWear {
-        /// Joints that wear, by index.
+        /// Joints that wear.
         joints: Vec<usize> = Form::WornJoints,
     }
     "largest wear depth of {joints}"
 
-    /// Another quantity of the wear of these joints [m or m^3].
+    /// Another quantity of the wear of these joints, see below [m or m^3].
     "bushing-wear" (OutputUnit::Length),
     "journal-wear" (OutputUnit::Length),
     "clearance-growth" (OutputUnit::Length),
     "worn-volume" (OutputUnit::Volume) => Wear {
         /// What is read from their depths.
         quantity: WearQuantity = Form::WearQuantity,
-        /// Joints that wear, by index.
+        /// Joints that wear.
         joints: Vec<usize> = Form::WornJoints,
     }
     "{quantity} of {joints}"
 
     /// Largest force in these joints over a cycle [N].
     "peak-joint-force" (OutputUnit::Force) => PeakJointForce {
-        /// Joints, by index.
+        /// Joints of any type.
         joints: Vec<usize> = Form::Joints,
     }
     "largest force in {joints}"
@@ -69,7 +69,7 @@ elements! {
 
     /// Distance over a cycle of a point from where the mechanism with ideal joints has it, or from wanted coordinates [m].
     "position-error" (OutputUnit::Length) => PositionError {
-        /// Place on a free body.
+        /// The point.
         at: Attachment = Form::FreePlace,
         /// Wanted coordinates x, y [m]; with one of them the error is that of this coordinate, without any the ideal mechanism is the
         /// reference.
@@ -81,7 +81,7 @@ elements! {
 
     /// Difference over a cycle of the angle of a body from that of the mechanism with ideal joints, or from a wanted angle [rad].
     "angle-error" (OutputUnit::Angle) => AngleError {
-        /// Index of a free body.
+        /// The body.
         body: usize = Form::FreeBody,
         /// Wanted angle [rad]; without it the ideal mechanism is the reference.
         wanted: Option<Curve> = Form::Wanted(ANGLE),
@@ -92,28 +92,28 @@ elements! {
 
     /// Largest size over a cycle of the acceleration of a point [m/s^2].
     "acceleration" (OutputUnit::Acceleration) => Acceleration {
-        /// Place on a free body.
+        /// The point.
         at: Attachment = Form::FreePlace,
     }
     "largest acceleration of a point of {at}"
 
     /// Largest size over a cycle of the angular acceleration of a body [rad/s^2].
     "angular-acceleration" (OutputUnit::AngularAcceleration) => AngularAcceleration {
-        /// Index of a free body.
+        /// The body.
         body: usize = Form::FreeBody,
     }
     "largest angular acceleration of {body}"
 
     /// Number of impacts in these joints and guides with clearance over a cycle [1].
     "impacts" (OutputUnit::Number) => Impacts {
-        /// Joints and guides with clearance, by index.
+        /// Joints and guides with clearance.
         joints: Vec<usize> = Form::StruckJoints,
     }
     "number of impacts per cycle in {joints}"
 
     /// Energy of these impacts over a cycle [J].
     "impact-energy" (OutputUnit::Energy) => ImpactEnergy {
-        /// Joints and guides with clearance, by index.
+        /// Joints and guides with clearance.
         joints: Vec<usize> = Form::StruckJoints,
         /// All impacts of the cycle, or the hardest one.
         measure: ImpactMeasure = Form::ImpactMeasure,
@@ -122,14 +122,14 @@ elements! {
 
     /// Largest size over a cycle of the torque that drives a body [N m].
     "driving-torque" (OutputUnit::Torque) => DrivingTorque {
-        /// Index of the driven body.
+        /// The body.
         body: usize = Form::DrivenBody,
     }
     "largest torque that drives {body}"
 
     /// Backlash of the angle of a body: how far it can be turned while the drives are held, all journals within their worn bores [rad].
     "backlash" (OutputUnit::Angle) => Backlash {
-        /// Index of a free body.
+        /// The body.
         body: usize = Form::FreeBody,
         /// Where the drives are held; without it the largest backlash over a cycle.
         held: Option<HeldInput> = Form::Held,
@@ -138,7 +138,7 @@ elements! {
 
     /// Backlash of a point: how far it can be moved along a direction of the frame while the drives are held [m].
     "position-backlash" (OutputUnit::Length) => PositionBacklash {
-        /// Place on a free body.
+        /// The point.
         at: Attachment = Form::FreePlace,
         /// Angle of the direction from the x axis of the frame [rad].
         direction: f64 = Form::NumberOr(ANGLE, Range::Any, 0.0),

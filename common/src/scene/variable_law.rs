@@ -48,9 +48,9 @@ const LAWS: [(&str, LawRow); 11] = [
 /// Word of the distribution of a variable that names none.
 pub const DEFAULT_LAW: &str = LAWS[0].0;
 
-/// The keys of the distribution with this word, as a scene has them; `None` for an unknown word.
-pub fn law_keys(word: &str) -> Option<&'static [&'static str]> {
-    LAWS.iter().find(|(known, _)| *known == word).map(|(_, (_, keys))| *keys)
+/// Every distribution by its word, with the keys that it takes in a scene.
+pub fn laws() -> [(&'static str, &'static [&'static str]); LAWS.len()] {
+    LAWS.map(|(word, (_, keys))| (word, keys))
 }
 
 /// The distribution of a variable as written, its numbers not yet read.

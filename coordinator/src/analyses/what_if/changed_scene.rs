@@ -8,7 +8,7 @@
 use super::setting::{Setting, fault, parse};
 use common::random::RandomVariable;
 use common::scene::expression::read_unit;
-use common::scene::{DEFAULT_LAW, Fault, Faults, SceneSource, law_keys};
+use common::scene::{DEFAULT_LAW, Fault, Faults, SceneSource, laws};
 use toml::{Table, Value};
 
 /// The scene with these changes, each as typed, e.g. `rod_length.std=0.1 mm`.
@@ -146,7 +146,7 @@ fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Val
         _ => {}
     }
     // Keys that another distribution does not take; an unknown one is a fault of the changed scene.
-    if let Some(taken) = law_keys(&law).filter(|_| law != before) {
+    if let Some((_, taken)) = laws().iter().find(|(name, _)| *name == law).filter(|_| law != before) {
         let all = ["mean", "std", "truncation", "lower", "upper", "mode"];
         all.iter().filter(|key| !taken.contains(key)).for_each(|key| drop(row.remove(*key)));
     }

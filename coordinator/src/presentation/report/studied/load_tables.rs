@@ -11,22 +11,20 @@ use maud::{Markup, html};
 
 /// Loads with all their values, and every curve with its points.
 pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
-    let mut rows: Vec<Vec<Markup>> = scene.loads.iter().map(|load| row(scene, written, load)).collect();
+    let mut rows: Vec<[String; 4]> = scene.loads.iter().map(|load| row(scene, written, load)).collect();
     if scene.gravity != [0.0; 2] {
         let pair = ExactTexts(written).pair("gravity", scene.gravity, "m/s^2");
-        rows.push(cells([
-            "gravity".to_owned(),
-            "gravity".to_owned(),
-            "every body".to_owned(),
-            format!("acceleration {pair} m/s²"),
-        ]));
+        rows.push(
+            ["gravity", "gravity", "every body", &format!("acceleration {pair} m/s²")].map(str::to_owned),
+        );
     }
+    let head = ["load", "type", "acts on [mm]", "values"];
     let curves = curves(scene, written);
     html! {
         @if rows.is_empty() {
             p { "There are no loads but those of the joints." }
         } @else {
-            (captioned("loads", "Loads", table_of_text(&["load", "type", "acts on [mm]", "values"], rows.into_iter())))
+            (captioned("loads", "Loads", table_of_text(&head, rows.into_iter().map(cells))))
         }
         @if !curves.is_empty() {
             (captioned(
@@ -38,7 +36,7 @@ pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
     }
 }
 
-fn row(scene: &Scene, written: &WrittenScene, load: &Load) -> Vec<Markup> {
+fn row(scene: &Scene, written: &WrittenScene, load: &Load) -> [String; 4] {
     let name = load.name();
     let (mut on, mut values) = (Vec::new(), Vec::new());
     for (key, value) in load.values() {
@@ -51,7 +49,7 @@ fn row(scene: &Scene, written: &WrittenScene, load: &Load) -> Vec<Markup> {
             _ => values.extend(in_words(&ExactTexts(written), key, &path, value)),
         }
     }
-    cells([name, load.word().to_owned(), on.join(", "), values.join(", ")])
+    [name, load.word().to_owned(), on.join(", "), values.join(", ")]
 }
 
 /// The value of a key of a load at this path; `None` for one that says nothing of its own.

@@ -1,10 +1,10 @@
 //! Tables of what is uncertain and of what counts as failure: random variables, correlations, outputs, limit states, life.
 
 use super::exact::{ExactTexts, exact, exact_number};
-use super::mechanism_tables::subject;
+use super::mechanism_tables::{stated, subject};
 use crate::presentation::report::format::{UNKNOWN, count, seven_digits};
 use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::{table, table_of_text};
+use crate::presentation::report::tables::table;
 use crate::presentation::report::written::WrittenScene;
 use crate::results::scene_summary::{LimitRow, VariableRow};
 use crate::results::summary::StudySummary;
@@ -16,7 +16,6 @@ use maud::{Markup, Render, html};
 
 /// Distribution, moments and bounds of every random variable, in the unit in which it is displayed, and the correlations.
 pub fn variables(scene: &Scene, summary: &StudySummary, written: &WrittenScene) -> Markup {
-    let head = ["variable", "unit", "distribution", "mean", "std", "lower bound", "upper bound", "sets"];
     let correlations = scene.correlations.iter().map(|Correlation { first, second, coefficient }| {
         let name = |k: usize| scene.variables[k].name.render();
         vec![name(*first), name(*second), exact_number(*coefficient).render()]
@@ -30,10 +29,10 @@ pub fn variables(scene: &Scene, summary: &StudySummary, written: &WrittenScene) 
         })
         .collect();
     html! {
-        (captioned(
+        (stated(
             "variables",
             "Random variables; of a truncated distribution mean and standard deviation are those before truncation",
-            table_of_text(&head, rows),
+            rows,
         ))
         @if !measured.is_empty() {
             p {
@@ -51,7 +50,7 @@ pub fn variables(scene: &Scene, summary: &StudySummary, written: &WrittenScene) 
     }
 }
 
-fn cells(variable: &RandomVariable, row: &VariableRow) -> Vec<Markup> {
+fn cells(variable: &RandomVariable, row: &VariableRow) -> [(&'static str, String); 8] {
     let is_constant = variable.distribution.is_constant();
     let shown = |value: Option<f64>| {
         let value = value.filter(|_| !is_constant);
@@ -68,18 +67,17 @@ fn cells(variable: &RandomVariable, row: &VariableRow) -> Vec<Markup> {
         None => row.distribution.clone(),
     };
     let (lower, upper) = truncation(row).unwrap_or_else(|| (shown(row.lower), shown(row.upper)));
+    let std = if is_constant { UNKNOWN.to_owned() } else { spread(variable, row) };
     [
-        row.name.clone(),
-        variable.unit.clone(),
-        distribution,
-        in_unit(variable, row.mean),
-        if is_constant { UNKNOWN.to_owned() } else { spread(variable, row) },
-        lower,
-        upper,
-        sets,
+        ("variable", row.name.clone()),
+        ("unit", variable.unit.clone()),
+        ("distribution", distribution),
+        ("mean", in_unit(variable, row.mean)),
+        ("std", std),
+        ("lower bound", lower),
+        ("upper bound", upper),
+        ("sets", sets),
     ]
-    .map(|cell| cell.render())
-    .to_vec()
 }
 
 /// A value in the unit of its variable, which stands in a column of its own.
@@ -153,14 +151,8 @@ pub(super) fn study_settings(scene: &Scene, summary: &StudySummary, stored: &ser
         ]);
     }
     rows.push(("seed", summary.seed.to_string()));
-    captioned(
-        "settings",
-        "Settings of the study, as it was run",
-        table_of_text(
-            &["setting", "value"],
-            rows.into_iter().map(|(name, value)| vec![name.render(), value.render()]),
-        ),
-    )
+    let rows = rows.into_iter().map(|(name, value)| [("setting", name.to_owned()), ("value", value)]);
+    stated("settings", "Settings of the study, as it was run", rows)
 }
 
 /// The length of a cycle as the scene states it, or the period of the drive that it follows from; `None` without one.
@@ -178,11 +170,12 @@ fn cycle_of(scene: &Scene, written: &WrittenScene) -> Option<String> {
 /// Outputs, limit states and life.
 pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Markup {
     let outputs = scene.outputs.iter().map(|output| {
-        let what = output.kind.description(scene);
-        let of = subjects(scene, written, output);
-        [output.name.clone(), output.kind.unit().symbol().to_owned(), what, of]
-            .map(|cell| cell.render())
-            .to_vec()
+        [
+            ("output", output.name.clone()),
+            ("unit", output.kind.unit().symbol().to_owned()),
+            ("quantity", output.kind.description(scene)),
+            ("of", subjects(scene, written, output)),
+        ]
     });
     let limits = rows.iter().zip(&scene.limit_states).map(|(row, limit)| {
         let unit = scene.outputs[limit.output].kind.unit();
@@ -203,7 +196,7 @@ pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Marku
     });
     let life = &scene.life;
     html! {
-        (captioned("outputs", "Outputs at every checkpoint", table_of_text(&["output", "unit", "quantity", "of"], outputs)))
+        (stated("outputs", "Outputs at every checkpoint", outputs))
         (captioned("limits", "Limit states", table(&["limit state", "output", "failed where the output is"], limits)))
         @if life.cycles > 1 {
             p {
@@ -223,13 +216,11 @@ fn conditions(scene: &Scene, written: &WrittenScene) -> Markup {
     let rows = scene.conditions.iter().map(|condition| {
         let share =
             ExactTexts(written).number(&format!("conditions.{}.share", condition.name), condition.share);
-        [condition.name.clone(), share, written.changes_of(&condition.name)]
-            .map(|cell| cell.render())
-            .to_vec()
+        [
+            ("condition", condition.name.clone()),
+            ("share of the cycles", share),
+            ("changes", written.changes_of(&condition.name)),
+        ]
     });
-    captioned(
-        "conditions",
-        "Operating conditions; outputs are the worst of them",
-        table_of_text(&["condition", "share of the cycles", "changes"], rows),
-    )
+    stated("conditions", "Operating conditions; outputs are the worst of them", rows)
 }
