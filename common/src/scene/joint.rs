@@ -340,7 +340,7 @@ pub enum RestitutionLaw {
 }
 
 impl RestitutionLaw {
-    /// Every law.
+    /// Every law of the damping factor.
     pub const ALL: [Self; 3] = [Self::LankaraniNikravesh, Self::HuntCrossley, Self::Flores];
 
     /// Word of the law in a scene file.

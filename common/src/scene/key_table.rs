@@ -82,7 +82,7 @@ pub enum Form {
     ImpactMeasure,
     /// `input` and `input_angle`: where the drives are held.
     Held,
-    /// Read elsewhere.
+    /// Read elsewhere, not from a row of the table.
     Elsewhere,
 }
 
@@ -115,7 +115,7 @@ macro_rules! values {
 }
 
 values! {
-    /// A place.
+    /// A place on a body.
     Place(Attachment),
     /// Index of a body.
     Body(usize),
@@ -125,7 +125,7 @@ values! {
     Pair([f64; 2]),
     /// A quantity [SI].
     Number(f64),
-    /// A curve.
+    /// A curve over time or an angle.
     Curve(Curve),
     /// An optional curve.
     MaybeCurve(Option<Curve>),
@@ -141,9 +141,9 @@ values! {
     ImpactMeasure(ImpactMeasure),
     /// Where the drives are held.
     Held(Option<HeldInput>),
-    /// A text.
+    /// A text of any kind.
     Text(String),
-    /// A switch.
+    /// True or false.
     Flag(bool),
 }
 
@@ -241,7 +241,7 @@ macro_rules! elements {
             /// Its keys with their values.
             pub fn values(&self) -> Vec<(&'static Key, Value)> {
                 let values = match self {
-                    $($Element::$Variant { $($key,)* .. } => vec![$(Value::from($key.clone())),*],)*
+                    $($Element::$Variant { $($key,)* .. } => vec![$(Value::from(Clone::clone($key))),*],)*
                 };
                 self.kind().keys.iter().zip(values).collect()
             }

@@ -54,9 +54,9 @@ elements! {
     "torsion-spring" ("{stiffness}") => TorsionSpring {
         /// Name, unique in its scene.
         name: String = Form::Name,
-        /// One body.
+        /// First of the two bodies.
         a: usize = Form::Body,
-        /// The other body.
+        /// Second of the two bodies.
         b: usize = Form::Body,
         /// Torque per angle [N m/rad].
         stiffness: f64 = Form::Number(TORSIONAL_STIFFNESS, Range::NonNegative),
@@ -95,7 +95,7 @@ elements! {
     "constant-torque" ("{torque}") => ConstantTorque {
         /// Name, unique in its scene.
         name: String = Form::Name,
-        /// The body.
+        /// Body on which the torque acts.
         body: usize = Form::Body,
         /// Torque, counter-clockwise positive [N m].
         torque: f64 = Form::Number(TORQUE, Range::Any),
@@ -106,7 +106,7 @@ elements! {
     "torque" ("{torque}") => VariableTorque {
         /// Name, unique in its scene.
         name: String = Form::Name,
-        /// The body.
+        /// Body on which the torque acts.
         body: usize = Form::Body,
         /// Torque over time or an angle, counter-clockwise positive [N m].
         torque: Curve = Form::Curve(TORQUE),
@@ -150,7 +150,7 @@ elements! {
     "rotational-drag" ("{quadratic|linear}") => RotationalDrag {
         /// Name, unique in its scene.
         name: String = Form::Name,
-        /// The body.
+        /// Body on which the torque acts.
         body: usize = Form::Body,
         /// Torque per angular velocity [N m s/rad].
         linear: f64 = Form::NumberOr(TORSIONAL_DAMPING, Range::NonNegative, 0.0),

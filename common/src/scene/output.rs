@@ -30,7 +30,7 @@ elements! {
     }
     "largest wear depth of {joints}"
 
-    /// Another quantity of the wear of these joints, see below [m or m^3].
+    /// Another quantity of the wear of these joints [m or m^3].
     "bushing-wear" (OutputUnit::Length),
     "journal-wear" (OutputUnit::Length),
     "clearance-growth" (OutputUnit::Length),
@@ -69,7 +69,7 @@ elements! {
 
     /// Distance over a cycle of a point from where the mechanism with ideal joints has it, or from wanted coordinates [m].
     "position-error" (OutputUnit::Length) => PositionError {
-        /// The point.
+        /// Point whose position is compared.
         at: Attachment = Form::FreePlace,
         /// Wanted coordinates x, y [m]; with one of them the error is that of this coordinate, without any the ideal mechanism is the
         /// reference.
@@ -81,7 +81,7 @@ elements! {
 
     /// Difference over a cycle of the angle of a body from that of the mechanism with ideal joints, or from a wanted angle [rad].
     "angle-error" (OutputUnit::Angle) => AngleError {
-        /// The body.
+        /// Body whose angle is compared.
         body: usize = Form::FreeBody,
         /// Wanted angle [rad]; without it the ideal mechanism is the reference.
         wanted: Option<Curve> = Form::Wanted(ANGLE),
@@ -92,14 +92,14 @@ elements! {
 
     /// Largest size over a cycle of the acceleration of a point [m/s^2].
     "acceleration" (OutputUnit::Acceleration) => Acceleration {
-        /// The point.
+        /// Point that is accelerated.
         at: Attachment = Form::FreePlace,
     }
     "largest acceleration of a point of {at}"
 
     /// Largest size over a cycle of the angular acceleration of a body [rad/s^2].
     "angular-acceleration" (OutputUnit::AngularAcceleration) => AngularAcceleration {
-        /// The body.
+        /// Body that is accelerated.
         body: usize = Form::FreeBody,
     }
     "largest angular acceleration of {body}"
@@ -122,14 +122,14 @@ elements! {
 
     /// Largest size over a cycle of the torque that drives a body [N m].
     "driving-torque" (OutputUnit::Torque) => DrivingTorque {
-        /// The body.
+        /// Body that is driven.
         body: usize = Form::DrivenBody,
     }
     "largest torque that drives {body}"
 
     /// Backlash of the angle of a body: how far it can be turned while the drives are held, all journals within their worn bores [rad].
     "backlash" (OutputUnit::Angle) => Backlash {
-        /// The body.
+        /// Body that can be turned.
         body: usize = Form::FreeBody,
         /// Where the drives are held; without it the largest backlash over a cycle.
         held: Option<HeldInput> = Form::Held,
@@ -138,7 +138,7 @@ elements! {
 
     /// Backlash of a point: how far it can be moved along a direction of the frame while the drives are held [m].
     "position-backlash" (OutputUnit::Length) => PositionBacklash {
-        /// The point.
+        /// Point that can be moved.
         at: Attachment = Form::FreePlace,
         /// Angle of the direction from the x axis of the frame [rad].
         direction: f64 = Form::NumberOr(ANGLE, Range::Any, 0.0),

@@ -22,7 +22,7 @@ pub enum WearQuantity {
 }
 
 impl WearQuantity {
-    /// Every quantity.
+    /// Every quantity of the wear.
     pub(super) const ALL: [Self; 5] =
         [Self::LargestDepth, Self::BushingDepth, Self::JournalDepth, Self::ClearanceGrowth, Self::Volume];
 
