@@ -2,7 +2,8 @@
 //! files, otherwise compared with them: `WRITE_TABLES=1 cargo test -p common --test scene language_tables`.
 
 use common::scene::{
-    ElementKind, ErrorMeasure, Form, ImpactMeasure, Key, Load, OutputKind, OutputUnit, Range,
+    DEFAULT_LAW, ElementKind, ErrorMeasure, Form, ImpactMeasure, Key, Load, OutputKind, OutputUnit, Range,
+    laws,
 };
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
