@@ -1,6 +1,7 @@
 //! The parts of the JSON Schema of scenes and of the page about their language that follow from the tables of loads, outputs and distributions. With `WRITE_TABLES=1` they are written into the
 //! files, otherwise compared with them: `WRITE_TABLES=1 cargo test -p common --test scene language_tables`.
 
+use common::scene::quantity::Kind;
 use common::scene::{
     DEFAULT_LAW, ElementKind, ErrorMeasure, Form, ImpactMeasure, Key, Load, OutputKind, OutputUnit, Range,
     laws,
@@ -13,6 +14,11 @@ struct Written {
     key: &'static str,
     schema: Value,
     is_required: bool,
+}
+
+/// The first of the units that messages suggest for a kind of quantity.
+fn first_unit(kind: Kind) -> &'static str {
+    kind.units.split(',').next().unwrap_or_default()
 }
 
 /// The keys in a scene of a key of the table; none for what the word of the element states.
@@ -29,15 +35,10 @@ fn written(key: &'static Key) -> Vec<Written> {
         Form::Direction => one(pair(json!({ "type": ["number", "string"] })), true),
         Form::Pair(_) => one(pair(json!({ "type": "string" })), true),
         Form::Number(kind, _) => {
-            one(json!({ "type": "string", "examples": [format!("1 {}", kind.si)] }), true)
+            one(json!({ "type": "string", "examples": [format!("1 {}", first_unit(kind))] }), true)
         }
         Form::NumberOr(kind, _, default) => {
-            let default = if kind.units == "deg, rad" {
-                format!("{default} deg")
-            } else {
-                format!("{default} {}", kind.si)
-            };
-            one(json!({ "type": "string", "default": default }), false)
+            one(json!({ "type": "string", "default": format!("{default} {}", first_unit(kind)) }), false)
         }
         Form::Curve(_) => one(reference("curve"), true),
         Form::Wanted(_) | Form::Factor => one(reference("curve"), false),
@@ -63,7 +64,7 @@ fn written(key: &'static Key) -> Vec<Written> {
 
 /// What a key is, with its range.
 fn described(key: &Key) -> String {
-    let about = key.about.trim().trim_end_matches('.').replace('`', "");
+    let about = key.about.trim().trim_end_matches('.').replace("`(2,)` ", "").replace(" [1]", "");
     let range = match key.form {
         Form::Number(_, range) | Form::NumberOr(_, range, _) => match range {
             Range::NonNegative => ", >= 0",
@@ -75,6 +76,13 @@ fn described(key: &Key) -> String {
         _ => "",
     };
     format!("{about}{range}")
+}
+
+/// A schema without what it only suggests.
+fn bare(schema: &Value) -> Value {
+    let mut fields = schema.as_object().cloned().unwrap_or_default();
+    fields.retain(|key, _| key != "examples" && key != "default");
+    Value::Object(fields)
 }
 
 /// The definition of an element: every key with its types, and for every word the keys that it has; `more` are keys without a table.
@@ -96,7 +104,7 @@ fn definition<T>(about: &str, kinds: &'static [ElementKind<T>], more: Value) -> 
         let mut schemas: Vec<&Value> = Vec::new();
         let mut texts: Vec<(&str, Vec<&str>)> = Vec::new();
         for (word, schema, text) in uses {
-            if !schemas.contains(&schema) {
+            if !schemas.iter().any(|known| bare(known) == bare(schema)) {
                 schemas.push(schema);
             }
             match texts.iter_mut().find(|(known, _)| known == text) {
@@ -105,7 +113,8 @@ fn definition<T>(about: &str, kinds: &'static [ElementKind<T>], more: Value) -> 
             }
         }
         let mut property = match schemas[..] {
-            [one] => one.clone(),
+            [one] if uses.iter().all(|(_, schema, _)| schema == one) => one.clone(),
+            [one] => bare(one),
             _ => json!({ "anyOf": schemas }),
         };
         property["description"] = json!(match &texts[..] {
@@ -125,9 +134,9 @@ fn definition<T>(about: &str, kinds: &'static [ElementKind<T>], more: Value) -> 
         names.extend(keys.iter().map(|written| written.key).filter(|key| *key != "name"));
         let mut then = json!({ "propertyNames": { "enum": names } });
         // Keys whose values differ from one kind of element to the other.
-        let own = keys
-            .iter()
-            .filter(|written| found[written.key].iter().any(|(_, schema, _)| *schema != written.schema));
+        let own = keys.iter().filter(|written| {
+            found[written.key].iter().any(|(_, schema, _)| bare(schema) != bare(&written.schema))
+        });
         let own: Map<String, Value> =
             own.map(|written| (written.key.to_owned(), written.schema.clone())).collect();
         if !own.is_empty() {

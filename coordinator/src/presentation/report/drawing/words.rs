@@ -41,8 +41,8 @@ pub fn load(load: &Load) -> String {
     let values = load.values();
     let is_zero = |value: &Value| *value == Value::Number(0.0);
     filled(load.kind().words[0].1, |keys| {
-        let named = keys.split('|').filter_map(|name| values.iter().find(|(key, _)| key.name == name));
-        let shown = named.clone().find(|(_, value)| !is_zero(value)).or(named.last());
+        let mut named = keys.split('|').filter_map(|name| values.iter().find(|(key, _)| key.name == name));
+        let shown = named.clone().find(|(_, value)| !is_zero(value)).or_else(|| named.next_back());
         shown.map_or_else(String::new, |(key, value)| size(key.form, value))
     })
 }
