@@ -5,6 +5,7 @@ use super::context::Range;
 use super::drive::Drive;
 use super::model::{DrivenInertia, Motion, Point};
 use super::quantity::*;
+use super::record::record;
 use super::section::Section;
 use super::tables::{Repetition, over_time};
 
@@ -30,10 +31,11 @@ pub(super) fn bodies(file: &mut Section) -> Vec<BodyRow> {
 }
 
 fn driven(row: &mut Section) -> Option<Motion> {
-    let position = row.pair("position", LENGTH);
-    let drive = drive(row);
-    let inertia = driven_inertia(row);
-    Some(Motion::Driven { position: position?, drive: drive?, inertia: inertia? })
+    record!(Motion::Driven {
+        position: row.pair("position", LENGTH),
+        drive: drive(row),
+        inertia: driven_inertia(row),
+    })
 }
 
 /// A body is driven at a speed, constant or by a table, or at an angle by a table.
@@ -76,34 +78,26 @@ fn driven_inertia(row: &mut Section) -> Option<Option<DrivenInertia>> {
     if given == [false; 3] {
         return Some(None);
     }
-    let mass = row.quantity("mass", MASS, Range::Positive);
-    let inertia = row.quantity("inertia", INERTIA, Range::Positive);
-    let centre_of_mass = row.pair_or("centre_of_mass", LENGTH, [0.0; 2]);
-    Some(Some(DrivenInertia { mass: mass?, inertia: inertia?, centre_of_mass: centre_of_mass? }))
+    let inertia = record!(DrivenInertia {
+        mass: row.quantity("mass", MASS, Range::Positive),
+        inertia: row.quantity("inertia", INERTIA, Range::Positive),
+        centre_of_mass: row.pair_or("centre_of_mass", LENGTH, [0.0; 2]),
+    });
+    inertia.map(Some)
 }
 
 fn free(row: &mut Section) -> Option<Motion> {
-    let mass = row.quantity("mass", MASS, Range::Positive);
-    let inertia = row.quantity("inertia", INERTIA, Range::Positive);
-    let centre_of_mass = row.pair("centre_of_mass", LENGTH);
-    let start_position = row.pair("start_position", LENGTH);
-    let start_angle = row.quantity("start_angle", ANGLE, Range::Any);
-    let start_velocity = match row.get("start_velocity") {
-        Some(_) => row.pair("start_velocity", SPEED).map(Some),
-        None => Some(None),
-    };
-    let start_speed = match row.get("start_speed") {
-        Some(_) => row.quantity("start_speed", ANGULAR_VELOCITY, Range::Any).map(Some),
-        None => Some(None),
-    };
-    Some(Motion::Free {
-        mass: mass?,
-        inertia: inertia?,
-        centre_of_mass: centre_of_mass?,
-        start_position: start_position?,
-        start_angle: start_angle?,
-        start_velocity: start_velocity?,
-        start_speed: start_speed?,
+    record!(Motion::Free {
+        mass: row.quantity("mass", MASS, Range::Positive),
+        inertia: row.quantity("inertia", INERTIA, Range::Positive),
+        centre_of_mass: row.pair("centre_of_mass", LENGTH),
+        start_position: row.pair("start_position", LENGTH),
+        start_angle: row.quantity("start_angle", ANGLE, Range::Any),
+        start_velocity: match row.get("start_velocity") {
+            Some(_) => row.pair("start_velocity", SPEED).map(Some),
+            None => Some(None),
+        },
+        start_speed: row.quantity_if_any("start_speed", ANGULAR_VELOCITY, Range::Any),
     })
 }
 

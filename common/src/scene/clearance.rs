@@ -6,12 +6,15 @@ use super::joint::{
     Clearance, ContactDamping, ContactLaw, ControlPoints, Material, RestitutionLaw, WearingSurfaces,
 };
 use super::quantity::*;
+use super::record::record;
 use super::section::Section;
 
 /// Range of the number of control points: fewer do not represent a bore.
 const CONTROL_POINTS: std::ops::RangeInclusive<i64> = 8..=ControlPoints::MOST as i64;
 /// Poisson's ratio of isotropic materials, auxetic ones excluded [1].
 const POISSON: Range = Range::Within(0.0, 0.5);
+/// Coulomb's coefficient of friction [1].
+pub(super) const FRICTION: Range = Range::Within(0.0, 2.0);
 /// Default of the lowest approach speed of an impact; slower journals roll on their bores [m/s].
 const LEAST_SPEED: f64 = 1e-3;
 
@@ -22,65 +25,62 @@ pub(super) type MaterialRow = (String, Option<Material>);
 pub(super) fn materials(file: &mut Section) -> Vec<MaterialRow> {
     let mut materials = Vec::new();
     for (name, mut section) in file.named("materials") {
-        let elastic_modulus = section.quantity("elastic_modulus", PRESSURE, Range::Positive);
-        let poisson_ratio = section.quantity("poisson_ratio", NUMBER, POISSON);
+        let material = record!(Material {
+            elastic_modulus: section.quantity("elastic_modulus", PRESSURE, Range::Positive),
+            poisson_ratio: section.quantity("poisson_ratio", NUMBER, POISSON),
+        });
         section.finish();
-        let material = elastic_modulus.zip(poisson_ratio);
-        let material =
-            material.map(|(elastic_modulus, poisson_ratio)| Material { elastic_modulus, poisson_ratio });
         materials.push((name.to_owned(), material));
     }
     materials
 }
 
 /// Reads the fields of a joint with clearance; one that does not wear needs no wear coefficient.
-pub(super) fn clearance(row: &mut Section, materials: &[MaterialRow], wears: bool) -> Option<Clearance> {
-    let journal_radius = row.quantity("journal_radius", LENGTH, Range::Positive);
-    let bushing_radius = bushing_radius(row, journal_radius);
-    let width = row.quantity("width", LENGTH, Range::Positive);
-    let journal_material = material(row, "journal_material", materials);
-    let bushing_material = material(row, "bushing_material", materials);
+pub(super) fn clearance(row: &mut Section, materials: &[MaterialRow], is_worn: bool) -> Option<Clearance> {
+    record!(Clearance {
+        journal_radius: row.quantity("journal_radius", LENGTH, Range::Positive),
+        bushing_radius: bushing_radius(row, journal_radius),
+        width: row.quantity("width", LENGTH, Range::Positive),
+        journal_material: material(row, "journal_material", materials),
+        bushing_material: material(row, "bushing_material", materials),
+        contact_law: contact_law(row),
+        contact_damping: contact_damping(row),
+        film_damping: row.quantity_or("film_damping", DAMPING, Range::NonNegative, 0.0),
+        friction: row.quantity("friction", NUMBER, FRICTION),
+        friction_speed: row.quantity("friction_speed", SPEED, Range::Positive),
+        wear_coefficient: wear_coefficient(row, is_worn),
+        wears: surfaces(row),
+        journal_wear_coefficient: second_coefficient(row, "journal_wear_coefficient", wears)
+            .map(|coefficient| coefficient.filter(|_| is_worn)),
+        control_points: bore_points(row),
+        wall: row.quantity_if_any("wall", LENGTH, Range::Positive),
+    })
+}
+
+/// Reads the law of the normal contact force.
+fn contact_law(row: &mut Section) -> Option<ContactLaw> {
     let laws = ContactLaw::ALL.map(|law| (law.name(), law));
     let names = ContactLaw::ALL.map(ContactLaw::name).join(", ");
-    let contact_law = row.choice("contact_law", &format!("one of {names}"), &laws);
-    let contact_damping = contact_damping(row);
-    let film_damping = row.quantity_or("film_damping", DAMPING, Range::NonNegative, 0.0);
-    let friction = row.quantity("friction", NUMBER, Range::Within(0.0, 2.0));
-    let friction_speed = row.quantity("friction_speed", SPEED, Range::Positive);
-    let wear_coefficient = match row.get("wear_coefficient") {
-        None if !wears => Some(0.0),
+    row.choice("contact_law", &format!("one of {names}"), &laws)
+}
+
+/// Reads the wear coefficient, which a joint that does not wear need not have.
+fn wear_coefficient(row: &mut Section, is_worn: bool) -> Option<f64> {
+    match row.get("wear_coefficient") {
+        None if !is_worn => Some(0.0),
         _ => row
             .quantity("wear_coefficient", INVERSE_PRESSURE, Range::NonNegative)
-            .map(|coefficient| if wears { coefficient } else { 0.0 }),
-    };
-    let surfaces = WearingSurfaces::ALL.map(|surfaces| (surfaces.name(), surfaces));
-    let surfaces = match row.get("wears") {
+            .map(|coefficient| if is_worn { coefficient } else { 0.0 }),
+    }
+}
+
+/// Reads the surfaces that wear.
+fn surfaces(row: &mut Section) -> Option<WearingSurfaces> {
+    let words = WearingSurfaces::ALL.map(|surfaces| (surfaces.name(), surfaces));
+    match row.get("wears") {
         None => Some(WearingSurfaces::default()),
-        Some(_) => row.choice("wears", "bushing, journal or both", &surfaces),
-    };
-    let journal_wear_coefficient = journal_wear_coefficient(row, surfaces);
-    let control_points = bore_points(row);
-    let wall = match row.get("wall") {
-        Some(_) => row.quantity("wall", LENGTH, Range::Positive).map(Some),
-        None => Some(None),
-    };
-    Some(Clearance {
-        journal_radius: journal_radius?,
-        bushing_radius: bushing_radius?,
-        width: width?,
-        journal_material: journal_material?,
-        bushing_material: bushing_material?,
-        contact_law: contact_law?,
-        contact_damping: contact_damping?,
-        film_damping: film_damping?,
-        friction: friction?,
-        friction_speed: friction_speed?,
-        wears: surfaces?,
-        wear_coefficient: wear_coefficient?,
-        journal_wear_coefficient: journal_wear_coefficient?.filter(|_| wears),
-        control_points: control_points?,
-        wall: wall?,
-    })
+        Some(_) => row.choice("wears", "bushing, journal or both", &words),
+    }
 }
 
 /// Reads the control points of a bore and its journal.
@@ -102,18 +102,19 @@ pub(super) fn control_points(row: &mut Section) -> Option<usize> {
     row.integer("control_points", CONTROL_POINTS, Some(default)).map(|points| points as usize)
 }
 
-/// Reads the wear coefficient of the journal, which is that of the joint unless both surfaces wear.
-fn journal_wear_coefficient(row: &mut Section, surfaces: Option<WearingSurfaces>) -> Option<Option<f64>> {
-    if row.get("journal_wear_coefficient").is_none() {
-        return Some(None);
-    }
-    let found = row.quantity("journal_wear_coefficient", INVERSE_PRESSURE, Range::NonNegative);
-    if surfaces.is_some_and(|surfaces| surfaces != WearingSurfaces::Both) {
-        let message = "needs wears = \"both\"; a single surface that wears has wear_coefficient";
-        row.inconsistent("journal_wear_coefficient", message);
+/// Reads the wear coefficient of the journal or the slider, which is that of the joint unless both surfaces wear; the outer `None` if it
+/// is faulty.
+pub(super) fn second_coefficient(
+    row: &mut Section,
+    key: &'static str,
+    surfaces: Option<WearingSurfaces>,
+) -> Option<Option<f64>> {
+    let found = row.quantity_if_any(key, INVERSE_PRESSURE, Range::NonNegative);
+    if row.get(key).is_some() && surfaces.is_some_and(|surfaces| surfaces != WearingSurfaces::Both) {
+        row.inconsistent(key, "needs wears = \"both\"; a single surface that wears has wear_coefficient");
         return None;
     }
-    found.map(Some)
+    found
 }
 
 /// The bushing is given by its radius or by the clearance it leaves to its journal.
@@ -193,13 +194,10 @@ pub(super) fn contact_damping(row: &mut Section) -> Option<ContactDamping> {
 
 /// Reads `{ law, restitution, least_speed }`.
 fn by_restitution(damping: &mut Section) -> Option<ContactDamping> {
-    let laws = [
-        ("lankarani-nikravesh", RestitutionLaw::LankaraniNikravesh),
-        ("hunt-crossley", RestitutionLaw::HuntCrossley),
-        ("flores", RestitutionLaw::Flores),
-    ];
-    let law = damping.word("law", &laws);
-    let coefficient = damping.quantity("restitution", NUMBER, Range::Above(0.0, 1.0));
-    let least_speed = damping.quantity_or("least_speed", SPEED, Range::Positive, LEAST_SPEED);
-    Some(ContactDamping::Restitution { law: law?, coefficient: coefficient?, least_speed: least_speed? })
+    let laws = RestitutionLaw::ALL.map(|law| (law.word(), law));
+    record!(ContactDamping::Restitution {
+        law: damping.word("law", &laws),
+        coefficient: damping.quantity("restitution", NUMBER, Range::Above(0.0, 1.0)),
+        least_speed: damping.quantity_or("least_speed", SPEED, Range::Positive, LEAST_SPEED),
+    })
 }

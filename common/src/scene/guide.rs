@@ -1,10 +1,13 @@
 //! Reads guides with clearance: slider, guide, contact damping, friction, wear.
 
-use super::clearance::{MaterialRow, contact_damping, control_points, material};
+use super::clearance::{
+    FRICTION, MaterialRow, contact_damping, control_points, material, second_coefficient,
+};
 use super::context::Range;
 use super::faults::in_first_unit;
 use super::joint::{GuideClearance, GuideWear, WearingSurfaces};
 use super::quantity::*;
+use super::record::record;
 use super::section::Section;
 
 /// Keys of the wear of a hinge that a guide does not have, and why.
@@ -16,40 +19,28 @@ const KEYS_OF_HINGES: [(&str, &str); 3] = [
 
 /// Reads the fields of a guide with clearance.
 pub(super) fn guide(row: &mut Section, materials: &[MaterialRow]) -> Option<GuideClearance> {
-    let axis = row.quantity_or("axis", ANGLE, Range::Any, 0.0);
-    let angle = row.quantity_or("angle", ANGLE, Range::Any, 0.0);
-    let length = row.quantity("length", LENGTH, Range::Positive);
-    let height = row.quantity("height", LENGTH, Range::Positive);
-    let width = row.quantity("width", LENGTH, Range::Positive);
-    let clearance = clearance(row, height);
-    let reach = reach(row, length);
-    let slider_material = material(row, "slider_material", materials);
-    let guide_material = material(row, "guide_material", materials);
-    let contact_damping = contact_damping(row);
-    let friction = row.quantity("friction", NUMBER, Range::Within(0.0, 2.0));
-    let friction_speed = row.quantity("friction_speed", SPEED, Range::Positive);
-    let wear = wear(row);
+    let read = record!(GuideClearance {
+        axis: row.quantity_or("axis", ANGLE, Range::Any, 0.0),
+        angle: row.quantity_or("angle", ANGLE, Range::Any, 0.0),
+        length: row.quantity("length", LENGTH, Range::Positive),
+        height: row.quantity("height", LENGTH, Range::Positive),
+        width: row.quantity("width", LENGTH, Range::Positive),
+        clearance: clearance(row, height),
+        reach: reach(row, length),
+        slider_material: material(row, "slider_material", materials),
+        guide_material: material(row, "guide_material", materials),
+        contact_damping: contact_damping(row),
+        friction: row.quantity("friction", NUMBER, FRICTION),
+        friction_speed: row.quantity("friction_speed", SPEED, Range::Positive),
+        wear: wear(row),
+    });
     for (key, reason) in KEYS_OF_HINGES {
         // Known only where it is given, so that no message offers it.
         if row.peek(key).is_some() && row.get(key).is_some() {
             row.inconsistent(key, reason);
         }
     }
-    Some(GuideClearance {
-        axis: axis?,
-        angle: angle?,
-        length: length?,
-        height: height?,
-        width: width?,
-        clearance: clearance?,
-        reach: reach?,
-        slider_material: slider_material?,
-        guide_material: guide_material?,
-        contact_damping: contact_damping?,
-        friction: friction?,
-        friction_speed: friction_speed?,
-        wear: wear?,
-    })
+    read
 }
 
 /// Reads the wear of guide and slider; outer none if it is faulty, inner none without the key wears.
@@ -68,30 +59,13 @@ fn wear(row: &mut Section) -> Option<Option<GuideWear>> {
         }
         return if faulty { None } else { Some(None) };
     }
-    let surfaces = row.choice("wears", "guide, slider or both", &words);
-    let coefficient = row.quantity("wear_coefficient", INVERSE_PRESSURE, Range::NonNegative);
-    let slider_coefficient = slider_coefficient(row, surfaces);
-    let control_points = control_points(row);
-    Some(Some(GuideWear {
-        wears: surfaces?,
-        coefficient: coefficient?,
-        slider_coefficient: slider_coefficient?,
-        control_points: control_points?,
-    }))
-}
-
-/// Reads the wear coefficient of the slider, which is that of the joint unless both surfaces wear.
-fn slider_coefficient(row: &mut Section, surfaces: Option<WearingSurfaces>) -> Option<Option<f64>> {
-    const KEY: &str = "slider_wear_coefficient";
-    if row.get(KEY).is_none() {
-        return Some(None);
-    }
-    let found = row.quantity(KEY, INVERSE_PRESSURE, Range::NonNegative);
-    if surfaces.is_some_and(|surfaces| surfaces != WearingSurfaces::Both) {
-        row.inconsistent(KEY, "needs wears = \"both\"; a single surface that wears has wear_coefficient");
-        return None;
-    }
-    found.map(Some)
+    let wear = record!(GuideWear {
+        wears: row.choice("wears", "guide, slider or both", &words),
+        coefficient: row.quantity("wear_coefficient", INVERSE_PRESSURE, Range::NonNegative),
+        slider_coefficient: second_coefficient(row, "slider_wear_coefficient", wears),
+        control_points: control_points(row),
+    });
+    wear.map(Some)
 }
 
 /// The clearance on each side, which is below the slider's height.

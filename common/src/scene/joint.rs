@@ -53,7 +53,31 @@ pub enum JointKind {
     Guide(GuideClearance),
 }
 
+/// The word of a kind of joint, its keys of the places on its two bodies, and its key of the length on which the friction of an ideal
+/// joint acts.
+type JointWords = (&'static str, [&'static str; 2], Option<&'static str>);
+
 impl JointKind {
+    /// The words of all kinds in a scene.
+    pub const WORDS: [JointWords; 5] = [
+        ("revolute", ["a", "b"], Some("pin_radius")),
+        ("prismatic", ["a", "b"], Some("guide_length")),
+        ("fixed", ["a", "b"], None),
+        ("clearance", ["journal", "bushing"], None),
+        ("guide", ["slider", "guide"], None),
+    ];
+
+    /// The words of the kind.
+    pub fn words(&self) -> JointWords {
+        match self {
+            JointKind::Revolute => Self::WORDS[0],
+            JointKind::Prismatic { .. } => Self::WORDS[1],
+            JointKind::Fixed { .. } => Self::WORDS[2],
+            JointKind::Clearance(_) => Self::WORDS[3],
+            JointKind::Guide(_) => Self::WORDS[4],
+        }
+    }
+
     /// True for a joint with clearance, a journal in its bushing or a slider in its guide; false for an ideal one.
     pub fn has_clearance(&self) -> bool {
         matches!(self, JointKind::Clearance(_) | JointKind::Guide(_))
@@ -313,4 +337,27 @@ pub enum RestitutionLaw {
     HuntCrossley,
     /// C(e) = 8 (1 - e) / (5 e).
     Flores,
+}
+
+impl RestitutionLaw {
+    /// Every law of the damping factor.
+    pub const ALL: [Self; 3] = [Self::LankaraniNikravesh, Self::HuntCrossley, Self::Flores];
+
+    /// Word of the law in a scene file.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::LankaraniNikravesh => "lankarani-nikravesh",
+            Self::HuntCrossley => "hunt-crossley",
+            Self::Flores => "flores",
+        }
+    }
+
+    /// The names of its authors.
+    pub fn authors(self) -> &'static str {
+        match self {
+            Self::LankaraniNikravesh => "Lankarani-Nikravesh",
+            Self::HuntCrossley => "Hunt-Crossley",
+            Self::Flores => "Flores",
+        }
+    }
 }

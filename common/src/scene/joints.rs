@@ -1,11 +1,12 @@
 //! Reads joints: ideal ones between two places, and those with clearance between journal and bushing.
 
 use super::body_row::{BodyRow, place};
-use super::clearance::{MaterialRow, clearance};
+use super::clearance::{FRICTION, MaterialRow, clearance};
 use super::context::Range;
 use super::guide::guide;
 use super::joint::{IdealFriction, Joint, JointKind};
 use super::quantity::{ANGLE, LENGTH, NUMBER, SPEED};
+use super::record::record;
 use super::section::Section;
 
 /// A joint while its scene is read; a faulty one keeps its name, so that references to it are found.
@@ -37,65 +38,35 @@ fn joint(
     bodies: &[BodyRow],
     materials: &[MaterialRow],
 ) -> (Option<&'static str>, Option<Joint>) {
-    #[derive(Clone, Copy, PartialEq)]
-    enum JointWord {
-        Revolute,
-        Prismatic,
-        Fixed,
-        Clearance,
-        Guide,
-    }
-    let words = [
-        ("revolute", JointWord::Revolute),
-        ("prismatic", JointWord::Prismatic),
-        ("fixed", JointWord::Fixed),
-        ("clearance", JointWord::Clearance),
-        ("guide", JointWord::Guide),
-    ];
-    let Some(word) = row.word("type", &words) else { return (None, None) };
-    let [first, second] = match word {
-        JointWord::Clearance => ["journal", "bushing"],
-        JointWord::Guide => ["slider", "guide"],
-        JointWord::Revolute | JointWord::Prismatic | JointWord::Fixed => ["a", "b"],
-    };
+    let words = JointKind::WORDS.map(|words| (words.0, words));
+    let Some((word, [first, second], size)) = row.word("type", &words) else { return (None, None) };
     let mut unworn = Some("is ideal");
     let mut angle = |key| row.quantity_or(key, ANGLE, Range::Any, 0.0);
     let kind = match word {
-        JointWord::Revolute => Some(JointKind::Revolute),
-        JointWord::Prismatic => {
-            let (axis, angle) = (angle("axis"), angle("angle"));
-            axis.zip(angle).map(|(axis, angle)| JointKind::Prismatic { axis, angle })
-        }
-        JointWord::Fixed => angle("angle").map(|angle| JointKind::Fixed { angle }),
-        JointWord::Clearance => {
+        "revolute" => Some(JointKind::Revolute),
+        "prismatic" => record!(JointKind::Prismatic { axis: angle("axis"), angle: angle("angle") }),
+        "fixed" => angle("angle").map(|angle| JointKind::Fixed { angle }),
+        "clearance" => {
             let wears = row.boolean_or("wear", true);
             unworn = (wears == Some(false)).then_some("has wear = false");
             clearance(row, materials, wears == Some(true)).map(JointKind::Clearance)
         }
-        JointWord::Guide => {
+        _ => {
             unworn = row.peek("wears").is_none().then_some("is a guide without the key wears");
             guide(row, materials).map(JointKind::Guide)
         }
     };
     let (journal, bushing) = (place(row, first, bodies), place(row, second, bodies));
-    let friction = match word {
-        JointWord::Revolute => friction(row, "pin_radius"),
-        JointWord::Prismatic => friction(row, "guide_length"),
-        JointWord::Fixed | JointWord::Clearance | JointWord::Guide => Some(None),
-    };
+    let friction = size.map_or(Some(None), |size| friction(row, size));
     if let (Some(journal), Some(bushing)) = (journal, bushing)
         && journal.body == bushing.body
     {
         row.inconsistent_table(format!("{first} and {second} are on the same body"));
     }
     let joint = kind.zip(friction).zip(journal.zip(bushing));
-    let joint = joint.map(|((kind, friction), (journal, bushing))| Joint {
-        name: name.to_owned(),
-        journal,
-        bushing,
-        kind,
-        friction,
-    });
+    let name = name.to_owned();
+    let joint =
+        joint.map(|((kind, friction), (journal, bushing))| Joint { name, journal, bushing, kind, friction });
     (unworn, joint)
 }
 
@@ -106,10 +77,12 @@ fn friction(row: &mut Section, size: &'static str) -> Option<Option<IdealFrictio
     if ["friction", "friction_speed", size].map(|key| row.get(key)).iter().all(Option::is_none) {
         return Some(None);
     }
-    let coefficient = row.quantity("friction", NUMBER, Range::Within(0.0, 2.0));
-    let speed = row.quantity("friction_speed", SPEED, Range::Positive);
-    let size = row.quantity(size, LENGTH, Range::Positive);
-    Some(Some(IdealFriction { coefficient: coefficient?, speed: speed?, size: size? }))
+    let friction = record!(IdealFriction {
+        coefficient: row.quantity("friction", NUMBER, FRICTION),
+        speed: row.quantity("friction_speed", SPEED, Range::Positive),
+        size: row.quantity(size, LENGTH, Range::Positive),
+    });
+    friction.map(Some)
 }
 
 /// The names that could be chosen instead, for a message; empty if there are none.

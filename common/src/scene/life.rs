@@ -2,7 +2,7 @@
 
 use super::body_row::{BodyRow, MotionWord};
 use super::context::Range;
-use super::drive::{Drive, Over};
+use super::drive::{Curve, Drive, Over};
 use super::faults::{FaultKind, in_first_unit};
 use super::limits::{CHECKPOINT_LIMIT, COUNT_LIMIT};
 use super::load::Load;
@@ -66,8 +66,8 @@ pub(super) fn life(
     let life = Life { period, cycles, checkpoint_every, settle_cycles, turn_of };
     // A motion seen once may be cut anywhere.
     if !life.is_single_cycle() {
-        check_repetitions(&section, period, bodies, loads);
-        check_wanted_curves(&section, period, outputs);
+        check_drives(&section, period, bodies);
+        check_curves(&section, period, loads, outputs);
     }
     Some(life)
 }
@@ -128,8 +128,8 @@ fn repeats_every(drive: &Drive) -> Option<f64> {
     }
 }
 
-/// Checks that everything that repeats in time does so a whole number of times per cycle, so that all cycles are alike.
-fn check_repetitions(life: &Section, period: f64, bodies: &[BodyRow], loads: &[Load]) {
+/// Checks that drives repeat a whole number of times per cycle, so that all cycles are alike.
+fn check_drives(life: &Section, period: f64, bodies: &[BodyRow]) {
     for body in bodies {
         let Some(drive) = body.drive() else { continue };
         let place = format!("bodies.{}", body.name);
@@ -161,26 +161,21 @@ fn check_repetitions(life: &Section, period: f64, bodies: &[BodyRow], loads: &[L
             life.cx.inconsistent(format!("{place}.{key_of}.value"), message);
         }
     }
-    for load in loads {
-        let Some((name, key_of, curve, _)) = load.curve() else { continue };
-        if curve.over == Over::Time && curve.table.repeat {
-            let every = span(&curve.table);
-            if repetitions(period, every).is_none() {
-                does_not_fit(life, period, &format!("loads.{name}.{key_of}"), every);
-            }
-        }
-    }
 }
 
-/// Checks that the repeated curves over time of outputs fit into the period.
-fn check_wanted_curves(life: &Section, period: f64, outputs: &[OutputRow]) {
-    for output in outputs.iter().filter_map(|row| row.output.as_ref()) {
-        for (key, curve) in output.kind.curves() {
-            let repeats = curve.over == Over::Time && curve.table.repeat;
-            let every = span(&curve.table);
-            if repeats && repetitions(period, every).is_none() {
-                does_not_fit(life, period, &format!("outputs.{}.{key}", output.name), every);
-            }
+/// Checks that the repeated curves over time of loads and outputs fit into the period.
+fn check_curves(life: &Section, period: f64, loads: &[Load], outputs: &[OutputRow]) {
+    let of_loads = loads.iter().filter_map(Load::curve);
+    let of_loads = of_loads.map(|(name, key, curve, _)| (format!("loads.{name}.{key}"), curve));
+    let of_outputs = outputs.iter().filter_map(|row| row.output.as_ref()).flat_map(|output| {
+        let curves = output.kind.curves().into_iter();
+        curves.map(|(key, curve)| (format!("outputs.{}.{key}", output.name), curve))
+    });
+    let repeated = |curve: &Curve| curve.over == Over::Time && curve.table.repeat;
+    for (place, curve) in of_loads.chain(of_outputs).filter(|(_, curve)| repeated(curve)) {
+        let every = span(&curve.table);
+        if repetitions(period, every).is_none() {
+            does_not_fit(life, period, &place, every);
         }
     }
 }

@@ -1,259 +1,190 @@
 //! Loads on bodies: springs, forces, torques, motors and drags.
 
 use super::attachment::Attachment;
-use super::drive::{Curve, Over};
-use serde::{Deserialize, Serialize};
+use super::context::Range;
+use super::drive::Curve;
+use super::key_table::{ElementKind, Form, Key, Value, elements};
+use super::quantity::*;
 
-/// A load on one body, or between two.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub enum Load {
-    /// Spring acting along a fixed direction d on a point p of a body against an anchor point a of another:
-    /// with y = d . (p - a), the force on p is -stiffness (y - free_length) d, and its opposite acts on a.
-    DirectionalSpring {
-        /// Name, unique in its scene.
-        name: String,
-        /// Point of application.
-        at: Attachment,
-        /// Anchor point, from which y is measured.
-        anchor: Attachment,
-        /// Unit direction d in the global frame `(2,)` [1].
-        direction: [f64; 2],
-        /// Force per length [N/m].
-        stiffness: f64,
-        /// y at which the force vanishes, y_0 [m].
-        free_length: f64,
-    },
-    /// Constant force on a point of a body, in the global frame.
-    ConstantForce {
-        /// Name, unique in its scene.
-        name: String,
-        /// Point of application.
-        at: Attachment,
-        /// Force `(2,)` [N].
-        force: [f64; 2],
-    },
-    /// Constant torque on a body.
-    ConstantTorque {
-        /// Name, unique in its scene.
-        name: String,
-        /// Index of the body.
-        body: usize,
-        /// Torque, counter-clockwise positive [N m].
-        torque: f64,
-    },
+/// Size of a load in a drawing, with keys in braces in the places of their values; of several keys the first one whose value is not zero.
+pub type SizeWords = &'static str;
+
+elements! {
+    /// A load on one body, or between two; bodies are indices into those of the scene.
+    pub enum Load by SizeWords;
+
     /// Spring and damper between two points, along the line that joins them: with l its length, the pull is
     /// stiffness (l - free_length) + damping dl/dt.
-    Spring {
+    "spring" ("{stiffness}") => Spring {
         /// Name, unique in its scene.
-        name: String,
+        name: String = Form::Name,
         /// Place of one end.
-        a: Attachment,
-        /// Place of the other end.
-        b: Attachment,
+        a: Attachment = Form::Place,
+        /// Place of the other end, on another body.
+        b: Attachment = Form::Place,
         /// Force per length [N/m].
-        stiffness: f64,
-        /// Damping [N s/m].
-        damping: f64,
+        stiffness: f64 = Form::Number(STIFFNESS, Range::NonNegative),
+        /// Force per speed, along the line between the places [N s/m].
+        damping: f64 = Form::NumberOr(DAMPING, Range::NonNegative, 0.0),
         /// Length without force [m].
-        free_length: f64,
-    },
+        free_length: f64 = Form::Number(LENGTH, Range::NonNegative),
+    }
+    "spring of {stiffness}, {damping} between {a} and {b}, slack at {free_length}"
+
+    /// Spring acting along a fixed direction d on a point p of a body against an anchor point a of another:
+    /// with y = d . (p - a), the force on p is -stiffness (y - free_length) d, and its opposite acts on a.
+    "directional-spring" ("{stiffness}") => DirectionalSpring {
+        /// Name, unique in its scene.
+        name: String = Form::Name,
+        /// Point of application.
+        at: Attachment = Form::Place,
+        /// Anchor point, from which y is measured.
+        anchor: Attachment = Form::Place,
+        /// Unit direction d in the global frame `(2,)` [1].
+        direction: [f64; 2] = Form::Direction,
+        /// Force per length [N/m].
+        stiffness: f64 = Form::Number(STIFFNESS, Range::NonNegative),
+        /// y at which the force vanishes, y_0 [m].
+        free_length: f64 = Form::Number(LENGTH, Range::Any),
+    }
+    "spring of {stiffness} on {at} along {direction}, slack at {free_length}"
+
     /// Torsion spring and damper between two bodies: with phi = angle_a - angle_b, the torque on a is
     /// -stiffness (phi - free_angle) - damping dphi/dt, its opposite acts on b.
-    TorsionSpring {
+    "torsion-spring" ("{stiffness}") => TorsionSpring {
         /// Name, unique in its scene.
-        name: String,
-        /// Index of one body.
-        a: usize,
-        /// Index of the other body.
-        b: usize,
-        /// Stiffness [N m/rad].
-        stiffness: f64,
-        /// Damping [N m s/rad].
-        damping: f64,
-        /// phi without torque [rad].
-        free_angle: f64,
-    },
-    /// Force on a point of a body along a fixed direction of the global frame, its size given by a curve.
-    VariableForce {
+        name: String = Form::Name,
+        /// First of the two bodies.
+        a: usize = Form::Body,
+        /// Second of the two bodies.
+        b: usize = Form::Body,
+        /// Torque per angle [N m/rad].
+        stiffness: f64 = Form::Number(TORSIONAL_STIFFNESS, Range::NonNegative),
+        /// Torque per angular velocity [N m s/rad].
+        damping: f64 = Form::NumberOr(TORSIONAL_DAMPING, Range::NonNegative, 0.0),
+        /// Angle of a minus that of b without torque [rad].
+        free_angle: f64 = Form::NumberOr(ANGLE, Range::Any, 0.0),
+    }
+    "torsion spring of {stiffness}, {damping} between {a} and {b}, slack at {free_angle}"
+
+    /// Constant force on a point of a body, in the global frame.
+    "constant-force" ("{force}") => ConstantForce {
         /// Name, unique in its scene.
-        name: String,
+        name: String = Form::Name,
         /// Point of application.
-        at: Attachment,
+        at: Attachment = Form::Place,
+        /// Force in the global frame `(2,)` [N].
+        force: [f64; 2] = Form::Pair(FORCE),
+    }
+    "force {force} on {at}"
+
+    /// Force on a point of a body along a fixed direction of the global frame, its size given by a curve.
+    "force" ("{size}") => VariableForce {
+        /// Name, unique in its scene.
+        name: String = Form::Name,
+        /// Point of application.
+        at: Attachment = Form::Place,
         /// Unit direction in the global frame `(2,)` [1].
-        direction: [f64; 2],
-        /// Size over time or angle [N].
-        size: Curve,
-    },
+        direction: [f64; 2] = Form::Direction,
+        /// Size of the force over time or an angle [N].
+        size: Curve = Form::Curve(FORCE),
+    }
+    "force on {at} along {direction}, {size}"
+
+    /// Constant torque on a body.
+    "constant-torque" ("{torque}") => ConstantTorque {
+        /// Name, unique in its scene.
+        name: String = Form::Name,
+        /// Body on which the torque acts.
+        body: usize = Form::Body,
+        /// Torque, counter-clockwise positive [N m].
+        torque: f64 = Form::Number(TORQUE, Range::Any),
+    }
+    "torque {torque} on {body}"
+
     /// Torque on a body, given by a curve.
-    VariableTorque {
+    "torque" ("{torque}") => VariableTorque {
         /// Name, unique in its scene.
-        name: String,
-        /// Index of the body.
-        body: usize,
-        /// Torque over time or angle, counter-clockwise positive [N m].
-        torque: Curve,
-    },
+        name: String = Form::Name,
+        /// Body on which the torque acts.
+        body: usize = Form::Body,
+        /// Torque over time or an angle, counter-clockwise positive [N m].
+        torque: Curve = Form::Curve(TORQUE),
+    }
+    "torque on {body}, {torque}"
+
     /// A motor with a linear characteristic: torque = stall_torque (1 - omega / no_load_speed) on a body.
-    Motor {
+    "motor" ("{stall_torque} at rest") => Motor {
         /// Name, unique in its scene.
-        name: String,
-        /// Index of the body that it drives.
-        body: usize,
-        /// Torque at rest [N m].
-        stall_torque: f64,
-        /// Speed without torque [rad/s].
-        no_load_speed: f64,
-    },
+        name: String = Form::Name,
+        /// The body that it turns.
+        body: usize = Form::Body,
+        /// Torque at rest, with the sign of no_load_speed [N m].
+        stall_torque: f64 = Form::Number(TORQUE, Range::Any),
+        /// Angular velocity without torque [rad/s].
+        no_load_speed: f64 = Form::Number(ANGULAR_VELOCITY, Range::NotZero),
+    }
+    "motor on {body}, {stall_torque} at rest, none at {no_load_speed}"
+
     /// Drag on a point of a body along a fixed direction d of the global frame: with u = d . v - flow, v the velocity of the point, the
     /// force -factor (linear + quadratic |u|) u d.
-    Drag {
+    "drag" ("{quadratic|linear}") => Drag {
         /// Name, unique in its scene.
-        name: String,
+        name: String = Form::Name,
         /// Point of application.
-        at: Attachment,
+        at: Attachment = Form::Place,
         /// Unit direction d in the global frame `(2,)` [1].
-        direction: [f64; 2],
+        direction: [f64; 2] = Form::Direction,
         /// Force per speed [N s/m].
-        linear: f64,
-        /// Force per square of the speed [N s^2/m^2].
-        quadratic: f64,
+        linear: f64 = Form::NumberOr(DAMPING, Range::NonNegative, 0.0),
+        /// Force per square of the speed: half of density, drag coefficient and area [N s^2/m^2].
+        quadratic: f64 = Form::NumberOr(DRAG, Range::NonNegative, 0.0),
         /// Speed of the medium along d [m/s].
-        flow: f64,
-        /// Factor over time or angle; one without it [1].
-        factor: Option<Curve>,
-    },
+        flow: f64 = Form::NumberOr(SPEED, Range::Any, 0.0),
+        /// Factor over time or an angle; one without it [1].
+        factor: Option<Curve> = Form::Factor,
+    }
+    "drag of {linear} and {quadratic} on {at} along {direction} in a flow of {flow}{factor}"
+
     /// Drag of a turning body: the torque -factor (linear + quadratic |omega|) omega.
-    RotationalDrag {
+    "rotational-drag" ("{quadratic|linear}") => RotationalDrag {
         /// Name, unique in its scene.
-        name: String,
-        /// Index of the body.
-        body: usize,
+        name: String = Form::Name,
+        /// Body on which the torque acts.
+        body: usize = Form::Body,
         /// Torque per angular velocity [N m s/rad].
-        linear: f64,
+        linear: f64 = Form::NumberOr(TORSIONAL_DAMPING, Range::NonNegative, 0.0),
         /// Torque per square of the angular velocity [N m s^2/rad^2].
-        quadratic: f64,
-        /// Factor over time or angle; one without it [1].
-        factor: Option<Curve>,
-    },
+        quadratic: f64 = Form::NumberOr(TORSIONAL_DRAG, Range::NonNegative, 0.0),
+        /// Factor over time or an angle; one without it [1].
+        factor: Option<Curve> = Form::Factor,
+    }
+    "drag of {linear} and {quadratic} on {body}{factor}"
 }
 
 impl Load {
+    /// Name, unique in its scene.
+    pub fn name(&self) -> String {
+        let name = self.values().into_iter().find(|(key, _)| key.form == Form::Name);
+        name.expect("every load has a name").1.into()
+    }
+
+    /// Its word in a scene.
+    pub fn word(&self) -> &'static str {
+        self.kind().words[0].0
+    }
+
     /// Indices of the bodies that the load couples: those it acts on, and the one whose angle its size depends on.
     pub fn bodies(&self) -> Vec<usize> {
-        let with_angle = |body: usize, size: &Curve| match size.over {
-            Over::Angle(other) => vec![body, other],
-            Over::Time => vec![body],
-        };
-        match self {
-            Load::DirectionalSpring { at: a, anchor: b, .. } | Load::Spring { a, b, .. } => {
-                vec![a.body, b.body]
-            }
-            Load::TorsionSpring { a, b, .. } => vec![*a, *b],
-            Load::VariableForce { at, size, .. } => with_angle(at.body, size),
-            Load::VariableTorque { body, torque, .. } => with_angle(*body, torque),
-            Load::Drag { at, factor: Some(factor), .. } => with_angle(at.body, factor),
-            Load::RotationalDrag { body, factor: Some(factor), .. } => with_angle(*body, factor),
-            Load::ConstantForce { at, .. } | Load::Drag { at, .. } => vec![at.body],
-            Load::ConstantTorque { body, .. }
-            | Load::Motor { body, .. }
-            | Load::RotationalDrag { body, .. } => {
-                vec![*body]
-            }
-        }
+        self.values().iter().filter_map(|(_, value)| value.body()).collect()
     }
 
-    /// Where the load acts and where it is anchored.
-    pub(super) fn places_mut(&mut self) -> Vec<&mut Attachment> {
-        match self {
-            Load::DirectionalSpring { at: a, anchor: b, .. } | Load::Spring { a, b, .. } => vec![a, b],
-            Load::ConstantForce { at, .. } | Load::VariableForce { at, .. } | Load::Drag { at, .. } => {
-                vec![at]
-            }
-            Load::TorsionSpring { .. }
-            | Load::ConstantTorque { .. }
-            | Load::VariableTorque { .. }
-            | Load::Motor { .. }
-            | Load::RotationalDrag { .. } => vec![],
-        }
+    /// Name of the load, its key of the curve by which it varies, that curve and the kind of its values; `None` for a load without one.
+    pub fn curve(&self) -> Option<(String, &'static str, Curve, Kind)> {
+        self.values().into_iter().find_map(|(key, value)| {
+            let kind = if let Form::Curve(kind) = key.form { kind } else { NUMBER };
+            let (_, curve) = value.curves(key.name).pop()?;
+            Some((self.name(), key.name, curve.clone(), kind))
+        })
     }
-
-    /// Name of the load, its key of the table by which it varies, that table and the unit of its values; `None` for a load without one.
-    pub fn curve(&self) -> Option<(&str, &'static str, &Curve, &'static str)> {
-        match self {
-            Load::VariableForce { name, size, .. } => Some((name, "size", size, "N")),
-            Load::VariableTorque { name, torque, .. } => Some((name, "torque", torque, "N m")),
-            Load::Drag { name, factor: Some(factor), .. }
-            | Load::RotationalDrag { name, factor: Some(factor), .. } => Some((name, "factor", factor, "")),
-            _ => None,
-        }
-    }
-
-    /// The table by which the load varies; `None` for a load without one.
-    pub fn curve_mut(&mut self) -> Option<&mut Curve> {
-        match self {
-            Load::VariableForce { size: curve, .. }
-            | Load::VariableTorque { torque: curve, .. }
-            | Load::Drag { factor: Some(curve), .. }
-            | Load::RotationalDrag { factor: Some(curve), .. } => Some(curve),
-            _ => None,
-        }
-    }
-
-    /// Name, kind, constants and bodies of the load in one line, for names of bodies `(bodies,)`.
-    pub fn explanation(&self, bodies: &[&str]) -> String {
-        match self {
-            Load::DirectionalSpring { name, at, stiffness, free_length, direction: [x, y], .. } => format!(
-                "{name}: spring of {stiffness} N/m on {} along ({x}, {y}), slack at {:.3} mm",
-                bodies[at.body],
-                free_length * 1e3
-            ),
-            Load::ConstantForce { name, at, force: [x, y] } => {
-                format!("{name}: force ({x}, {y}) N on {}", bodies[at.body])
-            }
-            Load::ConstantTorque { name, body, torque } => {
-                format!("{name}: torque {torque} N m on {}", bodies[*body])
-            }
-            Load::Spring { name, a, b, stiffness, damping, free_length } => format!(
-                "{name}: spring of {stiffness} N/m, {damping} N s/m between {} and {}, slack at {:.3} mm",
-                bodies[a.body],
-                bodies[b.body],
-                free_length * 1e3
-            ),
-            Load::TorsionSpring { name, a, b, stiffness, damping, free_angle } => format!(
-                "{name}: torsion spring of {stiffness} N m/rad, {damping} N m s/rad between {} and {}, slack at \
-                 {:.3} deg",
-                bodies[*a],
-                bodies[*b],
-                free_angle.to_degrees()
-            ),
-            Load::VariableForce { name, at, direction: [x, y], size } => format!(
-                "{name}: force on {} along ({x}, {y}), {}",
-                bodies[at.body],
-                size.explanation(bodies, "N")
-            ),
-            Load::VariableTorque { name, body, torque } => {
-                format!("{name}: torque on {}, {}", bodies[*body], torque.explanation(bodies, "N m"))
-            }
-            Load::Motor { name, body, stall_torque, no_load_speed } => format!(
-                "{name}: motor on {}, {stall_torque} N m at rest, none at {:.1} r/min",
-                bodies[*body],
-                no_load_speed * 30.0 / std::f64::consts::PI
-            ),
-            Load::Drag { name, at, direction: [x, y], linear, quadratic, flow, factor } => format!(
-                "{name}: drag of {linear} N s/m and {quadratic} N s^2/m^2 on {} along ({x}, {y}) in a flow of {flow} m/s{}",
-                bodies[at.body],
-                factor_explanation(factor.as_ref(), bodies)
-            ),
-            Load::RotationalDrag { name, body, linear, quadratic, factor } => format!(
-                "{name}: drag of {linear} N m s/rad and {quadratic} N m s^2/rad^2 on {}{}",
-                bodies[*body],
-                factor_explanation(factor.as_ref(), bodies)
-            ),
-        }
-    }
-}
-
-/// The factor of a drag for [`Load::explanation`].
-fn factor_explanation(factor: Option<&Curve>, bodies: &[&str]) -> String {
-    factor.map_or_else(String::new, |factor| format!(", times {}", factor.explanation(bodies, "")))
 }

@@ -7,10 +7,10 @@
 //! | layer | modules | content |
 //! |---|---|---|
 //! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
-//! | model | [`model`], `attachment`, `joint`, `drive`, `load`, `output`, `wear_output` | the types of a checked scene, all exported here |
+//! | model | [`model`], `attachment`, `joint`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_output`, `explained` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
-//! | reading | `document`, `duplicate_key`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `input` | one pass over the file that records every fault |
-//! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
+//! | reading | `document`, `duplicate_key`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `record`, `input` | one pass over the file that records every fault |
+//! | readers | `bodies`, `joints`, `clearance`, `key_reading`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
 //! | whole | `resolve`, `conditioned`, `merge`, `edit`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`], `setting` | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples; values set by name |
 
 mod attachment;
@@ -29,6 +29,7 @@ mod drive;
 mod duplicate_key;
 mod edit;
 mod excerpts;
+mod explained;
 pub mod expression;
 mod expression_error;
 mod extends;
@@ -38,6 +39,8 @@ mod guide;
 mod input;
 mod joint;
 mod joints;
+mod key_reading;
+mod key_table;
 mod layers;
 mod life;
 mod limit_states;
@@ -57,10 +60,12 @@ mod nearest_unit;
 mod output;
 mod output_bodies;
 mod output_unit;
+mod output_values;
 mod outputs;
 mod parameters;
 pub mod quantity;
 mod quantity_list;
+mod record;
 mod reference;
 mod resolve;
 mod section;
@@ -80,6 +85,7 @@ pub use attachment::Attachment;
 pub use context::{Range, number_and_unit, read_quantity};
 pub use csv_file::{Cell, CsvRow, csv_rows};
 pub use drive::{Curve, Drive, Over, Table};
+pub use explained::filled;
 pub use extends::read_input as read_text;
 pub use faults::{Fault, FaultKind, Faults, nearest};
 pub use input::{InputFile, read_rows};
@@ -87,6 +93,7 @@ pub use joint::{
     Clearance, ContactDamping, ContactLaw, ControlPoints, GuideClearance, GuideWear, IdealFriction, Joint,
     JointKind, Material, RestitutionLaw, WearingSurfaces,
 };
+pub use key_table::{ElementKind, Form, Key, Value};
 pub use limits::VALUE_LIMIT;
 pub use load::Load;
 pub use location::Location;
@@ -95,8 +102,9 @@ pub use model::{
     Body, Condition, DrivenInertia, Exchange, ExternalSimulator, Fails, FileExchange, Life, LimitState,
     Motion, Point, Program, Scene, SimulatorKind, StudySettings, UmBridgeModel,
 };
-pub use output::{ErrorMeasure, HeldInput, ImpactMeasure, Output, OutputKind, SignedBody};
+pub use output::{Output, OutputKind};
 pub use output_unit::OutputUnit;
+pub use output_values::{ErrorMeasure, HeldInput, ImpactMeasure, SignedBody};
 pub use reference::published_results;
 pub use section::Section;
 pub use simulator::REQUEST_FILE;

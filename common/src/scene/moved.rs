@@ -1,7 +1,7 @@
 //! A scene at another place.
 
 use super::attachment::Attachment;
-use super::load::Load;
+use super::key_table::Value;
 use super::model::{Motion, Scene};
 use super::output::OutputKind;
 
@@ -31,7 +31,13 @@ impl Scene {
             place(&mut joint.journal);
             place(&mut joint.bushing);
         }
-        scene.loads.iter_mut().flat_map(Load::places_mut).for_each(place);
+        for load in &mut scene.loads {
+            load.change(|value| {
+                if let Value::Place(at) = value {
+                    place(at);
+                }
+            });
+        }
         for output in &mut scene.outputs {
             if let OutputKind::PositionError { wanted, .. } = &mut output.kind {
                 for (curve, by) in wanted.iter_mut().zip(by) {

@@ -1,8 +1,12 @@
 //! Quantities that an evaluation returns.
 
 use super::attachment::Attachment;
+use super::context::Range;
 use super::drive::Curve;
+use super::key_table::{ElementKind, Form, Key, Value, elements};
 use super::output_unit::OutputUnit;
+use super::output_values::{ErrorMeasure, HeldInput, ImpactMeasure, SignedBody};
+use super::quantity::ANGLE;
 use super::wear_output::WearQuantity;
 use serde::{Deserialize, Serialize};
 
@@ -15,248 +19,159 @@ pub struct Output {
     pub kind: OutputKind,
 }
 
-/// Kinds of output.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub enum OutputKind {
+elements! {
+    /// Kinds of output; bodies and joints are indices into those of the scene.
+    pub enum OutputKind by OutputUnit;
+
     /// Largest wear depth over the control points of these joints, of the bushing or the journal, delta_0 [m].
-    LargestWear {
-        /// Indices into [`super::Scene::joints`].
-        joints: Vec<usize>,
-    },
+    "largest-wear" (OutputUnit::Length) => LargestWear {
+        /// Joints that wear.
+        joints: Vec<usize> = Form::WornJoints,
+    }
+    "largest wear depth of {joints}"
+
     /// Another quantity of the wear of these joints [m or m^3].
-    Wear {
+    "bushing-wear" (OutputUnit::Length),
+    "journal-wear" (OutputUnit::Length),
+    "clearance-growth" (OutputUnit::Length),
+    "worn-volume" (OutputUnit::Volume) => Wear {
         /// What is read from their depths.
-        quantity: WearQuantity,
-        /// Indices into [`super::Scene::joints`].
-        joints: Vec<usize>,
-    },
-    /// Largest over a cycle of |s_a omega_a - s_b omega_b|, gamma_max [rad/s].
-    AngularVelocityDifference {
-        /// First body and sign of its angle.
-        a: SignedBody,
-        /// Second body and sign of its angle.
-        b: SignedBody,
-    },
-    /// Largest over a cycle of |s_a theta_a - s_b theta_b|, angles of the bodies' frames [rad].
-    AngleDifference {
-        /// First body and sign of its angle.
-        a: SignedBody,
-        /// Second body and sign of its angle.
-        b: SignedBody,
-    },
+        quantity: WearQuantity = Form::WearQuantity,
+        /// Joints that wear.
+        joints: Vec<usize> = Form::WornJoints,
+    }
+    "{quantity} of {joints}"
+
     /// Largest force in these joints over a cycle [N].
-    PeakJointForce {
-        /// Indices into [`super::Scene::joints`].
-        joints: Vec<usize>,
-    },
+    "peak-joint-force" (OutputUnit::Force) => PeakJointForce {
+        /// Joints of any type.
+        joints: Vec<usize> = Form::Joints,
+    }
+    "largest force in {joints}"
+
+    /// Largest over a cycle of |s_a omega_a - s_b omega_b|, gamma_max [rad/s].
+    "angular-velocity-difference" (OutputUnit::AngularVelocity) => AngularVelocityDifference {
+        /// First body and sign of its angle.
+        a: SignedBody = Form::SignedBody,
+        /// Second body and sign of its angle.
+        b: SignedBody = Form::SignedBody,
+    }
+    "largest difference of angular velocity, {a} against {b}"
+
+    /// Largest over a cycle of |s_a theta_a - s_b theta_b|, angles of the bodies' frames [rad].
+    "angle-difference" (OutputUnit::Angle) => AngleDifference {
+        /// First body and sign of its angle.
+        a: SignedBody = Form::SignedBody,
+        /// Second body and sign of its angle.
+        b: SignedBody = Form::SignedBody,
+    }
+    "largest difference of angle, {a} against {b}"
+
     /// Distance over a cycle of a point from where the mechanism with ideal joints has it, or from wanted coordinates [m].
-    PositionError {
-        /// Place on a free body.
-        at: Attachment,
+    "position-error" (OutputUnit::Length) => PositionError {
+        /// Point whose position is compared.
+        at: Attachment = Form::FreePlace,
         /// Wanted coordinates x, y [m]; with one of them the error is that of this coordinate, without any the ideal mechanism is the
         /// reference.
-        wanted: [Option<Curve>; 2],
+        wanted: [Option<Curve>; 2] = Form::WantedPoint,
         /// Measure of the error over the cycle.
-        measure: ErrorMeasure,
-    },
+        measure: ErrorMeasure = Form::ErrorMeasure,
+    }
+    "{measure} distance of a point of {at} from its position with ideal joints"
+
     /// Difference over a cycle of the angle of a body from that of the mechanism with ideal joints, or from a wanted angle [rad].
-    AngleError {
-        /// Index of a free body.
-        body: usize,
+    "angle-error" (OutputUnit::Angle) => AngleError {
+        /// Body whose angle is compared.
+        body: usize = Form::FreeBody,
         /// Wanted angle [rad]; without it the ideal mechanism is the reference.
-        wanted: Option<Curve>,
+        wanted: Option<Curve> = Form::Wanted(ANGLE),
         /// Measure of the error over the cycle.
-        measure: ErrorMeasure,
-    },
+        measure: ErrorMeasure = Form::ErrorMeasure,
+    }
+    "{measure} difference of the angle of {body} from {wanted}"
+
     /// Largest size over a cycle of the acceleration of a point [m/s^2].
-    Acceleration {
-        /// Place on a free body.
-        at: Attachment,
-    },
+    "acceleration" (OutputUnit::Acceleration) => Acceleration {
+        /// Point that is accelerated.
+        at: Attachment = Form::FreePlace,
+    }
+    "largest acceleration of a point of {at}"
+
     /// Largest size over a cycle of the angular acceleration of a body [rad/s^2].
-    AngularAcceleration {
-        /// Index of a free body.
-        body: usize,
-    },
+    "angular-acceleration" (OutputUnit::AngularAcceleration) => AngularAcceleration {
+        /// Body that is accelerated.
+        body: usize = Form::FreeBody,
+    }
+    "largest angular acceleration of {body}"
+
     /// Number of impacts in these joints and guides with clearance over a cycle [1].
-    Impacts {
-        /// Indices into [`super::Scene::joints`].
-        joints: Vec<usize>,
-    },
+    "impacts" (OutputUnit::Number) => Impacts {
+        /// Joints and guides with clearance.
+        joints: Vec<usize> = Form::StruckJoints,
+    }
+    "number of impacts per cycle in {joints}"
+
     /// Energy of these impacts over a cycle [J].
-    ImpactEnergy {
-        /// Indices into [`super::Scene::joints`].
-        joints: Vec<usize>,
+    "impact-energy" (OutputUnit::Energy) => ImpactEnergy {
+        /// Joints and guides with clearance.
+        joints: Vec<usize> = Form::StruckJoints,
         /// All impacts of the cycle, or the hardest one.
-        measure: ImpactMeasure,
-    },
+        measure: ImpactMeasure = Form::ImpactMeasure,
+    }
+    "energy of the {measure} in {joints}"
+
     /// Largest size over a cycle of the torque that drives a body [N m].
-    DrivingTorque {
-        /// Index of the driven body.
-        body: usize,
-    },
+    "driving-torque" (OutputUnit::Torque) => DrivingTorque {
+        /// Body that is driven.
+        body: usize = Form::DrivenBody,
+    }
+    "largest torque that drives {body}"
+
     /// Backlash of the angle of a body: how far it can be turned while the drives are held, all journals within their worn bores [rad].
-    Backlash {
-        /// Index of a free body.
-        body: usize,
+    "backlash" (OutputUnit::Angle) => Backlash {
+        /// Body that can be turned.
+        body: usize = Form::FreeBody,
         /// Where the drives are held; without it the largest backlash over a cycle.
-        held: Option<HeldInput>,
-    },
+        held: Option<HeldInput> = Form::Held,
+    }
+    "backlash of the angle of {body}{held}"
+
     /// Backlash of a point: how far it can be moved along a direction of the frame while the drives are held [m].
-    PositionBacklash {
-        /// Place on a free body.
-        at: Attachment,
+    "position-backlash" (OutputUnit::Length) => PositionBacklash {
+        /// Point that can be moved.
+        at: Attachment = Form::FreePlace,
         /// Angle of the direction from the x axis of the frame [rad].
-        direction: f64,
+        direction: f64 = Form::NumberOr(ANGLE, Range::Any, 0.0),
         /// Where the drives are held; without it the largest backlash over a cycle.
-        held: Option<HeldInput>,
-    },
+        held: Option<HeldInput> = Form::Held,
+    }
+    "backlash of a point of {at}{held}"
+
     /// Value that an external simulator returns under the output's name.
-    External {
+    => External {
         /// Its unit, as it is displayed; values are not converted.
-        unit: String,
+        unit: String = Form::Elsewhere,
         /// True if it has a single value, which holds for the whole life.
-        single: bool,
-    },
-}
-
-/// Position in which the drives of a mechanism are held.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct HeldInput {
-    /// Index of a driven body.
-    pub body: usize,
-    /// Its angle, whole turns not counted [rad].
-    pub angle: f64,
-}
-
-/// Measure of an error over a cycle.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ErrorMeasure {
-    /// Largest size of the error.
-    #[default]
-    Largest,
-    /// Root of the mean over time of its square.
-    RootMeanSquare,
-}
-
-/// Measure of the energies of the impacts of a cycle.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ImpactMeasure {
-    /// Sum over all impacts.
-    #[default]
-    Total,
-    /// Energy of the hardest impact.
-    Largest,
+        single: bool = Form::Elsewhere,
+    }
+    "value returned by the simulator"
 }
 
 impl OutputKind {
     /// Unit of the values.
     pub fn unit(&self) -> OutputUnit {
         match self {
-            OutputKind::LargestWear { .. }
-            | OutputKind::PositionError { .. }
-            | OutputKind::PositionBacklash { .. } => OutputUnit::Length,
             OutputKind::Wear { quantity, .. } => quantity.unit(),
-            OutputKind::AngularVelocityDifference { .. } => OutputUnit::AngularVelocity,
-            OutputKind::AngleDifference { .. }
-            | OutputKind::AngleError { .. }
-            | OutputKind::Backlash { .. } => OutputUnit::Angle,
-            OutputKind::Acceleration { .. } => OutputUnit::Acceleration,
-            OutputKind::AngularAcceleration { .. } => OutputUnit::AngularAcceleration,
-            OutputKind::Impacts { .. } => OutputUnit::Number,
-            OutputKind::ImpactEnergy { .. } => OutputUnit::Energy,
-            OutputKind::PeakJointForce { .. } => OutputUnit::Force,
-            OutputKind::DrivingTorque { .. } => OutputUnit::Torque,
             OutputKind::External { unit, .. } => OutputUnit::External(unit.clone()),
-        }
-    }
-
-    /// Description in words; `body` and `joint` return the names of the scene's bodies and joints by index.
-    pub fn description<'a>(
-        &self,
-        body: impl Fn(usize) -> &'a str,
-        joint: impl Fn(usize) -> &'a str,
-    ) -> String {
-        let joints = |joints: &[usize]| match joints {
-            [one] => format!("joint {}", joint(*one)),
-            many => format!("{} joints", many.len()),
-        };
-        match self {
-            OutputKind::LargestWear { joints: worn } => format!("largest wear depth of {}", joints(worn)),
-            OutputKind::Wear { quantity, joints: worn } => {
-                format!("{} of {}", quantity.description(), joints(worn))
-            }
-            OutputKind::AngularVelocityDifference { a, b } => {
-                format!("largest difference of angular velocity, {} against {}", a.label, b.label)
-            }
-            OutputKind::AngleDifference { a, b } => {
-                format!("largest difference of angle, {} against {}", a.label, b.label)
-            }
-            OutputKind::PeakJointForce { joints: loaded } => format!("largest force in {}", joints(loaded)),
-            OutputKind::PositionError { at, wanted, measure } => {
-                let point = format!("a point of {}", body(at.body));
-                match wanted {
-                    [None, None] => {
-                        format!("{} distance of {point} from its position with ideal joints", measure.word())
-                    }
-                    [Some(_), Some(_)] => {
-                        format!("{} distance of {point} from its wanted position", measure.word())
-                    }
-                    [Some(_), None] => format!("{} error of x of {point}", measure.word()),
-                    [None, Some(_)] => format!("{} error of y of {point}", measure.word()),
-                }
-            }
-            OutputKind::AngleError { body: turned, wanted, measure } => {
-                let from = if wanted.is_some() { "the wanted one" } else { "that with ideal joints" };
-                format!("{} difference of the angle of {} from {from}", measure.word(), body(*turned))
-            }
-            OutputKind::Acceleration { at } => {
-                format!("largest acceleration of a point of {}", body(at.body))
-            }
-            OutputKind::AngularAcceleration { body: turned } => {
-                format!("largest angular acceleration of {}", body(*turned))
-            }
-            OutputKind::Impacts { joints: struck } => {
-                format!("number of impacts per cycle in {}", joints(struck))
-            }
-            OutputKind::ImpactEnergy { joints: struck, measure: ImpactMeasure::Total } => {
-                format!("energy of the impacts per cycle in {}", joints(struck))
-            }
-            OutputKind::ImpactEnergy { joints: struck, measure: ImpactMeasure::Largest } => {
-                format!("energy of the hardest impact in {}", joints(struck))
-            }
-            OutputKind::DrivingTorque { body: driven } => {
-                format!("largest torque that drives {}", body(*driven))
-            }
-            OutputKind::Backlash { body: turned, held } => {
-                format!("backlash of the angle of {}{}", body(*turned), held_at(held, &body))
-            }
-            OutputKind::PositionBacklash { at, held, .. } => {
-                format!("backlash of a point of {}{}", body(at.body), held_at(held, &body))
-            }
-            OutputKind::External { .. } => "value returned by the simulator".to_owned(),
+            other => other.kind().words[0].1.clone(),
         }
     }
 
     /// The curves that state what is wanted, with their keys in a scene.
-    pub fn curves(&self) -> Vec<(&'static str, &Curve)> {
-        match self {
-            OutputKind::PositionError { wanted: [x, y], .. } => {
-                let keyed = [("wanted_x", x), ("wanted_y", y)].into_iter();
-                keyed.filter_map(|(key, curve)| Some((key, curve.as_ref()?))).collect()
-            }
-            OutputKind::AngleError { wanted, .. } => wanted.iter().map(|curve| ("wanted", curve)).collect(),
-            _ => vec![],
-        }
-    }
-
-    /// The wanted curves, for values to be changed.
-    pub fn curves_mut(&mut self) -> Vec<&mut Curve> {
-        match self {
-            OutputKind::PositionError { wanted, .. } => wanted.iter_mut().flatten().collect(),
-            OutputKind::AngleError { wanted, .. } => wanted.iter_mut().collect(),
-            _ => vec![],
-        }
+    pub fn curves(&self) -> Vec<(&'static str, Curve)> {
+        let values = self.values();
+        let curves = values.iter().flat_map(|(key, value)| value.curves(key.name));
+        curves.map(|(key, curve)| (key, curve.clone())).collect()
     }
 
     /// The quantity of the wear and the indices of its joints, if the output is one.
@@ -277,38 +192,4 @@ impl OutputKind {
             _ => None,
         }
     }
-}
-
-/// Where the drives are held, in a description.
-fn held_at<'a>(held: &Option<HeldInput>, body: impl Fn(usize) -> &'a str) -> String {
-    match held {
-        None => ", largest over the cycle".to_owned(),
-        Some(held) => format!(" with {} held at {} deg", body(held.body), round_degrees(held.angle)),
-    }
-}
-
-/// An angle [rad] in degrees, without digits that come from rounding.
-fn round_degrees(angle: f64) -> f64 {
-    (angle.to_degrees() * 1e9).round() / 1e9
-}
-
-impl ErrorMeasure {
-    /// The measure in a description.
-    fn word(self) -> &'static str {
-        match self {
-            ErrorMeasure::Largest => "largest",
-            ErrorMeasure::RootMeanSquare => "r.m.s.",
-        }
-    }
-}
-
-/// A body with the sense in which its angle is reported.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SignedBody {
-    /// Index into [`super::Scene::bodies`].
-    pub body: usize,
-    /// +1 or -1.
-    pub sign: f64,
-    /// Name in texts, e.g. `right`.
-    pub label: String,
 }

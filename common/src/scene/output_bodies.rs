@@ -4,7 +4,7 @@ use super::attachment::Attachment;
 use super::body_row::{BodyRow, MotionWord, body, place};
 use super::context::Range;
 use super::joints::listed;
-use super::output::HeldInput;
+use super::output_values::{HeldInput, SignedBody};
 use super::quantity::ANGLE;
 use super::section::Section;
 
@@ -74,4 +74,18 @@ pub(super) fn held_input(row: &mut Section, bodies: &[BodyRow]) -> Option<Option
             None
         }
     }
+}
+
+/// Reads a body `{ body, sign, label }`.
+pub(super) fn signed_body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<SignedBody> {
+    let mut section = row.section(key, "a body { body, sign, label }")?;
+    let name = section.text("body", "the name of a body");
+    let sign = section.integer("sign", -1..=1, Some(1));
+    if sign == Some(0) {
+        section.out_of_range("sign", "0", "1 or -1");
+    }
+    let label = section.text_or("label", "what a reader calls it", name.unwrap_or_default());
+    section.finish();
+    let body = section.reference("body", "body", name?, bodies.iter().map(|body| body.name.as_str()))?;
+    Some(SignedBody { body, sign: sign? as f64, label: label?.to_owned() })
 }

@@ -49,21 +49,26 @@ impl OutputUnit {
         }
     }
 
+    /// Unit in result files, unit in text, and kind of the quantities.
+    fn row(&self) -> (&str, &str, Kind) {
+        match self {
+            Self::Length => ("m", "µm", LENGTH),
+            Self::Volume => ("m3", "mm³", VOLUME),
+            Self::AngularVelocity => ("rpm", "r/min", ANGULAR_VELOCITY),
+            Self::Angle => ("deg", "deg", ANGLE),
+            Self::Force => ("N", "N", FORCE),
+            Self::Torque => ("Nm", "N m", TORQUE),
+            Self::Acceleration => ("m/s^2", "m/s^2", ACCELERATION),
+            Self::AngularAcceleration => ("rad/s^2", "rad/s^2", ANGULAR_ACCELERATION),
+            Self::Energy => ("J", "mJ", ENERGY),
+            Self::Number => ("", "", NUMBER),
+            Self::External(unit) => (unit, unit, NUMBER),
+        }
+    }
+
     /// Unit of values in result files.
     pub fn suffix(&self) -> &str {
-        match self {
-            Self::Length => "m",
-            Self::Volume => "m3",
-            Self::AngularVelocity => "rpm",
-            Self::Angle => "deg",
-            Self::Force => "N",
-            Self::Torque => "Nm",
-            Self::Acceleration => "m/s^2",
-            Self::AngularAcceleration => "rad/s^2",
-            Self::Energy => "J",
-            Self::Number => "",
-            Self::External(unit) => unit,
-        }
+        self.row().0
     }
 
     /// An SI value in the unit of [`Self::suffix`].
@@ -77,33 +82,12 @@ impl OutputUnit {
 
     /// Kind of the quantities with this unit, as a scene or a person states them; those of an external simulator are plain numbers.
     pub fn kind(&self) -> Kind {
-        match self {
-            Self::Length => LENGTH,
-            Self::Volume => VOLUME,
-            Self::AngularVelocity => ANGULAR_VELOCITY,
-            Self::Angle => ANGLE,
-            Self::Force => FORCE,
-            Self::Torque => TORQUE,
-            Self::Acceleration => ACCELERATION,
-            Self::AngularAcceleration => ANGULAR_ACCELERATION,
-            Self::Energy => ENERGY,
-            Self::Number | Self::External(_) => NUMBER,
-        }
+        self.row().2
     }
 
     /// Name of the unit on axes and in sentences.
     pub fn symbol(&self) -> &str {
-        match self {
-            Self::Length => "µm",
-            Self::Volume => "mm³",
-            Self::AngularVelocity => "r/min",
-            Self::Angle => "deg",
-            Self::Force => "N",
-            Self::Torque => "N m",
-            Self::Energy => "mJ",
-            Self::Acceleration | Self::AngularAcceleration | Self::Number => self.suffix(),
-            Self::External(unit) => unit,
-        }
+        self.row().1
     }
 
     /// An SI value in the unit of [`Self::symbol`].

@@ -160,6 +160,16 @@ impl<'s> Section<'s> {
         }
     }
 
+    /// An optional quantity; the outer `None` if it is faulty.
+    pub(super) fn quantity_if_any(
+        &mut self,
+        key: &'static str,
+        kind: Kind,
+        range: Range,
+    ) -> Option<Option<f64>> {
+        if self.get(key).is_some() { self.quantity(key, kind, range).map(Some) } else { Some(None) }
+    }
+
     /// The value of any key, or of a part of it, as a quantity.
     pub fn as_quantity(&self, key: &str, value: &Value, kind: Kind, range: Range) -> Option<f64> {
         self.cx.quantity(&self.key(key), value, kind, range)

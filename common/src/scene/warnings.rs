@@ -51,7 +51,7 @@ fn single_loads(scene: &Scene) -> Vec<Warning> {
         Over::Angle(body) => has_full_turns(&scene.bodies[body].motion),
     };
     let once = varying.filter(|(_, _, curve, _)| leaves_its_end(curve));
-    let warning = |(name, key, ..): (&str, &str, _, _)| {
+    let warning = |(name, key, ..): (String, &str, _, _)| {
         Warning {
         key: format!("loads.{name}.{key}"),
         message: "does not repeat, but the cycles follow each other: what comes before a measured cycle has the first value; \

@@ -22,6 +22,21 @@ pub enum WearQuantity {
 }
 
 impl WearQuantity {
+    /// Every quantity of the wear.
+    pub(super) const ALL: [Self; 5] =
+        [Self::LargestDepth, Self::BushingDepth, Self::JournalDepth, Self::ClearanceGrowth, Self::Volume];
+
+    /// Its word in a scene.
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::LargestDepth => "largest-wear",
+            Self::BushingDepth => "bushing-wear",
+            Self::JournalDepth => "journal-wear",
+            Self::ClearanceGrowth => "clearance-growth",
+            Self::Volume => "worn-volume",
+        }
+    }
+
     /// Unit of the values.
     pub fn unit(self) -> OutputUnit {
         match self {

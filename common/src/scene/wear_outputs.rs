@@ -1,13 +1,16 @@
-//! Reads outputs of the wear: the joints they refer to must wear.
+//! Reads joints that outputs refer to: those that wear for outputs of the wear, those with clearance for impacts.
 
 use super::joint::{JointKind, WearingSurfaces};
 use super::joints::{JointRow, chosen_joints, listed};
-use super::output::OutputKind;
 use super::section::Section;
 use super::wear_output::WearQuantity;
 
 /// Reads the joints of an output of this quantity: by default all that wear.
-pub(super) fn wear(row: &mut Section, quantity: WearQuantity, joints: &[JointRow]) -> Option<OutputKind> {
+pub(super) fn worn_joints(
+    row: &mut Section,
+    quantity: WearQuantity,
+    joints: &[JointRow],
+) -> Option<Vec<usize>> {
     let has = |i: &usize| wearing(&joints[*i]).is_none_or(|of| quantity.is_of(of.surfaces));
     let chosen: Vec<usize> = match row.get("joints") {
         None => (0..joints.len()).filter(|&i| joints[i].unworn.is_none()).filter(has).collect(),
@@ -43,11 +46,7 @@ pub(super) fn wear(row: &mut Section, quantity: WearQuantity, joints: &[JointRow
     } else if row.cx.fault_count() == faults && chosen.iter().all(no_wear) {
         row.inconsistent("joints", "every wear_coefficient of these joints is 0: they do not wear");
     }
-    let kind = match quantity {
-        WearQuantity::LargestDepth => OutputKind::LargestWear { joints: chosen },
-        quantity => OutputKind::Wear { quantity, joints: chosen },
-    };
-    (row.cx.fault_count() == faults).then_some(kind)
+    (row.cx.fault_count() == faults).then_some(chosen)
 }
 
 /// What wears of a joint.
@@ -74,4 +73,29 @@ fn wearing(joint: &JointRow) -> Option<Wearing> {
         }),
         _ => None,
     }
+}
+
+/// Reads joints and guides with clearance, by default all of them.
+pub(super) fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
+    let has_clearance = |joint: &JointRow| {
+        // The kind of a faulty joint may be unknown; that fault has been recorded.
+        let joint = joint.joint.as_ref();
+        joint.is_none_or(|joint| joint.kind.has_clearance())
+    };
+    let with_clearance =
+        || joints.iter().filter(|joint| has_clearance(joint)).map(|joint| joint.name.as_str());
+    let chosen: Vec<usize> = match row.get("joints") {
+        None => (0..joints.len()).filter(|&k| has_clearance(&joints[k])).collect(),
+        Some(_) => chosen_joints(row, joints)?,
+    };
+    if chosen.is_empty() {
+        row.inconsistent("joints", "there is no joint with clearance");
+        return None;
+    }
+    if let Some(ideal) = chosen.iter().map(|&k| &joints[k]).find(|joint| !has_clearance(joint)) {
+        let there_are = listed(with_clearance());
+        row.inconsistent("joints", format!("joint \"{}\" has no clearance{there_are}", ideal.name));
+        return None;
+    }
+    Some(chosen)
 }

@@ -8,6 +8,7 @@ mod expressions;
 mod faults;
 mod language;
 mod language_faults;
+mod language_tables;
 mod mistakes;
 mod places;
 mod random;

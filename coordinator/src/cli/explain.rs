@@ -247,12 +247,7 @@ fn damping(damping: &ContactDamping) -> String {
         ContactDamping::None => "no contact damping".to_owned(),
         ContactDamping::HuntCrossley { factor } => format!("Hunt-Crossley damping {factor} s/m"),
         ContactDamping::Restitution { law, coefficient, .. } => {
-            let law = match law {
-                RestitutionLaw::LankaraniNikravesh => "Lankarani-Nikravesh",
-                RestitutionLaw::HuntCrossley => "Hunt-Crossley",
-                RestitutionLaw::Flores => "Flores",
-            };
-            format!("damping for a restitution of {coefficient} ({law})")
+            format!("damping for a restitution of {coefficient} ({})", law.authors())
         }
     }
 }
@@ -269,9 +264,8 @@ fn contact(clearance: &Clearance) -> String {
 
 fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
     writeln!(out, "Loads")?;
-    let bodies: Vec<&str> = scene.bodies.iter().map(|body| body.name.as_str()).collect();
     for load in &scene.loads {
-        writeln!(out, "  {}", load.explanation(&bodies))?;
+        writeln!(out, "  {}", load.explanation(scene))?;
     }
     match scene.gravity {
         [0.0, 0.0] => writeln!(out, "  no gravity\n"),
@@ -285,12 +279,11 @@ fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let unit = output.kind.unit();
         // As scenes write it.
         let symbol = unit.symbol().replace('\u{b5}', "u");
-        let (body, joint) = (|k: usize| &*scene.bodies[k].name, |k: usize| &*scene.joints[k].name);
         writeln!(
             out,
             "  {}: {}{}",
             output.name,
-            output.kind.description(body, joint),
+            output.kind.description(scene),
             local_pressures(scene, output)
         )?;
         for limit in scene.limit_states.iter().filter(|limit| limit.output == i) {

@@ -2,7 +2,7 @@
 
 use common::accuracy::Accuracy;
 use common::scene::{
-    Clearance, ContactDamping, ContactLaw, Curve, Drive, GuideClearance, JointKind, Motion, Over, Scene,
+    Clearance, ContactDamping, ContactLaw, Drive, GuideClearance, JointKind, Motion, Over, Scene, Value,
 };
 
 /// Life of a case in checkpoints of its scene: long enough for a wear depth comparable to the clearance, short
@@ -212,16 +212,13 @@ fn speed(scene: &mut Scene, rpm: f64) {
             Motion::Fixed => {}
         }
     }
-    for load in &mut scene.loads {
-        if let Some(Curve { over: Over::Time, table }) = load.curve_mut() {
-            table.at.iter_mut().for_each(|t| *t /= factor);
-        }
-    }
-    for curve in scene.outputs.iter_mut().flat_map(|output| output.kind.curves_mut()) {
-        if curve.over == Over::Time {
+    let faster = |value: &mut Value| {
+        for curve in value.curves_mut().into_iter().filter(|curve| curve.over == Over::Time) {
             curve.table.at.iter_mut().for_each(|t| *t /= factor);
         }
-    }
+    };
+    scene.loads.iter_mut().for_each(|load| load.change(faster));
+    scene.outputs.iter_mut().for_each(|output| output.kind.change(faster));
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 
 use super::words;
 use crate::presentation::report::mechanism::{Mechanism, Pose};
-use common::scene::{Attachment, JointKind, Load, Motion};
+use common::scene::{Attachment, Load, Motion, Value};
 use serde::Serialize;
 
 /// Distance below which two points of a drawing are one [m].
@@ -183,13 +183,7 @@ fn joint(mechanism: &Mechanism, cycle: &[Vec<Pose>], poses: &[Pose], index: usiz
         mechanism.rail(joint, cycle).map(|ends| ends.map(|p| of_body(&poses[joint.bushing.body], p)));
     DrawnJoint {
         name: joint.name.clone(),
-        kind: match joint.kind {
-            JointKind::Revolute => "revolute",
-            JointKind::Prismatic { .. } => "prismatic",
-            JointKind::Fixed { .. } => "fixed",
-            JointKind::Clearance(_) => "clearance",
-            JointKind::Guide(_) => "guide",
-        },
+        kind: joint.kind.words().0,
         at_m: place(poses, &joint.journal),
         on_ground: fixed && rail_m.is_some(),
         rail_m,
@@ -202,36 +196,35 @@ fn load(mechanism: &Mechanism, poses: &[Pose], load: &Load) -> DrawnLoad {
         let n = outline.len().max(1) as f64;
         of_body(&poses[body], outline.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n]))
     };
-    let symbol = match load {
-        Load::ConstantForce { at, force, .. } => LoadSymbol::Arrow(place(poses, at), *force),
-        Load::VariableForce { at, direction, size, .. } => {
-            let sign = words::largest(&size.table.value).signum();
-            LoadSymbol::Arrow(place(poses, at), direction.map(|d| sign * d))
-        }
-        Load::ConstantTorque { body, torque, .. } => LoadSymbol::Turn(middle(*body), *torque >= 0.0),
-        Load::VariableTorque { body, torque, .. } => {
-            LoadSymbol::Turn(middle(*body), words::largest(&torque.table.value) >= 0.0)
-        }
-        Load::Motor { body, stall_torque, .. } => LoadSymbol::Turn(middle(*body), *stall_torque >= 0.0),
-        // A drag acts against the motion, to either side; it is drawn along its direction.
-        Load::Drag { at, direction, .. } => LoadSymbol::Arrow(place(poses, at), *direction),
-        Load::RotationalDrag { body, .. } => LoadSymbol::Turn(middle(*body), true),
-        Load::Spring { a, b, .. } => LoadSymbol::Coil(place(poses, a), place(poses, b)),
-        // Along its direction the spring ends at the height of its anchor, across it nowhere in particular.
-        Load::DirectionalSpring { at, anchor, direction: [dx, dy], .. } => {
+    // Without the name, which comes first.
+    let values: Vec<Value> = load.values().into_iter().skip(1).map(|(_, value)| value).collect();
+    let symbol = match &values[..] {
+        // Along its direction a spring ends at the height of its anchor, across it nowhere in particular.
+        [Value::Place(at), Value::Place(anchor), Value::Pair([dx, dy]), ..] => {
             let from = place(poses, at);
             let [x, y] = between(place(poses, anchor), from);
             let height = x * dx + y * dy;
             LoadSymbol::Coil(from, [from[0] - height * dx, from[1] - height * dy])
         }
-        Load::TorsionSpring { a, b, .. } => {
+        [Value::Place(a), Value::Place(b), ..] => LoadSymbol::Coil(place(poses, a), place(poses, b)),
+        [Value::Place(at), Value::Pair(direction), Value::Curve(size)] => {
+            let sign = words::largest(&size.table.value).signum();
+            LoadSymbol::Arrow(place(poses, at), direction.map(|d| sign * d))
+        }
+        // A drag acts against the motion, to either side; it is drawn along its direction.
+        [Value::Place(at), Value::Pair(along), ..] => LoadSymbol::Arrow(place(poses, at), *along),
+        [Value::Body(a), Value::Body(b), ..] => {
             let joins = |body: usize, other: usize| {
                 mechanism.joints.iter().find(|j| j.journal.body == body && j.bushing.body == other)
             };
             let shared = joins(*a, *b).or_else(|| joins(*b, *a));
             LoadSymbol::Spiral(shared.map_or_else(|| middle(*a), |joint| place(poses, &joint.journal)))
         }
+        [Value::Body(body), Value::Curve(size)] => {
+            LoadSymbol::Turn(middle(*body), words::largest(&size.table.value) >= 0.0)
+        }
+        [Value::Body(body), Value::Number(size), ..] => LoadSymbol::Turn(middle(*body), *size >= 0.0),
+        other => unreachable!("no symbol for a load with the values {other:?}"),
     };
-    let (name, size) = words::load(load);
-    DrawnLoad { name, size, symbol }
+    DrawnLoad { name: load.name(), size: words::load(load), symbol }
 }

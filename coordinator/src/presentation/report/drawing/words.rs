@@ -1,7 +1,7 @@
 //! Drives and loads of a drawing in words.
 
 use crate::presentation::report::format::seven_digits;
-use common::scene::{Drive, Load, OutputUnit, Table};
+use common::scene::{Drive, Form, Load, OutputUnit, Table, Value, filled};
 
 /// The value that is largest in size, with its sign; 0 for none.
 pub fn largest(values: &[f64]) -> f64 {
@@ -36,30 +36,29 @@ pub fn drive(drive: &Drive) -> (String, bool) {
     }
 }
 
-/// Name of a load, and its size in words.
-pub fn load(load: &Load) -> (String, String) {
-    let (name, size) = match load {
-        Load::DirectionalSpring { name, stiffness, .. } | Load::Spring { name, stiffness, .. } => {
-            (name, format!("{} N/m", seven_digits(*stiffness)))
-        }
-        Load::ConstantForce { name, force: [x, y], .. } => (name, format!("{} N", seven_digits(x.hypot(*y)))),
-        Load::ConstantTorque { name, torque, .. } => (name, format!("{} N m", seven_digits(torque.abs()))),
-        Load::TorsionSpring { name, stiffness, .. } => {
-            (name, format!("{} N m/rad", seven_digits(*stiffness)))
-        }
-        Load::VariableForce { name, size, .. } => (name, format!("{} N", range(&size.table, 1.0))),
-        Load::VariableTorque { name, torque, .. } => (name, format!("{} N m", range(&torque.table, 1.0))),
-        Load::Motor { name, stall_torque, .. } => {
-            (name, format!("{} N m at rest", seven_digits(stall_torque.abs())))
-        }
-        Load::Drag { name, quadratic, .. } if *quadratic > 0.0 => {
-            (name, format!("{} N s²/m²", seven_digits(*quadratic)))
-        }
-        Load::Drag { name, linear, .. } => (name, format!("{} N s/m", seven_digits(*linear))),
-        Load::RotationalDrag { name, quadratic, .. } if *quadratic > 0.0 => {
-            (name, format!("{} N m s²/rad²", seven_digits(*quadratic)))
-        }
-        Load::RotationalDrag { name, linear, .. } => (name, format!("{} N m s/rad", seven_digits(*linear))),
+/// Size of a load in words.
+pub fn load(load: &Load) -> String {
+    let values = load.values();
+    let is_zero = |value: &Value| *value == Value::Number(0.0);
+    filled(load.kind().words[0].1, |keys| {
+        let mut named = keys.split('|').filter_map(|name| values.iter().find(|(key, _)| key.name == name));
+        let shown = named.clone().find(|(_, value)| !is_zero(value)).or_else(|| named.next_back());
+        shown.map_or_else(String::new, |(key, value)| size(key.form, value))
+    })
+}
+
+/// The size of a value of this form, with its unit.
+fn size(form: Form, value: &Value) -> String {
+    let number = match value {
+        Value::Number(number) => seven_digits(number.abs()),
+        Value::Pair([x, y]) => seven_digits(x.hypot(*y)),
+        Value::Curve(curve) => range(&curve.table, 1.0),
+        _ => String::new(),
     };
-    (name.clone(), size)
+    match form {
+        Form::Number(kind, _) | Form::NumberOr(kind, ..) | Form::Pair(kind) | Form::Curve(kind) => {
+            format!("{number} {}", kind.si.replace("^2", "²"))
+        }
+        _ => number,
+    }
 }

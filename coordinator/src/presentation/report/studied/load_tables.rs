@@ -1,31 +1,30 @@
 //! Tables of loads, gravity, and the curves by which loads and drives vary and that outputs should follow.
 
 use super::exact::{ExactTexts, exact, exact_number};
-use super::mechanism_tables::place;
+use super::mechanism_tables::subject;
 use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::{cells, table_of_text};
 use crate::presentation::report::written::WrittenScene;
-use common::scene::{Curve, Drive, Load, Motion, OutputUnit, Over, Scene, Table};
+use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, Kind, LENGTH, NUMBER};
+use common::scene::{Curve, Drive, Form, Key, Load, Motion, OutputUnit, Over, Scene, Table, Value};
 use maud::{Markup, html};
 
 /// Loads with all their values, and every curve with its points.
 pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
-    let mut rows: Vec<Vec<Markup>> = scene.loads.iter().map(|load| row(scene, written, load)).collect();
+    let mut rows: Vec<[String; 4]> = scene.loads.iter().map(|load| row(scene, written, load)).collect();
     if scene.gravity != [0.0; 2] {
         let pair = ExactTexts(written).pair("gravity", scene.gravity, "m/s^2");
-        rows.push(cells([
-            "gravity".to_owned(),
-            "gravity".to_owned(),
-            "every body".to_owned(),
-            format!("acceleration {pair} m/s²"),
-        ]));
+        rows.push(
+            ["gravity", "gravity", "every body", &format!("acceleration {pair} m/s²")].map(str::to_owned),
+        );
     }
+    let head = ["load", "type", "acts on [mm]", "values"];
     let curves = curves(scene, written);
     html! {
         @if rows.is_empty() {
             p { "There are no loads but those of the joints." }
         } @else {
-            (captioned("loads", "Loads", table_of_text(&["load", "type", "acts on [mm]", "values"], rows.into_iter())))
+            (captioned("loads", "Loads", table_of_text(&head, rows.into_iter().map(cells))))
         }
         @if !curves.is_empty() {
             (captioned(
@@ -37,113 +36,52 @@ pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
     }
 }
 
-fn row(scene: &Scene, written: &WrittenScene, load: &Load) -> Vec<Markup> {
-    let texts = ExactTexts(written);
-    let body = |k: usize| scene.bodies[k].name.clone();
-    let (name, word, on, values) = match load {
-        Load::DirectionalSpring { name, at, anchor, direction: [x, y], stiffness, free_length } => {
-            let key = |last: &str| format!("loads.{name}.{last}");
-            let [at, anchor] =
-                [("at", at), ("anchor", anchor)].map(|(end, of)| place(scene, written, &key(end), of));
-            (
-                name,
-                "directional-spring",
-                format!("{at}, anchor {anchor}"),
-                format!(
-                    "along ({}, {}), stiffness {}, free length {}",
-                    exact_number(*x),
-                    exact_number(*y),
-                    texts.value(&key("stiffness"), *stiffness, "N/m"),
-                    texts.value(&key("free_length"), *free_length, "mm")
-                ),
-            )
+fn row(scene: &Scene, written: &WrittenScene, load: &Load) -> [String; 4] {
+    let name = load.name();
+    let (mut on, mut values) = (Vec::new(), Vec::new());
+    for (key, value) in load.values() {
+        let path = format!("loads.{name}.{}", key.name);
+        match value {
+            Value::Place(_) | Value::Body(_) if key.name == "anchor" => {
+                on.push(format!("anchor {}", subject(scene, written, &path, &value)));
+            }
+            Value::Place(_) | Value::Body(_) => on.push(subject(scene, written, &path, &value)),
+            _ => values.extend(in_words(&ExactTexts(written), key, &path, value)),
         }
-        Load::ConstantForce { name, at, force } => {
-            let key = |last: &str| format!("loads.{name}.{last}");
-            let force = texts.pair(&key("force"), *force, "N");
-            (name, "constant-force", place(scene, written, &key("at"), at), format!("force {force} N"))
+    }
+    [name, load.word().to_owned(), on.join(", "), values.join(", ")]
+}
+
+/// The value of a key of a load at this path; `None` for one that says nothing of its own.
+fn in_words(texts: &ExactTexts<'_>, key: &Key, path: &str, value: Value) -> Option<String> {
+    let name = key.name.replace("no_load", "no-load").replace('_', " ");
+    Some(match (value, key.form) {
+        (Value::Number(number), Form::Number(kind, _) | Form::NumberOr(kind, ..)) => {
+            format!("{name} {}", texts.value(path, number, unit(kind)))
         }
-        Load::ConstantTorque { name, body: on, torque } => {
-            let torque = texts.value(&format!("loads.{name}.torque"), *torque, "N m");
-            (name, "constant-torque", body(*on), format!("torque {torque}"))
+        (Value::Pair(pair), Form::Pair(kind)) => {
+            format!("{name} {} {}", texts.pair(path, pair, unit(kind)), unit(kind))
         }
-        Load::Spring { name, a, b, stiffness, damping, free_length } => {
-            let key = |last: &str| format!("loads.{name}.{last}");
-            let [a, b] = [("a", a), ("b", b)].map(|(end, of)| place(scene, written, &key(end), of));
-            (
-                name,
-                "spring",
-                format!("{a}, {b}"),
-                format!(
-                    "spring of {}, damping {}, free length {}",
-                    texts.value(&key("stiffness"), *stiffness, "N/m"),
-                    texts.value(&key("damping"), *damping, "N s/m"),
-                    texts.value(&key("free_length"), *free_length, "mm")
-                ),
-            )
-        }
-        Load::TorsionSpring { name, a, b, stiffness, damping, free_angle } => {
-            let key = |last: &str| format!("loads.{name}.{last}");
-            (
-                name,
-                "torsion-spring",
-                format!("{}, {}", body(*a), body(*b)),
-                format!(
-                    "stiffness {}, damping {}, free angle {}",
-                    texts.value(&key("stiffness"), *stiffness, "N m/rad"),
-                    texts.value(&key("damping"), *damping, "N m s/rad"),
-                    texts.value(&key("free_angle"), *free_angle, "deg")
-                ),
-            )
-        }
-        Load::VariableForce { name, at, direction: [x, y], .. } => (
-            name,
-            "force",
-            place(scene, written, &format!("loads.{name}.at"), at),
-            format!("along ({}, {}), by its curve", exact_number(*x), exact_number(*y)),
-        ),
-        Load::VariableTorque { name, body: on, .. } => (name, "torque", body(*on), "by its curve".to_owned()),
-        Load::Motor { name, body: on, stall_torque, no_load_speed } => {
-            let stall = texts.value(&format!("loads.{name}.stall_torque"), *stall_torque, "N m");
-            let speed = texts.value(&format!("loads.{name}.no_load_speed"), *no_load_speed, "r/min");
-            (name, "motor", body(*on), format!("stall torque {stall}, no-load speed {speed}"))
-        }
-        Load::Drag { name, at, direction: [x, y], linear, quadratic, flow, factor } => {
-            let key = |last: &str| format!("loads.{name}.{last}");
-            (
-                name,
-                "drag",
-                place(scene, written, &key("at"), at),
-                format!(
-                    "along ({}, {}), linear {}, quadratic {}, flow {}{}",
-                    exact_number(*x),
-                    exact_number(*y),
-                    texts.value(&key("linear"), *linear, "N s/m"),
-                    texts.value(&key("quadratic"), *quadratic, "N s^2/m^2"),
-                    texts.value(&key("flow"), *flow, "m/s"),
-                    by_factor(factor.as_ref())
-                ),
-            )
-        }
-        Load::RotationalDrag { name, body: on, linear, quadratic, factor } => {
-            let key = |last: &str| format!("loads.{name}.{last}");
-            let linear = texts.value(&key("linear"), *linear, "N m s/rad");
-            let quadratic = texts.value(&key("quadratic"), *quadratic, "N m s^2/rad^2");
-            let values = format!("linear {linear}, quadratic {quadratic}{}", by_factor(factor.as_ref()));
-            (name, "rotational-drag", body(*on), values)
-        }
-    };
-    cells([name.clone(), word.to_owned(), on, values])
+        (Value::Pair([x, y]), _) => format!("along ({}, {})", exact_number(x), exact_number(y)),
+        (Value::Curve(_), _) => "by its curve".to_owned(),
+        (Value::MaybeCurve(Some(_)), _) => "times its curve".to_owned(),
+        _ => return None,
+    })
+}
+
+/// The unit in which a quantity of a load is stated.
+fn unit(kind: Kind) -> &'static str {
+    match kind {
+        LENGTH => "mm",
+        ANGLE => "deg",
+        ANGULAR_VELOCITY => "r/min",
+        other => other.si,
+    }
 }
 
 /// A value in its unit, which a plain number does not have.
 fn value_of(value: f64, unit: &str) -> String {
     if unit.is_empty() { exact_number(value) } else { exact(value, unit) }
-}
-
-/// Whether a drag has a factor.
-fn by_factor(factor: Option<&Curve>) -> &'static str {
-    if factor.is_some() { ", times its curve" } else { "" }
 }
 
 /// One row per curve, with all its points.
@@ -176,21 +114,17 @@ fn curves(scene: &Scene, written: &WrittenScene) -> Vec<Vec<Markup>> {
         };
         row(of, key, over, &curve.table, [argument, unit])
     };
-    let loads = scene.loads.iter().filter_map(Load::curve).map(|(name, key, curve, unit)| {
-        of_curve(name.to_owned(), format!("loads.{name}.{key}"), curve, unit)
+    let loads = scene.loads.iter().filter_map(Load::curve).map(|(name, key, curve, kind)| {
+        let path = format!("loads.{name}.{key}");
+        of_curve(name, path, &curve, if kind == NUMBER { "" } else { kind.si })
     });
     let wanted = scene.outputs.iter().flat_map(|output| {
         let unit = if output.kind.unit() == OutputUnit::Angle { "deg" } else { "mm" };
-        let of = |key: &str| {
-            [format!("{}, {}", output.name, key.replace('_', " ")), format!("outputs.{}.{key}", output.name)]
-        };
-        let curves = output.kind.curves().into_iter();
-        curves
-            .map(|(key, curve)| {
-                let [of, key] = of(key);
-                of_curve(of, key, curve, unit)
-            })
-            .collect::<Vec<_>>()
+        let curves = output.kind.curves().into_iter().map(|(key, curve)| {
+            let of = format!("{}, {}", output.name, key.replace('_', " "));
+            of_curve(of, format!("outputs.{}.{key}", output.name), &curve, unit)
+        });
+        curves.collect::<Vec<_>>()
     });
     drives.chain(loads).chain(wanted).collect()
 }

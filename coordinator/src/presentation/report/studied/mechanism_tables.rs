@@ -7,8 +7,8 @@ use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::{cells, table, table_of_text};
 use crate::presentation::report::written::WrittenScene;
 use common::scene::{
-    Attachment, Clearance, ContactDamping, ControlPoints, Drive, Joint, JointKind, Motion, RestitutionLaw,
-    Scene, WearingSurfaces,
+    Attachment, Clearance, ContactDamping, ControlPoints, Drive, JointKind, Motion, Scene, Value,
+    WearingSurfaces,
 };
 use maud::{Markup, html};
 
@@ -21,6 +21,18 @@ pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
         (hinges(scene, written))
         (super::materials::materials(scene, written))
     }
+}
+
+/// A table of rows of texts, each with the head of its column; nothing without a row.
+pub(super) fn stated<const N: usize>(
+    name: &str,
+    title: &str,
+    rows: impl Iterator<Item = [(&'static str, String); N]>,
+) -> Markup {
+    let mut rows = rows.peekable();
+    let Some(first) = rows.peek() else { return html! {} };
+    let head = first.each_ref().map(|(head, _)| *head);
+    captioned(name, title, table_of_text(&head, rows.map(|row| cells(row.map(|(_, text)| text)))))
 }
 
 fn bodies(scene: &Scene, written: &WrittenScene) -> Markup {
@@ -54,14 +66,16 @@ fn bodies(scene: &Scene, written: &WrittenScene) -> Markup {
         };
         let points: Vec<String> = body.points.iter().map(point).collect();
         let [motion, mass, inertia, centre] = rest;
-        cells([body.name.clone(), motion, mass, inertia, centre, points.join("; ")])
+        [
+            ("body", body.name.clone()),
+            ("motion", motion),
+            ("mass", mass),
+            ("inertia", inertia),
+            ("centre of mass [mm]", centre),
+            ("points [mm]", points.join("; ")),
+        ]
     });
-    let head = ["body", "motion", "mass", "inertia", "centre of mass [mm]", "points [mm]"];
-    captioned(
-        "bodies",
-        "Bodies; inertia about the centre of mass; points in the frame of the body",
-        table_of_text(&head, rows),
-    )
+    stated("bodies", "Bodies; inertia about the centre of mass; points in the frame of the body", rows)
 }
 
 fn how(drive: &Drive, texts: &ExactTexts<'_>, body: &str) -> String {
@@ -109,7 +123,7 @@ fn starts(scene: &Scene, written: &WrittenScene) -> Markup {
 }
 
 /// A place: its body, the name of its point where that is known, and its position in the frame of the body.
-pub(super) fn place(scene: &Scene, written: &WrittenScene, key: &str, at: &Attachment) -> String {
+fn place(scene: &Scene, written: &WrittenScene, key: &str, at: &Attachment) -> String {
     let body = &scene.bodies[at.body].name;
     let texts = ExactTexts(written);
     match written.name(&format!("{key}.point")) {
@@ -121,24 +135,39 @@ pub(super) fn place(scene: &Scene, written: &WrittenScene, key: &str, at: &Attac
     }
 }
 
+/// The bodies or joints that the value of a key names.
+pub(super) fn subject(scene: &Scene, written: &WrittenScene, key: &str, value: &Value) -> String {
+    let body = |index: usize| scene.bodies[index].name.as_str();
+    match value {
+        Value::Place(at) => place(scene, written, key, at),
+        Value::Body(index) => body(*index).to_owned(),
+        Value::SignedBody(signed) => {
+            let sign = if signed.sign < 0.0 { "\u{2212}" } else { "+" };
+            format!("{sign}{} ({})", body(signed.body), signed.label)
+        }
+        Value::Joints(joints) => {
+            joints.iter().map(|joint| scene.joints[*joint].name.as_str()).collect::<Vec<_>>().join(", ")
+        }
+        _ => String::new(),
+    }
+}
+
 fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
     let texts = ExactTexts(written);
     let rows = scene.joints.iter().map(|joint| {
         let key = |last: &str| format!("joints.{}.{last}", joint.name);
         let angle = |last: &str, angle: f64| texts.value(&key(last), angle, "deg");
-        let (kind, ends) = match &joint.kind {
-            JointKind::Revolute => ("revolute, ideal".to_owned(), ["a", "b"]),
-            JointKind::Prismatic { axis, angle: turned } => (
-                format!("prismatic along {}, turned by {}", angle("axis", *axis), angle("angle", *turned)),
-                ["a", "b"],
-            ),
-            JointKind::Fixed { angle: turned } => {
-                (format!("rigid, turned by {}", angle("angle", *turned)), ["a", "b"])
+        let kind = match &joint.kind {
+            JointKind::Revolute => "revolute, ideal".to_owned(),
+            JointKind::Prismatic { axis, angle: turned } => {
+                format!("prismatic along {}, turned by {}", angle("axis", *axis), angle("angle", *turned))
             }
-            JointKind::Clearance(_) => ("hinge with clearance".to_owned(), ["journal", "bushing"]),
-            JointKind::Guide(_) => ("slider in a guide with clearance".to_owned(), ["slider", "guide"]),
+            JointKind::Fixed { angle: turned } => format!("rigid, turned by {}", angle("angle", *turned)),
+            JointKind::Clearance(_) => "hinge with clearance".to_owned(),
+            JointKind::Guide(_) => "slider in a guide with clearance".to_owned(),
         };
-        let size = if matches!(joint.kind, JointKind::Revolute) { "pin_radius" } else { "guide_length" };
+        let (_, ends, size) = joint.kind.words();
+        let size = size.unwrap_or_default();
         let friction = joint.friction.map_or(String::new(), |friction| {
             format!(
                 "; friction {}, friction speed {}, {} {}",
@@ -150,44 +179,22 @@ fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
         });
         let [first, second] = [(ends[0], &joint.journal), (ends[1], &joint.bushing)]
             .map(|(end, at)| place(scene, written, &key(end), at));
-        cells([joint.name.clone(), kind + &friction, first, second])
+        [
+            ("joint", joint.name.clone()),
+            ("kind", kind + &friction),
+            ("journal, or first body [mm]", first),
+            ("bushing, or second body [mm]", second),
+        ]
     });
-    let head = ["joint", "kind", "journal, or first body [mm]", "bushing, or second body [mm]"];
-    captioned("joints", "Joints, with their places in the frames of the bodies", table_of_text(&head, rows))
+    stated("joints", "Joints, with their places in the frames of the bodies", rows)
 }
 
-/// Joints with clearance, with what is modelled of them.
-fn clearances(scene: &Scene) -> Vec<(&str, &Clearance)> {
-    let with_clearance = |joint: &'_ Joint| matches!(joint.kind, JointKind::Clearance(_));
-    let joints = scene.joints.iter().filter(|joint| with_clearance(joint));
-    joints
-        .filter_map(|joint| match &joint.kind {
-            JointKind::Clearance(clearance) => Some((joint.name.as_str(), clearance)),
-            _ => None,
-        })
-        .collect()
-}
-
+/// Hinges with clearance, with what is modelled of them.
 fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
-    let clearances = clearances(scene);
-    if clearances.is_empty() {
-        return html! {};
-    }
-    let head = [
-        "hinge",
-        "journal radius",
-        "radial clearance",
-        "bushing radius",
-        "width",
-        "wear coefficient",
-        "friction",
-        "friction speed",
-        "film damping",
-        "control points",
-        "law and damping of the contact",
-    ];
     let texts = ExactTexts(written);
-    let rows = clearances.into_iter().map(|(name, clearance)| {
+    let rows = scene.joints.iter().filter_map(|joint| {
+        let JointKind::Clearance(clearance) = &joint.kind else { return None };
+        let name = joint.name.as_str();
         let key = |last: &str| format!("joints.{name}.{last}");
         // One of the two follows from the other and the radius of the journal.
         let stated = |last: &str| written.quantity(&key(last)).is_some();
@@ -208,41 +215,43 @@ fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
         let wall = clearance
             .wall
             .map_or(String::new(), |wall| format!("; wall {}", texts.value(&key("wall"), wall, "mm")));
-        let wear = texts.value(&key("wear_coefficient"), clearance.wear_coefficient, "1/Pa");
+        let coefficient = |last: &str, value: f64| texts.value(&key(last), value, "1/Pa");
+        let wear = coefficient("wear_coefficient", clearance.wear_coefficient);
         let wear = match (clearance.wears, clearance.journal_wear_coefficient) {
             (WearingSurfaces::Bushing, _) => wear,
             (WearingSurfaces::Journal, _) => format!("{wear} (journal)"),
             (WearingSurfaces::Both, None) => format!("{wear} (both surfaces)"),
             (WearingSurfaces::Both, Some(journal)) => {
-                format!("{wear}; journal {}", texts.value(&key("journal_wear_coefficient"), journal, "1/Pa"))
+                format!("{wear}; journal {}", coefficient("journal_wear_coefficient", journal))
             }
         };
-        cells([
-            name.to_owned(),
-            texts.value(&key("journal_radius"), clearance.journal_radius, "mm"),
-            following(radial.replace("um", "µm"), !by_clearance),
-            following(radius, by_clearance),
-            texts.value(&key("width"), clearance.width, "mm"),
-            wear,
-            texts.number(&key("friction"), clearance.friction),
-            texts.value(&key("friction_speed"), clearance.friction_speed, "mm/s"),
-            texts.value(&key("film_damping"), clearance.film_damping, "N s/m"),
-            match clearance.control_points {
-                ControlPoints::Number(number) => number.to_string(),
-                ControlPoints::ByArc => "by the contact arc".to_owned(),
-            },
-            format!(
-                "{}; {}{wall}",
-                clearance.contact_law.name(),
-                damping(&clearance.contact_damping, &texts, &key("contact_damping"))
+        let law = clearance.contact_law.name();
+        let damping = damping(&clearance.contact_damping, &texts, &key("contact_damping"));
+        Some([
+            ("hinge", name.to_owned()),
+            ("journal radius", texts.value(&key("journal_radius"), clearance.journal_radius, "mm")),
+            ("radial clearance", following(radial.replace("um", "µm"), !by_clearance)),
+            ("bushing radius", following(radius, by_clearance)),
+            ("width", texts.value(&key("width"), clearance.width, "mm")),
+            ("wear coefficient", wear),
+            ("friction", texts.number(&key("friction"), clearance.friction)),
+            ("friction speed", texts.value(&key("friction_speed"), clearance.friction_speed, "mm/s")),
+            ("film damping", texts.value(&key("film_damping"), clearance.film_damping, "N s/m")),
+            (
+                "control points",
+                match clearance.control_points {
+                    ControlPoints::Number(number) => number.to_string(),
+                    ControlPoints::ByArc => "by the contact arc".to_owned(),
+                },
             ),
+            ("law and damping of the contact", format!("{law}; {damping}{wall}")),
         ])
     });
-    captioned(
+    stated(
         "hinges",
         "Hinges with clearance; values in parentheses follow from the others; friction is regularised at the friction speed; a hinge \
          with the wear coefficient 0 does not wear",
-        table_of_text(&head, rows),
+        rows,
     )
 }
 
@@ -266,11 +275,7 @@ pub(super) fn damping(damping: &ContactDamping, texts: &ExactTexts<'_>, key: &st
             format!("hunt-crossley, {}", texts.value(&format!("{key}.hunt_crossley"), *factor, "s/m"))
         }
         ContactDamping::Restitution { law, coefficient, least_speed } => {
-            let law = match law {
-                RestitutionLaw::LankaraniNikravesh => "lankarani-nikravesh",
-                RestitutionLaw::HuntCrossley => "hunt-crossley",
-                RestitutionLaw::Flores => "flores",
-            };
+            let law = law.word();
             let e = texts.number(&format!("{key}.restitution"), *coefficient);
             let least = texts.value(&format!("{key}.least_speed"), *least_speed, "mm/s");
             format!("{law}, e = {e}, approach at least {least}")

@@ -252,7 +252,7 @@ mod tests {
             "gumbel-minima",
             "parameters.arm",
             "Gaussian copula",
-            "spring of 2000 N/m",
+            "stiffness 2000 N/m",
             "0.01 s: 5.5 N",
             "stall torque −0.3 N m, no-load speed −3000 r/min",
             "<td>bodies.rod.start_position.x</td><td><code>arm</code></td>",

@@ -1,22 +1,21 @@
 //! Tables of what is uncertain and of what counts as failure: random variables, correlations, outputs, limit states, life.
 
 use super::exact::{ExactTexts, exact, exact_number};
-use super::mechanism_tables::place;
+use super::mechanism_tables::{stated, subject};
 use crate::presentation::report::format::{UNKNOWN, count, seven_digits};
 use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::{table, table_of_text};
+use crate::presentation::report::tables::table;
 use crate::presentation::report::written::WrittenScene;
 use crate::results::scene_summary::{LimitRow, VariableRow};
 use crate::results::summary::StudySummary;
 use crate::study::Settings;
 use common::random::{Correlation, RandomVariable};
 use common::scene::expression::{ExpressionError, evaluate, read_unit};
-use common::scene::{Fails, Output, OutputKind, OutputUnit, Scene, SignedBody};
+use common::scene::{Fails, Key, Output, OutputUnit, Scene, Value};
 use maud::{Markup, Render, html};
 
 /// Distribution, moments and bounds of every random variable, in the unit in which it is displayed, and the correlations.
 pub fn variables(scene: &Scene, summary: &StudySummary, written: &WrittenScene) -> Markup {
-    let head = ["variable", "unit", "distribution", "mean", "std", "lower bound", "upper bound", "sets"];
     let correlations = scene.correlations.iter().map(|Correlation { first, second, coefficient }| {
         let name = |k: usize| scene.variables[k].name.render();
         vec![name(*first), name(*second), exact_number(*coefficient).render()]
@@ -30,10 +29,10 @@ pub fn variables(scene: &Scene, summary: &StudySummary, written: &WrittenScene) 
         })
         .collect();
     html! {
-        (captioned(
+        (stated(
             "variables",
             "Random variables; of a truncated distribution mean and standard deviation are those before truncation",
-            table_of_text(&head, rows),
+            rows,
         ))
         @if !measured.is_empty() {
             p {
@@ -51,7 +50,7 @@ pub fn variables(scene: &Scene, summary: &StudySummary, written: &WrittenScene) 
     }
 }
 
-fn cells(variable: &RandomVariable, row: &VariableRow) -> Vec<Markup> {
+fn cells(variable: &RandomVariable, row: &VariableRow) -> [(&'static str, String); 8] {
     let is_constant = variable.distribution.is_constant();
     let shown = |value: Option<f64>| {
         let value = value.filter(|_| !is_constant);
@@ -68,18 +67,17 @@ fn cells(variable: &RandomVariable, row: &VariableRow) -> Vec<Markup> {
         None => row.distribution.clone(),
     };
     let (lower, upper) = truncation(row).unwrap_or_else(|| (shown(row.lower), shown(row.upper)));
+    let std = if is_constant { UNKNOWN.to_owned() } else { spread(variable, row) };
     [
-        row.name.clone(),
-        variable.unit.clone(),
-        distribution,
-        in_unit(variable, row.mean),
-        if is_constant { UNKNOWN.to_owned() } else { spread(variable, row) },
-        lower,
-        upper,
-        sets,
+        ("variable", row.name.clone()),
+        ("unit", variable.unit.clone()),
+        ("distribution", distribution),
+        ("mean", in_unit(variable, row.mean)),
+        ("std", std),
+        ("lower bound", lower),
+        ("upper bound", upper),
+        ("sets", sets),
     ]
-    .map(|cell| cell.render())
-    .to_vec()
 }
 
 /// A value in the unit of its variable, which stands in a column of its own.
@@ -127,35 +125,13 @@ fn truncation(row: &VariableRow) -> Option<(String, String)> {
 }
 
 /// The bodies or joints that an output belongs to.
-fn subject(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
-    let joints = |joints: &[usize]| {
-        joints.iter().filter_map(|k| Some(scene.joints.get(*k)?.name.as_str())).collect::<Vec<_>>().join(", ")
+fn subjects(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
+    let text = |(key, value): (&Key, Value)| {
+        subject(scene, written, &format!("outputs.{}.{}", output.name, key.name), &value)
     };
-    let signed = |body: &SignedBody| {
-        let sign = if body.sign < 0.0 { "\u{2212}" } else { "+" };
-        let name = scene.bodies.get(body.body).map_or(UNKNOWN, |body| body.name.as_str());
-        format!("{sign}{name} ({})", body.label)
-    };
-    match &output.kind {
-        OutputKind::LargestWear { joints: of }
-        | OutputKind::Wear { joints: of, .. }
-        | OutputKind::PeakJointForce { joints: of }
-        | OutputKind::Impacts { joints: of }
-        | OutputKind::ImpactEnergy { joints: of, .. } => joints(of),
-        OutputKind::AngularVelocityDifference { a, b } | OutputKind::AngleDifference { a, b } => {
-            format!("{}; {}", signed(a), signed(b))
-        }
-        OutputKind::PositionError { at, .. }
-        | OutputKind::PositionBacklash { at, .. }
-        | OutputKind::Acceleration { at } => {
-            place(scene, written, &format!("outputs.{}.at", output.name), at)
-        }
-        OutputKind::DrivingTorque { body }
-        | OutputKind::AngleError { body, .. }
-        | OutputKind::AngularAcceleration { body }
-        | OutputKind::Backlash { body, .. } => scene.bodies[*body].name.clone(),
-        OutputKind::External { .. } => UNKNOWN.to_owned(),
-    }
+    let found: Vec<String> =
+        output.kind.values().into_iter().map(text).filter(|text| !text.is_empty()).collect();
+    if found.is_empty() { UNKNOWN.to_owned() } else { found.join("; ") }
 }
 
 /// The settings that the study used, with the values of its last run; `stored` are those of its file. A study by an earlier version
@@ -175,14 +151,8 @@ pub(super) fn study_settings(scene: &Scene, summary: &StudySummary, stored: &ser
         ]);
     }
     rows.push(("seed", summary.seed.to_string()));
-    captioned(
-        "settings",
-        "Settings of the study, as it was run",
-        table_of_text(
-            &["setting", "value"],
-            rows.into_iter().map(|(name, value)| vec![name.render(), value.render()]),
-        ),
-    )
+    let rows = rows.into_iter().map(|(name, value)| [("setting", name.to_owned()), ("value", value)]);
+    stated("settings", "Settings of the study, as it was run", rows)
 }
 
 /// The length of a cycle as the scene states it, or the period of the drive that it follows from; `None` without one.
@@ -199,13 +169,13 @@ fn cycle_of(scene: &Scene, written: &WrittenScene) -> Option<String> {
 
 /// Outputs, limit states and life.
 pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Markup {
-    let (body, joint) = (|k: usize| &*scene.bodies[k].name, |k: usize| &*scene.joints[k].name);
     let outputs = scene.outputs.iter().map(|output| {
-        let what = output.kind.description(body, joint);
-        let of = subject(scene, written, output);
-        [output.name.clone(), output.kind.unit().symbol().to_owned(), what, of]
-            .map(|cell| cell.render())
-            .to_vec()
+        [
+            ("output", output.name.clone()),
+            ("unit", output.kind.unit().symbol().to_owned()),
+            ("quantity", output.kind.description(scene)),
+            ("of", subjects(scene, written, output)),
+        ]
     });
     let limits = rows.iter().zip(&scene.limit_states).map(|(row, limit)| {
         let unit = scene.outputs[limit.output].kind.unit();
@@ -226,7 +196,7 @@ pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Marku
     });
     let life = &scene.life;
     html! {
-        (captioned("outputs", "Outputs at every checkpoint", table_of_text(&["output", "unit", "quantity", "of"], outputs)))
+        (stated("outputs", "Outputs at every checkpoint", outputs))
         (captioned("limits", "Limit states", table(&["limit state", "output", "failed where the output is"], limits)))
         @if life.cycles > 1 {
             p {
@@ -246,13 +216,11 @@ fn conditions(scene: &Scene, written: &WrittenScene) -> Markup {
     let rows = scene.conditions.iter().map(|condition| {
         let share =
             ExactTexts(written).number(&format!("conditions.{}.share", condition.name), condition.share);
-        [condition.name.clone(), share, written.changes_of(&condition.name)]
-            .map(|cell| cell.render())
-            .to_vec()
+        [
+            ("condition", condition.name.clone()),
+            ("share of the cycles", share),
+            ("changes", written.changes_of(&condition.name)),
+        ]
     });
-    captioned(
-        "conditions",
-        "Operating conditions; outputs are the worst of them",
-        table_of_text(&["condition", "share of the cycles", "changes"], rows),
-    )
+    stated("conditions", "Operating conditions; outputs are the worst of them", rows)
 }

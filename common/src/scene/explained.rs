@@ -1,0 +1,108 @@
+//! Loads and outputs in one line each, by the sentences of their tables.
+
+use super::drive::Curve;
+use super::key_table::{Form, Key, Value};
+use super::load::Load;
+use super::model::Scene;
+use super::output::OutputKind;
+use super::output_values::HeldInput;
+use super::quantity::{ANGLE, ANGULAR_VELOCITY, Kind, LENGTH};
+
+/// A sentence with texts in the places of the keys in braces.
+pub fn filled(sentence: &str, text: impl Fn(&str) -> String) -> String {
+    let mut parts = sentence.split('{');
+    let mut filled = parts.next().unwrap_or_default().to_owned();
+    for (key, rest) in parts.filter_map(|part| part.split_once('}')) {
+        filled += &text(key);
+        filled += rest;
+    }
+    filled
+}
+
+impl Load {
+    /// Name, kind, constants and bodies of the load in one line.
+    pub fn explanation(&self, scene: &Scene) -> String {
+        format!("{}: {}", self.name(), with_values(self.kind().sentence, &self.values(), scene))
+    }
+}
+
+impl OutputKind {
+    /// Description in words.
+    pub fn description(&self, scene: &Scene) -> String {
+        let sentence = match self {
+            OutputKind::PositionError { wanted: [Some(_), Some(_)], .. } => {
+                "{measure} distance of a point of {at} from its wanted position"
+            }
+            OutputKind::PositionError { wanted: [Some(_), None], .. } => {
+                "{measure} error of x of a point of {at}"
+            }
+            OutputKind::PositionError { wanted: [None, Some(_)], .. } => {
+                "{measure} error of y of a point of {at}"
+            }
+            other => other.kind().sentence,
+        };
+        with_values(sentence, &self.values(), scene)
+    }
+}
+
+/// A sentence with the values of its keys.
+fn with_values(sentence: &str, values: &[(&Key, Value)], scene: &Scene) -> String {
+    filled(sentence, |name| {
+        let found = values.iter().find(|(key, _)| key.name == name);
+        found.map_or_else(String::new, |(key, value)| in_words(key.form, value, scene))
+    })
+}
+
+/// The value of a key of this form in a sentence.
+fn in_words(form: Form, value: &Value, scene: &Scene) -> String {
+    let body = |index: usize| scene.bodies[index].name.clone();
+    match value {
+        Value::Place(place) => body(place.body),
+        Value::Body(index) => body(*index),
+        Value::SignedBody(signed) => signed.label.clone(),
+        Value::Pair([x, y]) => match form {
+            Form::Pair(kind) => format!("({x}, {y}) {}", kind.si),
+            _ => format!("({x}, {y})"),
+        },
+        Value::Number(number) => match form {
+            Form::Number(kind, _) | Form::NumberOr(kind, ..) => quantity(*number, kind),
+            _ => number.to_string(),
+        },
+        Value::Curve(curve) => {
+            curve_in_words(curve, scene, if let Form::Curve(kind) = form { kind.si } else { "" })
+        }
+        Value::MaybeCurve(curve) if matches!(form, Form::Wanted(_)) => {
+            if curve.is_some() { "the wanted one" } else { "that with ideal joints" }.to_owned()
+        }
+        Value::MaybeCurve(Some(factor)) => format!(", times {}", curve_in_words(factor, scene, "")),
+        Value::Joints(joints) => match joints[..] {
+            [one] => format!("joint {}", scene.joints[one].name),
+            _ => format!("{} joints", joints.len()),
+        },
+        Value::WearQuantity(quantity) => quantity.description().to_owned(),
+        Value::ErrorMeasure(measure) => measure.description().to_owned(),
+        Value::ImpactMeasure(measure) => measure.description().to_owned(),
+        Value::Held(None) => ", largest over the cycle".to_owned(),
+        Value::Held(Some(HeldInput { body: held, angle })) => {
+            // Without digits that come from rounding.
+            let degrees = (angle.to_degrees() * 1e9).round() / 1e9;
+            format!(" with {} held at {degrees} deg", body(*held))
+        }
+        Value::MaybeCurve(None) | Value::TwoCurves(_) | Value::Text(_) | Value::Flag(_) => String::new(),
+    }
+}
+
+/// A quantity [SI] with its unit, lengths and angles with three decimals.
+fn quantity(value: f64, kind: Kind) -> String {
+    match kind {
+        LENGTH => format!("{:.3} mm", value * 1e3),
+        ANGLE => format!("{:.3} deg", value.to_degrees()),
+        ANGULAR_VELOCITY => format!("{:.1} r/min", value * 30.0 / std::f64::consts::PI),
+        other => format!("{value} {}", other.si),
+    }
+}
+
+fn curve_in_words(curve: &Curve, scene: &Scene, unit: &str) -> String {
+    let bodies: Vec<&str> = scene.bodies.iter().map(|body| body.name.as_str()).collect();
+    curve.explanation(&bodies, unit)
+}
