@@ -75,7 +75,7 @@ impl Simulated<'_> {
             ("work", self.work()),
             ("version", format!("Hingewise {}", env!("CARGO_PKG_VERSION"))),
         ];
-        Ok(view.page(&facts, source).map_err(ReportError::from)?)
+        Ok(view.page(&facts, source).map_err(ReportError::from)?.html(None))
     }
 
     /// Life, accuracy, steps and time.

@@ -7,7 +7,7 @@
 //! | [`control_points`] | outputs that depend on the number of control points |
 //! | [`motion_cautions`] | cautions about energy and settling of the simulated motion |
 //! | [`nominal_life`] | one mechanism against the limits of its scene |
-//! | [`remaining`] | time that a study still takes |
+//! | [`progress`] | progress of a study, and the time that it still takes |
 //! | [`terminal`] | progress and final summary on the terminal |
 //! | [`text_table`] | a table as text |
 
@@ -15,7 +15,7 @@ pub mod control_points;
 pub mod monitor;
 pub mod motion_cautions;
 pub mod nominal_life;
-pub mod remaining;
+pub mod progress;
 pub mod report;
 pub mod terminal;
 pub mod text_table;

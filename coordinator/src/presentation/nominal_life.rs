@@ -3,7 +3,7 @@
 use crate::presentation::report::format::{count, three_digits};
 use common::outputs::Evaluation;
 use common::scene::{LimitState, OutputUnit, Scene};
-use serde::Serialize;
+use serde_json::{Value, json};
 
 /// When one mechanism reaches a limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,20 +46,6 @@ pub struct NominalLife<'s> {
     pub reached: Reached,
     /// Stated numerical errors of the values at the first and at the last checkpoint [SI]; zero if none is stated.
     pub errors: [f64; 2],
-}
-
-/// A limit state in JSON, values in SI units.
-#[derive(Debug, Serialize)]
-pub struct PrintedLife<'s> {
-    limit_state: &'s str,
-    /// The threshold, the upper one of two.
-    threshold: f64,
-    /// The lower threshold of two.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    lower: Option<f64>,
-    value_at_end: f64,
-    /// Expected life [cycles]; absent beyond the life studied.
-    life: Option<f64>,
 }
 
 /// The limit states of a mechanism whose values are those of `evaluation`.
@@ -158,21 +144,20 @@ impl NominalLife<'_> {
             .replace('\u{a0}', " ")
     }
 
-    /// This limit state as JSON.
-    pub fn printed(&self) -> PrintedLife<'_> {
+    /// This limit state as JSON, values in SI units: the `threshold`, the upper one of two with the `lower` one beside it; the expected
+    /// `life` [cycles] is null beyond the life studied.
+    pub fn to_json(&self) -> Value {
         let life = match self.reached {
             Reached::FromTheStart => Some(0.0),
             Reached::After(life) => Some(life),
             Reached::Beyond(_) => None,
         };
-        let lower = self.limit.middle().map(|_| self.limit.thresholds()[0]);
-        PrintedLife {
-            limit_state: &self.limit.name,
-            threshold: self.limit.threshold,
-            lower,
-            value_at_end: self.last,
-            life,
+        let mut found = json!({ "limit_state": self.limit.name, "threshold": self.limit.threshold,
+                                "value_at_end": self.last, "life": life });
+        if self.limit.middle().is_some() {
+            found["lower"] = self.limit.thresholds()[0].into();
         }
+        found
     }
 }
 
@@ -228,11 +213,11 @@ mod tests {
         assert_eq!(lives[1].reached, Reached::After(2500.0));
         // 50 rad/s.
         assert!(lives[1].line(8000).contains("limit 477 r/min"), "{}", lives[1].line(8000));
-        let printed = serde_json::to_value(lives[0].printed()).unwrap();
+        let printed = lives[0].to_json();
         assert!((printed["lower"].as_f64().unwrap() - 2e-6).abs() < 1e-18);
         evaluation.start = vec![Some(0.0), None];
         let lives = nominal_lives(&scene, &evaluation);
-        let printed = serde_json::to_value(lives[0].printed()).unwrap();
+        let printed = lives[0].to_json();
         assert_eq!(printed["limit_state"], "wear");
         assert!((printed["life"].as_f64().unwrap() - 6400.0).abs() < 1e-6, "{printed}");
     }

@@ -150,14 +150,7 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
                       img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 async fn page(State(live): State<Arc<LivePage>>) -> Result<Response, StatusCode> {
-    let view = compute(move || live.view()).await?;
-    let headers = [
-        (header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8")),
-        (header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY)),
-        (header::CACHE_CONTROL, HeaderValue::from_static("no-store")),
-        (header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff")),
-    ];
-    Ok((headers, view.html).into_response())
+    Ok(html(compute(move || live.view()).await?.html, POLICY))
 }
 
 /// Content security policy of the report of a finished study: the script of its animation is part of it.
@@ -166,12 +159,18 @@ const REPORT_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; scri
 
 /// The report in the folder of a study that has ended.
 async fn report(State(live): State<Arc<LivePage>>) -> Result<Response, StatusCode> {
-    let text = file(live, "report.html".to_owned()).await?;
+    Ok(html(file(live, "report.html".to_owned()).await?, REPORT_POLICY))
+}
+
+/// A page with this content security policy, which is not kept.
+fn html(text: String, policy: &'static str) -> Response {
     let headers = [
-        (header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8")),
-        (header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(REPORT_POLICY)),
+        (header::CONTENT_TYPE, "text/html; charset=utf-8"),
+        (header::CONTENT_SECURITY_POLICY, policy),
+        (header::CACHE_CONTROL, "no-store"),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     ];
-    Ok((headers, text).into_response())
+    (headers, text).into_response()
 }
 
 /// A figure beside the report, as SVG or CSV.

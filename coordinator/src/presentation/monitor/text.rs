@@ -1,9 +1,9 @@
 //! The status of a running study as text.
 
-use crate::presentation::remaining::EvaluationProgress;
-use crate::presentation::report::format::{count, duration, fixed, share};
+use crate::presentation::progress::{RemainingTime, per_second};
+use crate::presentation::report::format::{count, duration, share};
 use crate::statistics::reliability::REACH;
-use common::wire::{Phase, Status, StudyStatus};
+use common::wire::{Phase, Status};
 use std::fmt::Write;
 
 /// Phase, evaluations, queue, rate, current R, and one line per worker.
@@ -48,10 +48,9 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
     let (queued, under_way, slots) = (count(farm.queued), count(farm.under_way), count(farm.slots()));
     writeln!(text, "queue: {queued} waiting, {under_way} running on {slots} slots")?;
     if farm.rate > 0.0 {
-        let StudyStatus { done, planned, budget, .. } = *study;
-        let left = EvaluationProgress { done, planned, budget }.remaining(Some(farm.rate));
+        let left = RemainingTime::of(study, Some(farm.rate));
         let remaining = left.map(|left| format!(", {left}")).unwrap_or_default();
-        writeln!(text, "rate: {}/s in the last minute{remaining}", rate(farm.rate))?;
+        writeln!(text, "rate: {} in the last minute{remaining}", per_second(farm.rate))?;
     }
     if let Some(so_far) = &study.reliability {
         let reach = REACH * so_far.standard_error;
@@ -76,14 +75,10 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
             worker.slots,
             worker.under_way,
             count(worker.done),
-            format!("{}/s", rate(worker.rate))
+            per_second(worker.rate)
         )?;
     }
     Ok(())
-}
-
-fn rate(rate: f64) -> String {
-    fixed(rate, if rate < 10.0 { 2 } else { 0 })
 }
 
 /// Received text without control characters, which could control a terminal.
@@ -94,7 +89,7 @@ fn printable(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::wire::{FarmStatus, ReliabilitySoFar, WorkerStatus};
+    use common::wire::{FarmStatus, ReliabilitySoFar, StudyStatus, WorkerStatus};
 
     #[test]
     fn a_status_has_workers_rates_and_the_current_r() {

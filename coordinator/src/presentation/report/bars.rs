@@ -1,6 +1,6 @@
 //! A chart of pairs of horizontal bars with their errors, one pair per variable.
 
-use super::figure::{Figure, csv};
+use super::figure::{Drawing, Figure, csv};
 use super::palette::Ink;
 use super::plot::{LETTERS, PlotError, draw, letters, px, stroke, tick_label};
 use crate::results::csv_table::number;
@@ -62,12 +62,12 @@ impl Bars<'_> {
             name: self.figure.into(),
             title: title.into(),
             caption: caption.into(),
-            svg: self.svg()?,
+            drawing: self.drawing()?,
             csv: csv(&["variable", first, &errors[0], second, &errors[1]], self.all.iter().map(row)),
         })
     }
 
-    fn svg(&self) -> Result<String, PlotError> {
+    fn drawing(&self) -> Result<Drawing, PlotError> {
         let rows = &self.all[..self.shown.min(self.all.len())];
         let longest = rows.iter().flat_map(|pair| pair.values).map(f64::abs).fold(0.0, f64::max);
         let longest = if longest > 0.0 { 1.12 * longest } else { 1.0 };
@@ -151,7 +151,8 @@ mod tests {
         let figure = bars.figure("t", "c").unwrap();
         assert_eq!(figure.csv.lines().count(), 6);
         assert!(figure.csv.contains("\"variable 1, long\",0.05,0.01,-0.2,0.0\n"), "{}", figure.csv);
-        let document = roxmltree::Document::parse(&figure.svg).unwrap();
+        let svg = figure.drawing.document(&maud::html! {});
+        let document = roxmltree::Document::parse(&svg).unwrap();
         let text: Vec<&str> = document.descendants().filter_map(|node| node.text()).map(str::trim).collect();
         assert!(text.contains(&"variable 2, longlong") && !text.iter().any(|t| t.contains("variable 3")));
         assert_eq!(shortened("a name that is far too long").chars().count(), LONGEST);

@@ -12,7 +12,7 @@ use super::life_change::change_between;
 use super::page::{self, wrapped};
 use super::palette::{Ink, SERIES};
 use super::plot::{Axis, Plot, PlotError, Series, Shape};
-use super::tables::{life_cell, table};
+use super::tables::{life_cell, table, table_of};
 use super::words;
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::{PerLimitState, StudySummary};
@@ -261,32 +261,20 @@ fn differences(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -
 
 /// Scene, method, accuracy, seed, evaluations and time of every study.
 fn effort(studies: &[ComparedStudy]) -> Markup {
-    let head = [
-        "study",
-        "scene",
-        "method",
-        "accuracy",
-        "seed",
-        "simulations",
-        "of these without a result",
-        "time of the study",
-        "version",
-    ];
-    let rows = studies.iter().map(|ComparedStudy { name, summary }| {
-        let cells = [
-            name.clone(),
-            summary.scene.clone(),
-            summary.method.clone(),
-            words::accuracy(summary),
-            summary.seed.to_string(),
-            count(summary.evaluations.total as u64),
-            count(summary.evaluations.failed as u64),
-            duration(summary.timing_s.total),
-            summary.version.clone(),
-        ];
-        cells.map(|cell| cell.render()).to_vec()
-    });
-    table(&head, rows)
+    table_of::<&ComparedStudy>(
+        &[
+            ("study", &|study| study.name.clone()),
+            ("scene", &|study| study.summary.scene.clone()),
+            ("method", &|study| study.summary.method.clone()),
+            ("accuracy", &|study| words::accuracy(&study.summary)),
+            ("seed", &|study| study.summary.seed.to_string()),
+            ("simulations", &|study| count(study.summary.evaluations.total as u64)),
+            ("of these without a result", &|study| count(study.summary.evaluations.failed as u64)),
+            ("time of the study", &|study| duration(study.summary.timing_s.total)),
+            ("version", &|study| study.summary.version.clone()),
+        ],
+        studies,
+    )
 }
 
 /// Every curve of every study: `study`, `limit_state`, `cycles`, `R`, `standard_error`, and the 95 % interval `lower`, `upper`,

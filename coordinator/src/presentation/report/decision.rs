@@ -1,13 +1,13 @@
 //! The page of a question about a finished study: sentences, reliability curves of the alternatives, and tables.
 
-use super::ReportError;
 use super::compare::{ComparedStudy, figures};
 use super::figure::Figure;
-use super::page::{self, standalone, wrapped};
+use super::page::{self, wrapped};
 use super::plot::PlotError;
 use super::tables::table;
+use super::{ReportError, write_figures};
 use crate::presentation::text_table::in_columns;
-use crate::results::result_files::{ResultFileError, write_text};
+use crate::results::result_files::write_text;
 use crate::results::summary::StudySummary;
 use maud::{Render, html as markup};
 use std::path::{Path, PathBuf};
@@ -85,13 +85,7 @@ impl DecisionPage {
     /// [`ReportError`].
     pub fn write(&self, dir: &Path, name: &str) -> Result<PathBuf, ReportError> {
         let drawn = self.all_figures()?;
-        let folder = dir.join("figures");
-        std::fs::create_dir_all(&folder)
-            .map_err(|source| ResultFileError::Write { path: folder.clone(), source })?;
-        for figure in &drawn {
-            write_text(&folder.join(format!("{}.svg", figure.name)), &standalone(figure))?;
-            write_text(&folder.join(format!("{}.csv", figure.name)), &figure.csv)?;
-        }
+        write_figures(dir, &drawn)?;
         let path = dir.join(format!("{name}.html"));
         write_text(&path, &self.html(&drawn))?;
         Ok(path)

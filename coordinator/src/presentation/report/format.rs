@@ -1,5 +1,7 @@
 //! Numbers as text for people; a value that is not finite is a dash.
 
+use common::scene::OutputUnit;
+
 /// Text of an unknown value.
 pub const UNKNOWN: &str = "–";
 
@@ -117,6 +119,12 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     text.replace('-', if is_zero { "" } else { "\u{2212}" })
 }
 
+/// A number with at most this many decimals and no trailing zeros.
+pub fn plain(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 /// A number with three significant digits, in powers of ten where it is far from one.
 pub fn three_digits(value: f64) -> String {
     let size = value.abs();
@@ -129,6 +137,11 @@ pub fn three_digits(value: f64) -> String {
     } else {
         format!("{value:.2e}").replace('-', "\u{2212}")
     }
+}
+
+/// A value [SI] in the unit that people read, with three significant digits.
+pub fn with_unit(unit: &OutputUnit, value: f64) -> String {
+    unit.after(&three_digits(unit.to_shown(value)))
 }
 
 /// A value of a scene with seven digits, e.g. `40.0549`, `1.293e−13`.
@@ -179,6 +192,22 @@ pub fn short_percent(share: f64) -> String {
     let text = format!("{percent:.decimals$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     format!("{text} %")
+}
+
+/// A name of a scene as part of a file's name.
+pub fn file_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '-' }).collect()
+}
+
+/// An identifier as words.
+pub fn words(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// With a capital first letter.
+pub fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 #[cfg(test)]

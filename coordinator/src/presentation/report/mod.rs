@@ -3,6 +3,7 @@
 
 mod animation;
 mod bars;
+mod chapters;
 pub mod compare;
 pub mod decision;
 pub mod drawing;
@@ -31,20 +32,18 @@ pub mod untested;
 mod words;
 mod written;
 
-pub use figure::Figure;
+pub use figure::{Drawing, Figure};
 pub use figures::reliability as reliability_figure;
 pub use input::{
-    CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, FailedRun, OutputInfo, ReportInput, SUMMARY_DOCUMENT,
-    SimulatedSample, VariableInfo, WorkTotals, equal_edges,
+    CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, FailedRun, ReportInput, SUMMARY_DOCUMENT,
+    SimulatedSample, WorkTotals, equal_edges,
 };
 pub use life::{failure_probability, reliability};
-pub use mechanism::Mechanism;
-pub use page::{standalone, wrapped};
+pub use page::{FigureFiles, LiveStatus, Page, standalone, wrapped};
 pub use plot::{Axis, Plot, PlotError, Scale, Series, Shape};
 pub use png::{PngError, PngMaker};
 pub use stated_errors::StatedAt;
-
-use page::FigureFiles;
+pub use tables::{cells, table};
 
 use crate::results::result_files::{
     ResultFileError, reliability_csv, summary_json, write_bytes, write_samples_csv, write_text,
@@ -72,53 +71,20 @@ pub enum ReportError {
     Png(#[from] PngError),
 }
 
-/// A report in memory.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Report {
-    /// Text of `report.html`.
-    pub html: String,
-    /// Figures of the page, also written as files of their own.
-    pub figures: Vec<Figure>,
-}
-
-/// Renders the report; a function of its input alone.
+/// The page of the report; a function of its input alone.
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn render(input: &ReportInput) -> Result<Report, PlotError> {
-    rendered(input, FigureFiles::NextToPage)
+pub fn render(input: &ReportInput) -> Result<Page, PlotError> {
+    chapters::page(input, FigureFiles::NextToPage)
 }
 
-/// Renders the report as a page without links to files; a function of its input alone.
+/// The page of the report without links to files; a function of its input alone.
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn render_alone(input: &ReportInput) -> Result<Report, PlotError> {
-    rendered(input, FigureFiles::Absent)
-}
-
-fn rendered(input: &ReportInput, files: FigureFiles) -> Result<Report, PlotError> {
-    let reliability = [figures::reliability(&input.summary)?, figures::first_failure(input)?];
-    let sections = page::Sections {
-        studied: studied::figure(input).into_iter().collect(),
-        reliability: reliability.into_iter().flatten().collect(),
-        rates: figures::failure_rates(&input.summary)?,
-        outputs: [figures::distributions(input)?, figures::histories(input)?].concat(),
-        inputs: figures::input_histograms(input)?,
-        combinations: figures::parallel_coordinates(input)?.into_iter().collect(),
-        sensitivity: figures::sensitivities(input)?,
-        variance: figures::variance_contributions(input)?,
-        motion: animation::animation(input),
-        bores: figures::bores(input),
-        orbits: figures::orbits(input),
-        first_cycle: figures::first_cycle(input)?,
-        last_cycle: figures::last_cycle(input)?,
-        predictions: figures::predicted_against_simulated(input)?,
-        learning: figures::learning(input)?,
-        numerical: figures::numerical(input)?,
-    };
-    let html = page::html(input, &sections, files);
-    Ok(Report { html, figures: sections.into_figures() })
+pub fn render_alone(input: &ReportInput) -> Result<Page, PlotError> {
+    chapters::page(input, FigureFiles::Absent)
 }
 
 /// Writes `report.html`, and every figure of it as `figures/*.svg` with its numbers as `figures/*.csv`, into `dir`;
@@ -127,17 +93,26 @@ fn rendered(input: &ReportInput, files: FigureFiles) -> Result<Report, PlotError
 /// # Errors
 /// [`ReportError`].
 pub fn write(dir: &Path, input: &ReportInput) -> Result<PathBuf, ReportError> {
-    let report = render(input)?;
+    let page = render(input)?;
+    write_figures(dir, page.figures())?;
+    let path = dir.join("report.html");
+    write_text(&path, &page.html(None))?;
+    Ok(path)
+}
+
+/// Writes figures as `figures/*.svg` with their numbers as `figures/*.csv` into the folder `dir`, which is created if missing.
+///
+/// # Errors
+/// [`ResultFileError`].
+pub fn write_figures(dir: &Path, figures: &[Figure]) -> Result<(), ResultFileError> {
     let folder = dir.join("figures");
     std::fs::create_dir_all(&folder)
         .map_err(|source| ResultFileError::Write { path: folder.clone(), source })?;
-    for figure in &report.figures {
+    for figure in figures {
         write_text(&folder.join(format!("{}.svg", figure.name)), &page::standalone(figure))?;
         write_text(&folder.join(format!("{}.csv", figure.name)), &figure.csv)?;
     }
-    let path = dir.join("report.html");
-    write_text(&path, &report.html)?;
-    Ok(path)
+    Ok(())
 }
 
 /// Ends a study: stores its results in the campaign file, then writes every file of its folder ([`write_all`]);
@@ -186,12 +161,12 @@ pub fn write_pictures(
     dir: &Path,
 ) -> Result<Option<usize>, ReportError> {
     let Some(input) = ReportInput::from_campaign(campaign, scene)? else { return Ok(None) };
-    let (maker, figures) = (PngMaker::new()?, render(&input)?.figures);
+    let (maker, page) = (PngMaker::new()?, render(&input)?);
     let folder = dir.join("figures");
-    for figure in &figures {
+    for figure in page.figures() {
         let picture = maker.png(figure)?;
         let path = folder.join(format!("{}.png", figure.name));
         write_bytes(&path, &picture)?;
     }
-    Ok(Some(figures.len()))
+    Ok(Some(page.figures().len()))
 }

@@ -1,6 +1,7 @@
 //! A figure as a picture of pixels, in the colours of the light page.
 
 use super::figure::Figure;
+use maud::html;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::fontdb::Database;
 use resvg::usvg::{Options, Tree};
@@ -82,7 +83,7 @@ impl PngMaker {
         let name = || figure.name.clone();
         let options =
             Options { fontdb: self.fonts.clone(), font_family: self.family.clone(), ..Options::default() };
-        let tree = Tree::from_str(&figure.svg, &options)
+        let tree = Tree::from_str(&figure.drawing.document(&html! {}), &options)
             .map_err(|error| PngError::Drawing { figure: name(), error })?;
         let scale = WIDTH / tree.size().width();
         let height = (scale * tree.size().height()).ceil() as u32;

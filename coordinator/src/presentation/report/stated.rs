@@ -1,6 +1,5 @@
 //! The numerical errors that the evaluations state of their outputs, as a table over life and in sentences.
 
-use super::figures::words;
 use super::format::{count, percent, three_digits};
 use super::input::ReportInput;
 use super::life::{Included, LifeAt, governing, life_and_limits, life_at, states_numerical_errors};
@@ -15,7 +14,7 @@ const SIXTHS: usize = 6;
 pub fn errors_over_life(input: &ReportInput) -> Markup {
     let governing = governing(&input.summary).map(|row| row.cycles);
     let mut rows = Vec::new();
-    for state in &input.limit_states {
+    for state in &input.scene.limit_states {
         let errors = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
         let unit = input.unit_of(state);
         let share = |error: f64| percent(error.abs() / state.scale());
@@ -24,7 +23,7 @@ pub fn errors_over_life(input: &ReportInput) -> Markup {
             let ends_a_sixth = (1..=SIXTHS).any(|sixth| k + 1 == errors.len() * sixth / SIXTHS);
             if ends_a_sixth || Some(stated.cycles) == governing {
                 let cells = [
-                    words(&input.outputs[state.output].name),
+                    input.output_of(state),
                     count(stated.cycles.into()),
                     value(stated.typical),
                     share(stated.typical),
@@ -47,12 +46,13 @@ pub fn errors_over_life(input: &ReportInput) -> Markup {
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let Some(row) = governing(&input.summary) else { return vec![] };
     let sizes: Vec<String> = input
+        .scene
         .limit_states
         .iter()
         .filter_map(|state| {
             let stated = input.stated.get(state.output)?.iter().find(|stated| stated.cycles == row.cycles)?;
             let share = |error: f64| percent(error.abs() / state.scale());
-            let name = words(&input.outputs[state.output].name);
+            let name = input.output_of(state);
             Some(format!("{name} {}, at most {}", share(stated.typical), share(stated.largest)))
         })
         .collect();

@@ -107,9 +107,9 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
     let summary = &input.summary;
     let mut text = Vec::new();
     let criterion = |name: &str| {
-        let state = input.limit_states.iter().find(|state| state.name == name)?;
+        let state = input.scene.limit_states.iter().find(|state| state.name == name)?;
         let unit = input.unit_of(state);
-        let output = super::figures::words(&input.outputs[state.output].name);
+        let output = input.output_of(state);
         let shown = |value: f64| unit.after(&tick_label(unit.to_shown(value)));
         let threshold = shown(state.threshold);
         Some(match state.fails {

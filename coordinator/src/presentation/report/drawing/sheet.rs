@@ -1,8 +1,9 @@
 //! The drawing of a mechanism as SVG: bodies with their names, joints, supports, sliders on rails, drives, loads and a scale.
 
-use super::geometry::{DrawnLoad, DrawnMechanism, DrawnMotion, LoadSymbol};
+use super::geometry::{DrawnLoad, DrawnMechanism, DrawnMotion, LoadSymbol, middle_of};
 use super::labels::{Label, LabelArea, LabelOf, LetterSize, PlacedLabel, place_labels};
 use super::symbols::{self, arrow, coordinate, path_along};
+use crate::presentation::report::figure::Drawing;
 use crate::presentation::report::format::three_digits;
 use crate::presentation::report::palette::Ink;
 use maud::{Markup, html};
@@ -39,8 +40,8 @@ const FONT: f64 = 15.2;
 /// A drawing of a mechanism.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MechanismSheet {
-    /// The drawing as an SVG document.
-    pub svg: String,
+    /// What is drawn.
+    pub drawing: Drawing,
     /// Labels with their places.
     pub labels: Vec<PlacedLabel>,
     /// Rectangle of the whole drawing [drawing units].
@@ -89,20 +90,19 @@ fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
     let bar = scale_bar(units);
     area = widened(area, 44.0);
     let size = [area.to[0] - area.from[0], area.to[1] - area.from[1]];
-    let svg = html! {
-        svg xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" font-size=(FONT)
-            viewBox=(format!("{} {} {} {}", coordinate(area.from[0]), coordinate(area.from[1]), coordinate(size[0]), coordinate(size[1]))) {
-            rect x=(coordinate(area.from[0])) y=(coordinate(area.from[1])) width=(coordinate(size[0]))
-                height=(coordinate(size[1])) fill=(Ink::Paper.hex()) {}
-            (bodies(drawn, &scale))
-            @for load in &loads { (load.markup) }
-            (joints(drawn, &scale))
-            (drives(drawn, &scale))
-            @for label in &labels { (text(label)) }
-            (foot(drawn, area, bar, bar * units))
-        }
+    let [x, y, width, height] = [area.from[0], area.from[1], size[0], size[1]].map(coordinate);
+    let content = html! {
+        rect x=(x) y=(y) width=(width) height=(height) fill=(Ink::Paper.hex()) {}
+        (bodies(drawn, &scale))
+        @for load in &loads { (load.markup) }
+        (joints(drawn, &scale))
+        (drives(drawn, &scale))
+        @for label in &labels { (text(label)) }
+        (foot(drawn, area, bar, bar * units))
     };
-    MechanismSheet { svg: svg.into_string() + "\n", labels, area, scale_bar: bar }
+    let view = format!("{x} {y} {width} {height}");
+    let drawing = Drawing { view, letters: Some(FONT), axes: None, content: content.into_string() };
+    MechanismSheet { drawing, labels, area, scale_bar: bar }
 }
 
 /// The rectangle around points and labels with a margin, at least as wide as a drawing is.
@@ -138,6 +138,7 @@ pub fn length_in_words(length: f64) -> String {
         l if l >= 0.9995e-3 => (1e3 * l, "mm"),
         l => (1e6 * l, "µm"),
     };
+    // The digits of three, without trailing zeros.
     let digits = three_digits(value);
     let short =
         if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { &digits };
@@ -224,10 +225,7 @@ fn labels(drawn: &DrawnMechanism, scale: &SheetScale, loads: &[DrawnSymbol]) -> 
                 (support.map_or(points[0], |[x, y]| [x, y + 16.0]), 20.0)
             }
             (_, [only]) => (*only, 16.0),
-            (_, points) => {
-                let n = points.len() as f64;
-                (points.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n]), 6.0)
-            }
+            (_, points) => (middle_of(points), 6.0),
         };
         labels.push(Label { text: body.name.clone(), at, clear, of });
     }

@@ -1,6 +1,7 @@
 //! Symbols of mechanisms as SVG: links, supports, sliders on rails, arrows, springs. Points are in drawing units, y downward.
 
-use crate::presentation::report::format::fixed;
+use super::geometry::middle_of;
+use crate::presentation::report::format::plain;
 use crate::presentation::report::palette::Ink;
 use maud::{Markup, html};
 use std::fmt::Write;
@@ -16,8 +17,7 @@ const HATCH: f64 = 7.0;
 
 /// A number of the drawing, with two decimals at most.
 pub fn coordinate(value: f64) -> String {
-    let text = fixed(value, 2).replace('\u{2212}', "-");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+    plain(value, 2).replace('\u{2212}', "-")
 }
 
 /// `M`, `L`, ... commands along points.
@@ -43,8 +43,7 @@ pub fn link(corners: &[[f64; 2]], ink: Ink) -> Markup {
 /// The corners sorted by direction from their middle, so that the edges of a plate do not cross.
 pub fn around(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut sorted = corners.to_vec();
-    let n = corners.len().max(1) as f64;
-    let middle = corners.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n]);
+    let middle = middle_of(corners);
     let direction = |p: &[f64; 2]| (middle[1] - p[1]).atan2(p[0] - middle[0]);
     sorted.sort_by(|a, b| direction(a).total_cmp(&direction(b)));
     sorted

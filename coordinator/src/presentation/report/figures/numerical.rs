@@ -1,6 +1,6 @@
 //! Figures of the stated numerical errors: their effect on R, and their size over life.
 
-use super::{LifeAxis, band, capital, curve, file_name, ink_of, span, words};
+use super::{LifeAxis, band, capital, curve, file_name, ink_of, span};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::rows_that_matter;
@@ -72,7 +72,7 @@ fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let axis = LifeAxis::new(&input.summary);
     let mut figures = Vec::new();
     // Relative to a limit of zero an error has no size.
-    for state in input.limit_states.iter().filter(|state| state.scale() != 0.0) {
+    for state in input.scene.limit_states.iter().filter(|state| state.scale() != 0.0) {
         let stated = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
         let Some(last) = stated.last() else { continue };
         let of_limit = |error: f64| 100.0 * error.abs() / state.scale();
@@ -86,7 +86,7 @@ fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             Series::new("largest", Ink::Ink, Shape::Dashed(largest)),
         ];
         let name = format!("stated-error-{}", file_name(&state.name));
-        let output = words(&input.outputs[state.output].name);
+        let output = input.output_of(state);
         let plot = Plot {
             figure: &name,
             x: Axis::linear(axis.label, (0.0, axis.place(last.cycles))),

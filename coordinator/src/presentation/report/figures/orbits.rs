@@ -4,6 +4,7 @@ use super::file_name;
 use crate::presentation::report::figure::{Figure, csv};
 use crate::presentation::report::format::fixed;
 use crate::presentation::report::input::ReportInput;
+use crate::presentation::report::mechanism::orbit;
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::polar::{Polar, Stroke, freest, full_scale};
 use crate::results::csv_table::number;
@@ -30,11 +31,11 @@ pub fn orbits(input: &ReportInput) -> Vec<Figure> {
     let last = nominal.worn.as_ref().and_then(|worn| worn.last_cycle.as_ref());
     let cycles = [("first", nominal.first_cycle.as_ref()), ("last", last)];
     let mut all = Vec::new();
-    for (index, joint) in input.mechanism.joints.iter().enumerate() {
+    for (index, joint) in input.scene.joints.iter().enumerate() {
         let JointKind::Clearance(clearance) = &joint.kind else { continue };
         let known = cycles.into_iter().filter_map(|(name, cycle)| Some((name, cycle?)));
         let cycles: Vec<_> = known
-            .filter_map(|(name, cycle)| Some((name, cycle, input.mechanism.orbit(cycle, joint)?)))
+            .filter_map(|(name, cycle)| Some((name, cycle, orbit(&input.scene, cycle, joint)?)))
             .collect();
         if !cycles.is_empty() {
             let wear = nominal.joints.get(index).map_or(&[][..], |joint| &joint.wear_depth);
@@ -85,7 +86,7 @@ fn figure(orbits: &Orbits<'_>, full: f64) -> Figure {
         name: format!("orbit-{}", file_name(name)),
         title: format!("Orbit of journal {name}"),
         caption,
-        svg: polar.finish(&format!("joint {name}"), freest(&reached)),
+        drawing: polar.finish(&format!("joint {name}"), freest(&reached)),
         csv: csv(&["cycle", "time [ms]", "x [um]", "y [um]"], rows),
     }
 }

@@ -3,7 +3,7 @@
 
 use super::{by_influence, governing_cycles, ink_of, words};
 use crate::presentation::report::bars::shortened;
-use crate::presentation::report::figure::{Figure, csv};
+use crate::presentation::report::figure::{Drawing, Figure, csv};
 use crate::presentation::report::format::count;
 use crate::presentation::report::input::{ReportInput, SimulatedSample};
 use crate::presentation::report::palette::Ink;
@@ -77,7 +77,7 @@ pub fn parallel_coordinates(input: &ReportInput) -> Result<Option<Figure>, PlotE
         name: "parallel-coordinates".into(),
         title: "Which combinations fail".into(),
         caption,
-        svg: svg(input, &names, &lines)?,
+        drawing: drawing(input, &names, &lines)?,
         csv,
     }))
 }
@@ -99,17 +99,18 @@ fn normal(input: &ReportInput, sample: &SimulatedSample, k: usize) -> f64 {
 
 /// The limit state that a simulation reached first, up to this life.
 fn first_failure(input: &ReportInput, sample: &SimulatedSample, cycles: u32) -> Option<String> {
-    let reached = input.limit_states.iter().zip(&sample.failed_at);
+    let reached = input.scene.limit_states.iter().zip(&sample.failed_at);
     let reached = reached.filter_map(|(state, at)| Some((at.filter(|at| *at <= cycles)?, state)));
     reached.min_by_key(|(at, _)| *at).map(|(_, state)| state.name.clone())
 }
 
-fn svg(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Result<String, PlotError> {
+fn drawing(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Result<Drawing, PlotError> {
     let count = names.len() as f64;
     let row = (HEIGHT / count).clamp(ROW.0, ROW.1);
     let mut legend: Vec<(String, Ink)> = vec![("works".into(), Ink::Muted)];
     legend.extend(
         input
+            .scene
             .limit_states
             .iter()
             .map(|state| (format!("{} first", state.name), ink_of(&input.summary, &state.name))),
@@ -190,7 +191,7 @@ mod tests {
         for (k, first) in firsts.iter().enumerate() {
             assert_eq!(*first, if k % 3 == 0 { "asymmetry" } else { "" }, "{k}");
         }
-        let lines = figure.svg.matches("opacity=\"0.75\"").count();
+        let lines = figure.drawing.content.matches("opacity=\"0.75\"").count();
         assert_eq!(lines, firsts.len().div_ceil(3));
         input.samples.truncate(9);
         assert_eq!(parallel_coordinates(&input).unwrap(), None);
