@@ -68,8 +68,6 @@ pub struct SimulatedSample {
 pub struct WorkTotals {
     /// Evaluations with a result.
     pub evaluations: u64,
-    /// Sum of their simulation times [s].
-    pub wall: f64,
     /// Longest simulation time [s].
     pub longest: f64,
     /// Evaluations with grooves narrower than their journals, by joint.
@@ -213,7 +211,6 @@ fn failures_of(scene: &Scene, evaluation: &Evaluation) -> Vec<Option<u32>> {
 impl WorkTotals {
     fn add(&mut self, diagnostics: &Diagnostics, wall: f64) {
         self.evaluations += 1;
-        self.wall += wall;
         self.longest = self.longest.max(wall);
         grooves::add(&mut self.grooved, &diagnostics.narrow_grooves);
         self.counts.iter_mut().zip(diagnostics.counts()).for_each(|(sum, count)| *sum += count);

@@ -9,44 +9,35 @@ pub type Pose = ([f64; 2], f64);
 /// Poses of all bodies at every instant of a cycle `(n, bodies)`; `None` if the cycle does not include the motion of
 /// every body.
 pub fn poses(scene: &Scene, cycle: &CycleHistory) -> Option<Vec<Vec<Pose>>> {
-    let at = |k: usize| (0..scene.bodies.len()).map(|body| pose(scene, cycle, body, k)).collect();
-    (0..cycle.time.len()).map(at).collect()
+    let motions = scene.bodies.iter().map(|body| match body.motion {
+        Motion::Fixed => Some(None),
+        _ => cycle.motion.iter().find(|motion| motion.body == body.name).map(Some),
+    });
+    let motions: Vec<Option<&BodyMotion>> = motions.collect::<Option<_>>()?;
+    let pose = |motion: &Option<&BodyMotion>, k: usize| match motion {
+        None => Some(([0.0; 2], 0.0)),
+        Some(motion) => Some((*motion.position.get(k)?, *motion.angle.get(k)?)),
+    };
+    (0..cycle.time.len()).map(|k| motions.iter().map(|motion| pose(motion, k)).collect()).collect()
 }
 
-/// Pose of a body at instant `k` of a cycle; `None` if the cycle does not include its motion.
-pub fn pose(scene: &Scene, cycle: &CycleHistory, body: usize, k: usize) -> Option<Pose> {
-    let body = scene.bodies.get(body)?;
-    if body.motion == Motion::Fixed {
-        return Some(([0.0; 2], 0.0));
-    }
-    let motion: &BodyMotion = cycle.motion.iter().find(|motion| motion.body == body.name)?;
-    Some((*motion.position.get(k)?, *motion.angle.get(k)?))
-}
-
-/// Position [m] of a point of a body at instant `k`.
-pub fn place(scene: &Scene, cycle: &CycleHistory, point: &Attachment, k: usize) -> Option<[f64; 2]> {
-    let ([x, y], angle) = pose(scene, cycle, point.body, k)?;
+/// Place [m] of a point of a body in a pose, given in the frame of the body.
+pub fn of_body(([x, y], angle): &Pose, [a, b]: [f64; 2]) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
-    let [a, b] = point.position;
-    Some([x + cos * a - sin * b, y + sin * a + cos * b])
+    [x + cos * a - sin * b, y + sin * a + cos * b]
 }
 
-/// Vector from the centre of the bushing to that of the journal at instant `k`, in the frame of the bushing's body [m].
-pub fn orbit_at(scene: &Scene, cycle: &CycleHistory, joint: &Joint, k: usize) -> Option<[f64; 2]> {
-    let (journal, bushing) =
-        (place(scene, cycle, &joint.journal, k)?, place(scene, cycle, &joint.bushing, k)?);
-    let (sin, cos) = pose(scene, cycle, joint.bushing.body, k)?.1.sin_cos();
+/// Place [m] of a point in these poses of all bodies.
+pub fn place(poses: &[Pose], point: &Attachment) -> [f64; 2] {
+    of_body(&poses[point.body], point.position)
+}
+
+/// Vector from the centre of the bushing to that of the journal in these poses, in the frame of the bushing's body [m].
+pub fn eccentricity(poses: &[Pose], joint: &Joint) -> [f64; 2] {
+    let (journal, bushing) = (place(poses, &joint.journal), place(poses, &joint.bushing));
+    let (sin, cos) = poses[joint.bushing.body].1.sin_cos();
     let [x, y] = [journal[0] - bushing[0], journal[1] - bushing[1]];
-    Some([cos * x + sin * y, cos * y - sin * x])
-}
-
-/// Orbit of the journal's centre in the bushing over a cycle `(n, 2)` [m]; `None` for an ideal joint, or if the cycle
-/// does not include the motion of both bodies.
-pub fn orbit(scene: &Scene, cycle: &CycleHistory, joint: &Joint) -> Option<Vec<[f64; 2]>> {
-    if !matches!(joint.kind, JointKind::Clearance(_)) || cycle.time.is_empty() {
-        return None;
-    }
-    (0..cycle.time.len()).map(|k| orbit_at(scene, cycle, joint, k)).collect()
+    [cos * x + sin * y, cos * y - sin * x]
 }
 
 /// Outline of a body in its own frame, without repeated points `(p, 2)` [m]: its joints; for a moving body also its
@@ -97,13 +88,8 @@ pub fn rail(joint: &Joint, cycle: &[Vec<Pose>]) -> Option<[[f64; 2]; 2]> {
     let (sin, cos) = axis.sin_cos();
     let [a, b] = joint.bushing.position;
     let along = cycle.iter().map(|poses| {
-        let ([x, y], angle) = poses[joint.bushing.body];
-        let ([u, v], turned) = poses[joint.journal.body];
-        let ((s, c), (t, d)) = (angle.sin_cos(), turned.sin_cos());
-        let [p, q] = joint.journal.position;
-        let (px, py) = (u + d * p - t * q - x, v + t * p + d * q - y);
-        let (own_x, own_y) = (c * px + s * py - a, c * py - s * px - b);
-        own_x * cos + own_y * sin
+        let [x, y] = eccentricity(poses, joint);
+        x * cos + y * sin
     });
     let (low, high) =
         along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), way: f64| (low.min(way), high.max(way)));
@@ -119,16 +105,16 @@ mod tests {
     fn the_orbit_is_in_the_frame_of_the_bushing() {
         let scene = &test_study::scene();
         let cycle = test_study::first_cycle();
+        let poses = poses(scene, &cycle).unwrap();
         for joint in &scene.joints {
-            let orbit = orbit(scene, &cycle, joint).unwrap();
-            for (k, [x, y]) in orbit.iter().enumerate() {
-                let [ex, ey] = test_study::eccentricity(cycle.time[k]);
-                assert!((x - ex).hypot(y - ey) < 1e-12, "joint {}, {k}: {x} {y}", joint.name);
+            for (poses, time) in poses.iter().zip(&cycle.time) {
+                let ([x, y], [ex, ey]) = (eccentricity(poses, joint), test_study::eccentricity(*time));
+                assert!((x - ex).hypot(y - ey) < 1e-12, "joint {}, {time} s: {x} {y}", joint.name);
             }
         }
         let mut unknown = cycle.clone();
         unknown.motion.pop();
-        assert_eq!(orbit(scene, &unknown, &scene.joints[0]), None);
+        assert_eq!(super::poses(scene, &unknown), None);
     }
 
     #[test]

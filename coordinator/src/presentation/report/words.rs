@@ -71,12 +71,9 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
 /// Failure probabilities of a study with a single checkpoint.
 fn failure_probabilities(input: &ReportInput) -> Option<String> {
     let row = input.summary.reliability.first()?;
-    let mut names: Vec<&str> = input.summary.limit_states.iter().map(String::as_str).collect();
-    if names.len() > 1 {
-        names.push("total");
-    }
+    let names = input.summary.curve_names();
     let each: Vec<String> =
-        names.iter().map(|name| format!("{} ({name})", failure_probability(row, name))).collect();
+        names.map(|name| format!("{} ({name})", failure_probability(row, name))).collect();
     Some(format!("The probability of failure (95 % interval) is {}.", each.join(", ")))
 }
 

@@ -1,8 +1,8 @@
 //! Every frame of the animated cycles, and the bores over life, as JSON for the script.
 
 use super::drawing::{BORE, Layout, with_clearance};
-use super::frames::{AnimatedCycle, frames};
-use crate::presentation::report::mechanism;
+use super::frames::AnimatedCycle;
+use crate::presentation::report::mechanism::{Pose, eccentricity, place};
 use common::outputs::WornLife;
 use common::scene::{Motion, Scene};
 use serde_json::{Value, json};
@@ -27,27 +27,26 @@ fn bores(scene: &Scene, layout: &Layout, worn: &WornLife) -> Value {
 }
 
 fn cycle(scene: &Scene, layout: &Layout, shown: &AnimatedCycle<'_>) -> Value {
-    let over = |numbers: &dyn Fn(usize) -> Option<Vec<f64>>| -> Value {
-        frames(shown.cycle).filter_map(numbers).flatten().map(rounded).collect()
-    };
+    fn over<const N: usize>(shown: &AnimatedCycle<'_>, numbers: impl Fn(&[Pose]) -> [f64; N]) -> Value {
+        shown.frames().flat_map(numbers).map(rounded).collect()
+    }
     let moving = (0..scene.bodies.len()).filter(|body| scene.bodies[*body].motion != Motion::Fixed);
     let bodies = moving.map(|body| {
-        over(&|k| {
-            let (position, angle) = mechanism::pose(scene, shown.cycle, body, k)?;
+        over(shown, |poses| {
+            let (position, angle) = poses[body];
             let [x, y] = layout.place(position);
-            Some(vec![x, y, -angle.to_degrees()])
+            [x, y, -angle.to_degrees()]
         })
     });
-    let joints = scene.joints.iter().map(|joint| {
-        over(&|k| Some(layout.place(mechanism::place(scene, shown.cycle, &joint.journal, k)?).to_vec()))
-    });
+    let joints = scene.joints.iter();
+    let joints = joints.map(|joint| over(shown, |poses| layout.place(place(poses, &joint.journal))));
     let bores = with_clearance(scene).map(|index| {
         let joint = &scene.joints[index];
-        over(&|k| {
-            let [x, y] = layout.magnify(mechanism::orbit_at(scene, shown.cycle, joint, k)?);
-            let turned = |body: usize| Some(mechanism::pose(scene, shown.cycle, body, k)?.1.to_degrees());
-            let (bushing, journal) = (turned(joint.bushing.body)?, turned(joint.journal.body)?);
-            Some(vec![x, y, bushing - journal, -bushing])
+        over(shown, |poses| {
+            let [x, y] = layout.magnify(eccentricity(poses, joint));
+            let [bushing, journal] =
+                [joint.bushing.body, joint.journal.body].map(|body| poses[body].1.to_degrees());
+            [x, y, bushing - journal, -bushing]
         })
     });
     json!({ "name": shown.name, "worn": shown.worn, "bodies": bodies.collect::<Value>(),

@@ -8,10 +8,8 @@ mod frames;
 use super::figure::{Figure, csv};
 use super::format::count;
 use super::input::ReportInput;
-use super::mechanism;
+use super::mechanism::{self, Pose};
 use crate::results::csv_table::number;
-use common::outputs::CycleHistory;
-use common::scene::Scene;
 use frames::AnimatedCycle;
 
 /// The script that animates the drawing.
@@ -38,7 +36,11 @@ pub fn animation(input: &ReportInput) -> Option<Animation> {
     let shown: Vec<AnimatedCycle<'_>> = cycles
         .into_iter()
         .filter_map(|(name, worn, cycle)| {
-            Some(AnimatedCycle { name, worn, cycle: cycle.filter(|c| is_complete(scene, c))? })
+            let poses = mechanism::poses(scene, cycle?)?;
+            let is_known = |([x, y], angle): &Pose| x.is_finite() && y.is_finite() && angle.is_finite();
+            let is_complete =
+                poses.len() > 1 && !scene.joints.is_empty() && poses.iter().flatten().all(is_known);
+            is_complete.then_some(AnimatedCycle { name, worn, cycle: cycle?, poses })
         })
         .collect();
     let first = shown.first()?;
@@ -82,18 +84,6 @@ pub fn animation(input: &ReportInput) -> Option<Animation> {
     };
     let lives = nominal.worn.as_ref().filter(|worn| worn.cycles.len() > 1);
     Some(Animation { figure, data: data::json(scene, &layout, &shown, lives).to_string() })
-}
-
-/// True if a cycle includes the motion of every body at every instant.
-fn is_complete(scene: &Scene, cycle: &CycleHistory) -> bool {
-    cycle.time.len() > 1
-        && !scene.joints.is_empty()
-        && (0..scene.bodies.len()).all(|body| {
-            (0..cycle.time.len()).all(|k| {
-                mechanism::pose(scene, cycle, body, k)
-                    .is_some_and(|([x, y], angle)| x.is_finite() && y.is_finite() && angle.is_finite())
-            })
-        })
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 //! drawing, the sketch in the terminal and other programs.
 
 use super::words;
-use crate::presentation::report::mechanism::{self, Pose};
-use common::scene::{Attachment, JointKind, Load, Motion, Scene};
+use crate::presentation::report::mechanism::{self, Pose, of_body, place};
+use common::scene::{JointKind, Load, Motion, Scene};
 use serde::Serialize;
 
 /// Distance below which two points of a drawing are one [m].
@@ -113,16 +113,6 @@ pub fn middle_of(points: &[[f64; 2]]) -> [f64; 2] {
 /// Vector of the plane from `a` to `b`.
 fn between(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [b[0] - a[0], b[1] - a[1]]
-}
-
-/// Position [m] of a point of a body in these poses.
-pub fn place(poses: &[Pose], point: &Attachment) -> [f64; 2] {
-    of_body(&poses[point.body], point.position)
-}
-
-fn of_body(([x, y], angle): &Pose, [a, b]: [f64; 2]) -> [f64; 2] {
-    let (sin, cos) = angle.sin_cos();
-    [x + cos * a - sin * b, y + sin * a + cos * b]
 }
 
 impl DrawnMechanism {

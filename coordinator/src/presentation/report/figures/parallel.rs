@@ -2,15 +2,14 @@
 //! deviations, coloured by the limit state that failed first.
 
 use super::{by_influence, governing_cycles, ink_of, words};
-use crate::presentation::report::bars::shortened;
+use crate::presentation::report::bars::{NamedRows, shortened};
 use crate::presentation::report::figure::{Drawing, Figure, csv};
 use crate::presentation::report::format::count;
 use crate::presentation::report::input::{ReportInput, SimulatedSample};
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{LETTERS, PlotError, draw, letters, px, stroke, tick_label};
+use crate::presentation::report::plot::{LETTERS, PlotError, letters, px, stroke};
 use crate::results::csv_table::number;
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Most variables and lines drawn.
 const VARIABLES: usize = 14;
@@ -22,12 +21,6 @@ const REACH: f64 = 4.0;
 /// Height of all variables together where there are few, and limits of the height of one [CSS pixels].
 const HEIGHT: f64 = 240.0;
 const ROW: (f64, f64) = (26.0, 60.0);
-
-/// Height of the axis below [CSS pixels].
-const AXIS: f64 = 48.0;
-
-/// Width of the column of names [CSS pixels].
-const NAMES: f64 = 178.0;
 
 /// The figure; `None` with fewer than ten simulations or two variables.
 ///
@@ -108,36 +101,21 @@ fn drawing(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Result
     let count = names.len() as f64;
     let row = (HEIGHT / count).clamp(ROW.0, ROW.1);
     let mut legend: Vec<(String, Ink)> = vec![("works".into(), Ink::Muted)];
-    legend.extend(
-        input
-            .scene
-            .limit_states
-            .iter()
-            .map(|state| (format!("{} first", state.name), ink_of(&input.summary, &state.name))),
-    );
+    let states = input.scene.limit_states.iter().map(|state| &state.name);
+    legend.extend(states.map(|name| (format!("{name} first"), ink_of(&input.summary, name))));
     let per_row = 3;
     let top = 12.0 + 20.0 * legend.len().div_ceil(per_row) as f64;
-    draw("parallel-coordinates", row * count + top + AXIS, |root| {
-        let mut chart = ChartBuilder::on(root)
-            .margin_top(px(top))
-            .margin_right(px(18.0))
-            .margin_left(px(NAMES))
-            .x_label_area_size(px(AXIS))
-            .build_cartesian_2d(-REACH..REACH, 0.0..count)?;
-        chart
-            .configure_mesh()
-            .disable_y_mesh()
-            .disable_y_axis()
-            .x_labels(9)
-            .max_light_lines(0)
-            .bold_line_style(stroke(Ink::Grid, 1.0))
-            .axis_style(stroke(Ink::Muted, 1.0))
-            .label_style(letters(LETTERS, Ink::Muted))
-            .axis_desc_style(letters(LETTERS, Ink::Ink))
-            .set_all_tick_mark_size(px(4.0))
-            .x_label_formatter(&|value| tick_label(*value))
-            .x_desc("standard deviations")
-            .draw()?;
+    let names: Vec<String> = names.iter().map(|name| words(name)).collect();
+    let chart = NamedRows {
+        figure: "parallel-coordinates",
+        names: &names,
+        row,
+        top,
+        axis: "standard deviations",
+        range: -REACH..REACH,
+        ticks: 9,
+    };
+    chart.draw(|root, chart| {
         // Failures lie on top.
         let (works, fails): (Vec<_>, Vec<_>) = lines.iter().partition(|line| line.failed.is_none());
         for line in works.into_iter().chain(fails) {
@@ -153,11 +131,6 @@ fn drawing(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Result
             };
             let pen = ink.rgb().mix(opacity).stroke_width(px(0.9) as u32);
             chart.draw_series([PathElement::new(points, pen)])?;
-        }
-        let right = letters(LETTERS, Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
-        for (k, name) in names.iter().enumerate() {
-            let middle = px(top + row * (k as f64 + 0.5));
-            root.draw(&Text::new(shortened(&words(name)), (px(NAMES - 8.0), middle), right.clone()))?;
         }
         for (k, (label, ink)) in legend.iter().enumerate() {
             let (x, y) = (10.0 + 156.0 * (k % per_row) as f64, 15.0 + 20.0 * (k / per_row) as f64);

@@ -29,10 +29,10 @@ pub const LETTERS: f64 = 15.2;
 const PLOTTERS_FONT: f64 = 1.24;
 
 /// Drawing area of a whole figure.
-pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// Error of plotters' SVG backend.
-pub(super) type DrawError = DrawingAreaErrorKind<std::io::Error>;
+pub type DrawError = DrawingAreaErrorKind<std::io::Error>;
 
 /// A drawing of the standard width and this height [CSS pixels] on paper.
 pub fn draw(

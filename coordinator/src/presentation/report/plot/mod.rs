@@ -9,12 +9,11 @@ mod shapes;
 mod ticks;
 
 pub use axis::{Axis, Scale, tick_label};
-pub use canvas::{LETTERS, PlotError, draw, letters, px, stroke};
+pub use canvas::{Area, DrawError, LETTERS, PlotError, draw, letters, px, stroke};
 pub use series::{Band, Points, Series, Shape};
 
 use super::figure::{Drawing, Figure};
 use super::palette::Ink;
-use canvas::{Area, DrawError};
 use legend::{Legend, legend};
 use plotters::prelude::*;
 use shapes::{Frame, draw_series};
