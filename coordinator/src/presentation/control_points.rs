@@ -3,7 +3,7 @@
 //! Each control point is a number of the model where a scene declares it so; where not, it is numerical, and what more points change is in the
 //! stated error. Neither more points nor a finer accuracy lessen the error of an output that does not converge.
 
-use crate::presentation::report::format::{count, three_digits};
+use crate::presentation::format::{count, three_digits};
 use crate::results::control_points::ControlPointsRow;
 
 /// Error over the value from which on an output that does not converge is pointed out [1].

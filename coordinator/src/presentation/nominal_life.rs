@@ -1,6 +1,6 @@
 //! One mechanism against the limits of its scene: value at the end of life, limit, margin and expected life, per limit state.
 
-use crate::presentation::report::format::{count, three_digits};
+use crate::presentation::format::{count, three_digits};
 use common::outputs::Evaluation;
 use common::scene::{LimitState, OutputUnit, Scene};
 use serde_json::{Value, json};

@@ -1,7 +1,8 @@
 //! The progress of a study as all its views count it, in the terminal, in `status` and on the live page, and the time that it still takes.
 
-use super::report::format::{duration, fixed};
+use super::format::{count, duration, fixed, reliability, share};
 use crate::results::progress::Progress;
+use crate::statistics::reliability::REACH;
 use common::wire::{ReliabilitySoFar, StudyStatus};
 
 /// Records progress in the status.
@@ -65,6 +66,19 @@ impl std::fmt::Display for RemainingTime {
     }
 }
 
+/// R of the system at a checkpoint [cycles] with its standard error, e.g. `R(66 000) = 0.347 ± 0.012 (95 %)`, or P_f where R has no digits
+/// left to show.
+pub fn reliability_so_far(cycles: u32, r: f64, standard_error: f64) -> String {
+    let (pf, width, cycles) = (1.0 - r, REACH * standard_error, count(cycles.into()));
+    if pf > 0.0 && pf < 1e-3 {
+        let value = share(pf, (pf - width).max(0.0), (pf + width).min(1.0));
+        return format!("P_f({cycles}) = {value} (95 %)");
+    }
+    let value = reliability(r, (r - width).max(0.0), (r + width).min(1.0));
+    let equal = if value.starts_with(['>', '<']) { "" } else { "= " };
+    format!("R({cycles}) {equal}{value} (95 %)")
+}
+
 /// A rate of evaluations [1/s] as text.
 pub fn per_second(rate: f64) -> String {
     format!("{}/s", fixed(rate, if rate < 10.0 { 2 } else { 0 }))
@@ -73,6 +87,13 @@ pub fn per_second(rate: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn issue_rare_failures_are_shown_by_their_probability_and_its_error() {
+        let rare = reliability_so_far(500, 1.0 - 3.2e-5, 1.886_7e-6);
+        assert_eq!(rare, "P_f(500) = 3.20e\u{2212}5 ± 3.7e\u{2212}6 (95 %)");
+        assert!(reliability_so_far(500, 1.0, 1e-6).starts_with("R(500) "));
+    }
 
     #[test]
     fn a_budget_is_a_bound_and_a_plan_is_carried_out() {

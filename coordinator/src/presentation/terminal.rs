@@ -9,11 +9,12 @@ pub use ending::final_text;
 pub use message::print_message;
 pub use waiting::while_waiting;
 
-use crate::presentation::progress::{RemainingTime, most_evaluations, per_second, record};
-use crate::presentation::report::format::{count, fixed, percent, reliability, share, three_digits};
+use crate::presentation::format::{fixed, percent, three_digits};
+use crate::presentation::progress::{
+    RemainingTime, most_evaluations, per_second, record, reliability_so_far,
+};
 use crate::results::progress::{Observer, Progress};
 use crate::results::summary::Round;
-use crate::statistics::reliability::REACH;
 use common::wire::StudyStatus;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -101,7 +102,10 @@ impl ProgressText {
             if round.surrogate_error > 0.0 {
                 text += &format!(", error {}", three_digits(round.surrogate_error));
             }
-            text += &format!(", {}", current_reliability(round));
+            text += &format!(
+                ", {}",
+                reliability_so_far(round.cycles, round.reliability_total, round.standard_error())
+            );
         }
         if !purpose.is_empty() {
             text += &format!(", {purpose}");
@@ -116,19 +120,6 @@ impl ProgressText {
     }
 }
 
-/// R with its standard error, or P_f where R has no digits left to show.
-fn current_reliability(round: &Round) -> String {
-    let (r, width) = (round.reliability_total, REACH * round.standard_error());
-    let pf = 1.0 - r;
-    if pf > 0.0 && pf < 1e-3 {
-        let value = share(pf, (pf - width).max(0.0), (pf + width).min(1.0));
-        return format!("P_f({}) = {value} (95 %)", count(round.cycles.into()));
-    }
-    let value = reliability(r, (r - width).max(0.0), (r + width).min(1.0));
-    let equal = if value.starts_with(['>', '<']) { "" } else { "= " };
-    format!("R({}) {equal}{value} (95 %)", count(round.cycles.into()))
-}
-
 /// A finished round in one line.
 fn round_line(round: &Round) -> String {
     let change = round
@@ -138,7 +129,7 @@ fn round_line(round: &Round) -> String {
         "round {}: {} evaluations, {}{change}{}",
         round.round,
         round.evaluations,
-        current_reliability(round),
+        reliability_so_far(round.cycles, round.reliability_total, round.standard_error()),
         uncertainty(round)
     )
     .replace('\u{a0}', " ")
@@ -241,20 +232,6 @@ mod tests {
 
     fn seconds(seconds: u64) -> Duration {
         Duration::from_secs(seconds)
-    }
-
-    #[test]
-    fn issue_rare_failures_are_shown_by_their_probability_and_its_error() {
-        let round = Round {
-            cycles: 500,
-            reliability_total: 1.0 - 3.2e-5,
-            surrogate_error: 1e-6,
-            cov_pf: 0.05,
-            ..Round::default()
-        };
-        assert_eq!(current_reliability(&round), "P_f(500) = 3.20e\u{2212}5 ± 3.7e\u{2212}6 (95 %)");
-        let safe = Round { reliability_total: 1.0, ..round };
-        assert!(current_reliability(&safe).starts_with("R(500) "));
     }
 
     #[test]

@@ -4,8 +4,8 @@
 
 use super::status_source::StatusSource;
 use super::study_section::{STYLE, study_section};
-use crate::presentation::progress::record;
-use crate::presentation::report::format::{count, fixed};
+use crate::presentation::format::count;
+use crate::presentation::progress::{record, reliability_so_far};
 use crate::presentation::report::nominal_page::NominalView;
 use crate::presentation::report::{self, Figure, LiveStatus, Page, ReportInput, SUMMARY_DOCUMENT};
 use crate::results::progress::Progress;
@@ -317,7 +317,7 @@ fn line(observed: &ObservedProgress) -> String {
         (_, purpose) => format!(", {purpose}"),
     };
     let reliability = study.reliability.map_or(String::new(), |so_far| {
-        format!(", R({}) = {} so far", count(so_far.cycles.into()), fixed(so_far.total, 4))
+        format!(", {} so far", reliability_so_far(so_far.cycles, so_far.total, so_far.standard_error))
     });
     format!("Running study: {done} of {planned} planned evaluations{purpose}{reliability}")
 }

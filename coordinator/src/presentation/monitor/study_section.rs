@@ -1,7 +1,7 @@
 //! The progress of a study and its farm as a section of the live page.
 
+use crate::presentation::format::{count, duration};
 use crate::presentation::progress::{RemainingTime, most_evaluations, per_second};
-use crate::presentation::report::format::{count, duration};
 use crate::presentation::report::{cells, table};
 use common::wire::{Phase, Status, StudyStatus, WorkerStatus};
 use maud::{Markup, html};

@@ -1,8 +1,7 @@
 //! The status of a running study as text.
 
-use crate::presentation::progress::{RemainingTime, per_second};
-use crate::presentation::report::format::{count, duration, share};
-use crate::statistics::reliability::REACH;
+use crate::presentation::format::{count, duration};
+use crate::presentation::progress::{RemainingTime, per_second, reliability_so_far};
 use common::wire::{Phase, Status};
 use std::fmt::Write;
 
@@ -53,12 +52,10 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
         writeln!(text, "rate: {} in the last minute{remaining}", per_second(farm.rate))?;
     }
     if let Some(so_far) = &study.reliability {
-        let reach = REACH * so_far.standard_error;
         writeln!(
             text,
-            "reliability so far: R({}) = {} (95 %), after {} rounds",
-            count(so_far.cycles.into()),
-            share(so_far.total, (so_far.total - reach).max(0.0), (so_far.total + reach).min(1.0)),
+            "reliability so far: {}, after {} rounds",
+            reliability_so_far(so_far.cycles, so_far.total, so_far.standard_error),
             count(study.rounds)
         )?;
     }

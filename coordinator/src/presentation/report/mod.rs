@@ -10,7 +10,7 @@ pub mod drawing;
 mod figure;
 mod figures;
 pub mod fleet;
-pub mod format;
+pub use super::format;
 mod grooves;
 mod input;
 pub mod life;

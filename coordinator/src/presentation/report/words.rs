@@ -89,9 +89,6 @@ fn cycles(life_at_level: LifeAt) -> String {
         }
         LifeAt::Beyond { lower, .. } => format!("more than {} cycles", whole(lower.floor())),
         LifeAt::Unworn { .. } => "no age: too many exceed a limit unworn".to_owned(),
-        LifeAt::Between { lower, upper: Some(upper) } if lower <= 0.0 => {
-            format!("an age that is not resolved, before {} cycles", whole(upper.ceil()))
-        }
         LifeAt::Between { .. } => {
             format!("an age that is not resolved, {} cycles", life_and_limits(life_at_level).0)
         }

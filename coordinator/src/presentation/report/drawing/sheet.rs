@@ -46,8 +46,6 @@ pub struct MechanismSheet {
     pub labels: Vec<PlacedLabel>,
     /// Rectangle of the whole drawing [drawing units].
     pub area: LabelArea,
-    /// Length of the scale bar [m].
-    pub scale_bar: f64,
 }
 
 /// Drawing units per metre, and the point of the mechanism at the origin of the drawing.
@@ -102,7 +100,7 @@ fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
     };
     let view = format!("{x} {y} {width} {height}");
     let drawing = Drawing { view, letters: Some(FONT), axes: None, content: content.into_string() };
-    MechanismSheet { drawing, labels, area, scale_bar: bar }
+    MechanismSheet { drawing, labels, area }
 }
 
 /// The rectangle around points and labels with a margin, at least as wide as a drawing is.
