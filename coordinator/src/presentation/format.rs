@@ -52,8 +52,7 @@ pub fn with_width(value: f64, width: f64) -> String {
         return format!("{} ± {}", fixed(value, decimals), fixed(width, decimals));
     }
     let decimals = (size.log10().floor() as i32 - last).max(0) as usize;
-    let text = format!("{value:.decimals$e} ± {width:.1e}");
-    text.replace('-', "\u{2212}")
+    format!("{} ± {}", power(value, decimals), power(width, 1))
 }
 
 /// A change with its sign and two digits of the half-width of its interval, e.g. `+1.97e−4 ± 6.2e−5`; `0` without either.
@@ -78,13 +77,13 @@ pub fn reliability(r: f64, lower: f64, upper: f64) -> String {
         let (distance, decimals) = limit(1.0 - lower);
         // More than six nines are not read but counted.
         if distance < 1e-6 {
-            return format!("> 1 \u{2212} {distance:.1e}").replace("e-", "e\u{2212}");
+            return format!("> 1 \u{2212} {}", power(distance, 1));
         }
         format!("> {}", fixed(1.0 - distance, decimals))
     } else if r <= 0.0 && upper > 0.0 {
         let (distance, decimals) = limit(upper);
         if distance < 1e-6 {
-            return format!("< {distance:.1e}").replace("e-", "e\u{2212}");
+            return format!("< {}", power(distance, 1));
         }
         format!("< {}", fixed(distance, decimals))
     } else {
@@ -104,7 +103,7 @@ pub fn share(value: f64, lower: f64, upper: f64) -> String {
         0.0 => "0".to_owned(),
         1.0 => "1".to_owned(),
         x if upper >= 1e-3 && last >= -6 => fixed(x, (-last).max(0) as usize),
-        x => format!("{x:.1e}").replace('-', "\u{2212}"),
+        x => power(x, 1),
     };
     format!("{} ({} to {})", text(value), text(lower), text(upper))
 }
@@ -125,6 +124,11 @@ pub fn plain(value: f64, decimals: usize) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
+/// A number in powers of ten with this many decimals, e.g. `1.97e−4`.
+pub fn power(value: f64, decimals: usize) -> String {
+    format!("{value:.decimals$e}").replace('-', "\u{2212}")
+}
+
 /// A number with three significant digits, in powers of ten where it is far from one.
 pub fn three_digits(value: f64) -> String {
     let size = value.abs();
@@ -135,7 +139,7 @@ pub fn three_digits(value: f64) -> String {
     } else if (1e-3..1e5).contains(&size) {
         fixed(value, (2 - size.log10().floor() as i32).max(0) as usize)
     } else {
-        format!("{value:.2e}").replace('-', "\u{2212}")
+        power(value, 2)
     }
 }
 

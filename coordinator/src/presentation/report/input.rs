@@ -45,15 +45,6 @@ pub fn equal_edges(from: f64, to: f64, bins: usize) -> Vec<f64> {
     (0..=bins).map(|k| if k == bins { to } else { from + (to - from) * k as f64 / bins as f64 }).collect()
 }
 
-/// An evaluation without a result.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FailedRun {
-    /// Number of the evaluation.
-    pub id: u64,
-    /// Reason given by the simulator.
-    pub failure: String,
-}
-
 /// A simulation with a result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedSample {
@@ -89,8 +80,8 @@ pub struct ReportInput {
     pub stated: Vec<Vec<StatedAt>>,
     /// Evaluations with a result, in the order of their numbers.
     pub samples: Vec<SimulatedSample>,
-    /// Evaluations without a result.
-    pub failures: Vec<FailedRun>,
+    /// Evaluations without a result: number, and reason given by the simulator.
+    pub failures: Vec<(u64, String)>,
     /// Numerical work of all evaluations.
     pub work: WorkTotals,
     /// Cautions: limits of this study that a reader must know.
@@ -139,7 +130,7 @@ impl ReportInput {
                     }
                 }
                 Err(failure) => {
-                    input.failures.push(FailedRun { id: stored.id, failure: failure.to_string() });
+                    input.failures.push((stored.id, failure.to_string()));
                 }
             }
             Ok::<(), StoreError>(())

@@ -35,8 +35,8 @@ mod written;
 pub use figure::{Drawing, Figure};
 pub use figures::reliability as reliability_figure;
 pub use input::{
-    CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, FailedRun, ReportInput, SUMMARY_DOCUMENT,
-    SimulatedSample, WorkTotals, equal_edges,
+    CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, ReportInput, SUMMARY_DOCUMENT, SimulatedSample,
+    WorkTotals, equal_edges,
 };
 pub use life::{failure_probability, reliability};
 pub use page::{FigureFiles, LiveStatus, Page, standalone, wrapped};

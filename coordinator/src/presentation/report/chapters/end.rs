@@ -78,7 +78,7 @@ fn failures(input: &ReportInput) -> Markup {
         }
         (details("Failed evaluations", tables::table_of_text(
             &["evaluation", "reason of the failure"],
-            listed.map(|run| vec![html! { (run.id) }, html! { (run.failure) }]),
+            listed.map(|(id, reason)| vec![html! { (id) }, html! { (reason) }]),
         )))
     }
 }

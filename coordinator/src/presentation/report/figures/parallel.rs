@@ -38,12 +38,12 @@ pub fn parallel_coordinates(input: &ReportInput) -> Result<Option<Figure>, PlotE
         .samples
         .iter()
         .step_by(every)
-        .map(|sample| DrawnLine {
-            normals: variables.iter().map(|k| normal(input, sample, *k)).collect(),
-            failed: first_failure(input, sample, cycles),
+        .map(|sample| {
+            let normals = variables.iter().map(|k| normal(input, sample, *k)).collect();
+            (normals, first_failure(input, sample, cycles))
         })
         .collect();
-    let failed = lines.iter().filter(|line| line.failed.is_some()).count();
+    let failed = lines.iter().filter(|(_, failed)| failed.is_some()).count();
     let drawn = lines.len();
     let caption = format!(
         "One line per simulation: values of the {} in standard deviations (of the standard \
@@ -60,9 +60,9 @@ pub fn parallel_coordinates(input: &ReportInput) -> Result<Option<Figure>, PlotE
     let names: Vec<String> = variables.iter().map(|k| input.scene.variables[*k].name.clone()).collect();
     let mut columns = vec!["simulation", "failed first"];
     columns.extend(names.iter().map(String::as_str));
-    let rows = lines.iter().enumerate().map(|(k, line)| {
-        let mut cells = vec![(k * every).to_string(), line.failed.clone().unwrap_or_default()];
-        cells.extend(line.normals.iter().copied().map(number));
+    let rows = lines.iter().enumerate().map(|(k, (normals, failed))| {
+        let mut cells = vec![(k * every).to_string(), failed.clone().unwrap_or_default()];
+        cells.extend(normals.iter().copied().map(number));
         cells
     });
     let csv = csv(&columns, rows);
@@ -75,13 +75,8 @@ pub fn parallel_coordinates(input: &ReportInput) -> Result<Option<Figure>, PlotE
     }))
 }
 
-/// A simulation as it is drawn.
-struct DrawnLine {
-    /// Standard normals of the variables drawn.
-    normals: Vec<f64>,
-    /// Limit state that failed first, if any has.
-    failed: Option<String>,
-}
+/// A simulation as it is drawn: standard normals of the variables, and the limit state that failed first, if any has.
+type DrawnLine = (Vec<f64>, Option<String>);
 
 /// Standard normal of a variable of a sample, within what is drawn.
 fn normal(input: &ReportInput, sample: &SimulatedSample, k: usize) -> f64 {
@@ -117,15 +112,11 @@ fn drawing(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Result
     };
     chart.draw(|root, chart| {
         // Failures lie on top.
-        let (works, fails): (Vec<_>, Vec<_>) = lines.iter().partition(|line| line.failed.is_none());
-        for line in works.into_iter().chain(fails) {
-            let points = line
-                .normals
-                .iter()
-                .enumerate()
-                .map(|(k, u)| (*u, count - k as f64 - 0.5))
-                .collect::<Vec<_>>();
-            let (ink, opacity) = match &line.failed {
+        let (works, fails): (Vec<_>, Vec<_>) = lines.iter().partition(|(_, failed)| failed.is_none());
+        for (normals, failed) in works.into_iter().chain(fails) {
+            let points = normals.iter().enumerate().map(|(k, u)| (*u, count - k as f64 - 0.5));
+            let points: Vec<(f64, f64)> = points.collect();
+            let (ink, opacity) = match failed {
                 None => (Ink::Muted, 0.35),
                 Some(state) => (ink_of(&input.summary, state), 0.75),
             };

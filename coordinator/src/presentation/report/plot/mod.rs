@@ -17,6 +17,7 @@ use super::palette::Ink;
 use legend::{Legend, legend};
 use plotters::prelude::*;
 use shapes::{Frame, draw_series};
+use std::ops::Range;
 use ticks::{TickedAxis, ticks};
 
 /// Height of what is above and below the plot, without the legend [CSS pixels].
@@ -70,7 +71,7 @@ impl Plot<'_> {
 
     /// What a script needs to find the values at a place of the drawing, JSON: per axis its label, its scale, and first and last
     /// place [drawing units] with the numbers drawn there; and the names of the series by their colours.
-    fn axes(&self, area: &DrawnArea) -> String {
+    fn axes(&self, (across, down): &DrawnArea) -> String {
         let frame = Frame::new(self.x.range, self.y.range);
         let axis = |axis: &Axis<'_>, (from, to): (i32, i32), (first, last): (f64, f64)| {
             serde_json::json!({ "label": axis.label, "scale": axis.scale.name(), "from": from, "to": to, "first": first,
@@ -79,8 +80,8 @@ impl Plot<'_> {
         let names: std::collections::BTreeMap<String, &str> =
             self.series.iter().rev().map(|series| (series.ink.hex(), series.label.as_str())).collect();
         let about = serde_json::json!({
-            "x": axis(&self.x, (area.x.start, area.x.end), frame.x),
-            "y": axis(&self.y, (area.y.end, area.y.start), frame.y),
+            "x": axis(&self.x, (across.start, across.end), frame.x),
+            "y": axis(&self.y, (down.end, down.start), frame.y),
             "names": names,
         });
         about.to_string()
@@ -125,16 +126,12 @@ impl Plot<'_> {
             draw_series(&mut chart, &frame, series)?;
         }
         legend.draw_on(root)?;
-        let (x, y) = chart.plotting_area().get_pixel_range();
-        Ok(DrawnArea { x, y })
+        Ok(chart.plotting_area().get_pixel_range())
     }
 }
 
-/// Where the curves of a chart are drawn [drawing units].
-struct DrawnArea {
-    x: std::ops::Range<i32>,
-    y: std::ops::Range<i32>,
-}
+/// Where the curves of a chart are drawn: across and downward [drawing units].
+type DrawnArea = (Range<i32>, Range<i32>);
 
 #[cfg(test)]
 mod tests {
