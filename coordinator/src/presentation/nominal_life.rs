@@ -1,6 +1,6 @@
 //! One mechanism against the limits of its scene: value at the end of life, limit, margin and expected life, per limit state.
 
-use crate::presentation::format::{count, three_digits};
+use crate::presentation::format::{count, whole, with_unit};
 use common::outputs::Evaluation;
 use common::scene::{LimitState, OutputUnit, Scene};
 use serde_json::{Value, json};
@@ -17,12 +17,20 @@ pub enum Reached {
 }
 
 impl Reached {
+    /// Expected life within the life studied [cycles].
+    pub fn life(self) -> Option<f64> {
+        match self {
+            Self::FromTheStart => Some(0.0),
+            Self::After(cycles) => Some(cycles),
+            Self::Beyond(_) => None,
+        }
+    }
+
     /// Cycles to the limit; infinite if nothing leads to it.
     pub fn expected(self) -> f64 {
         match self {
-            Self::FromTheStart => 0.0,
-            Self::After(cycles) => cycles,
             Self::Beyond(cycles) => cycles.unwrap_or(f64::INFINITY),
+            within => within.life().unwrap_or(0.0),
         }
     }
 }
@@ -97,7 +105,7 @@ fn reached(cycles: &[u32], history: &[f64], unworn: Option<f64>, threshold: f64)
 impl NominalLife<'_> {
     /// A value of the output with its unit, to three digits.
     pub fn shown(&self, value: f64) -> String {
-        self.unit.after(&three_digits(self.unit.to_shown(value))).replace('\u{a0}', " ")
+        with_unit(&self.unit, value).replace('\u{a0}', " ")
     }
 
     /// The threshold with its unit, or both, e.g. `20 N to 90 N`.
@@ -129,7 +137,6 @@ impl NominalLife<'_> {
     /// cycles`.
     pub fn line(&self, cycles: u32) -> String {
         let (margin, name) = (100.0 * self.margin(), &self.limit.name);
-        let whole = |cycles: f64| count(cycles.round() as u64);
         let when = match self.reached {
             Reached::FromTheStart => "reached in the first cycle, unworn".to_owned(),
             Reached::After(life) => format!("reached after about {} cycles", whole(life)),
@@ -147,13 +154,8 @@ impl NominalLife<'_> {
     /// This limit state as JSON, values in SI units: the `threshold`, the upper one of two with the `lower` one beside it; the expected
     /// `life` [cycles] is null beyond the life studied.
     pub fn to_json(&self) -> Value {
-        let life = match self.reached {
-            Reached::FromTheStart => Some(0.0),
-            Reached::After(life) => Some(life),
-            Reached::Beyond(_) => None,
-        };
         let mut found = json!({ "limit_state": self.limit.name, "threshold": self.limit.threshold,
-                                "value_at_end": self.last, "life": life });
+                                "value_at_end": self.last, "life": self.reached.life() });
         if self.limit.middle().is_some() {
             found["lower"] = self.limit.thresholds()[0].into();
         }

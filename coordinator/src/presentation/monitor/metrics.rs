@@ -9,7 +9,7 @@ use std::fmt::Write;
 /// Every metric with its help and type. Counters end in `_total`; times are in seconds.
 pub fn metrics_text(status: &Status) -> String {
     let (study, farm) = (&status.study, &status.farm);
-    let mut page = Page::default();
+    let mut page = MetricsText::default();
     page.single("up_seconds", "Time since the start of the coordinator.", status.up);
     let phases = [Phase::Waiting, Phase::Simulating, Phase::Learning, Phase::Ending];
     page.family("phase", "1 for the current phase of the coordinator.");
@@ -67,7 +67,7 @@ const WORKER_METRICS: [WorkerMetric; 4] = [
     ("worker_rate", "Evaluations per second of a worker in the last minute.", |w| w.rate),
 ];
 
-fn worker_metrics(page: &mut Page, workers: &[WorkerStatus]) {
+fn worker_metrics(page: &mut MetricsText, workers: &[WorkerStatus]) {
     for (name, help, value) in WORKER_METRICS {
         page.family(name, help);
         for worker in workers {
@@ -80,9 +80,9 @@ fn worker_metrics(page: &mut Page, workers: &[WorkerStatus]) {
 const PREFIX: &str = "hingewise_";
 
 #[derive(Default)]
-struct Page(String);
+struct MetricsText(String);
 
-impl Page {
+impl MetricsText {
     /// The head of a metric; the name of a counter ends in `_total`.
     fn family(&mut self, name: &str, help: &str) {
         let kind = if name.ends_with("_total") { "counter" } else { "gauge" };

@@ -3,12 +3,12 @@
 
 use super::figure::Figure;
 use super::figures;
-use super::format::{UNKNOWN, count, with_unit};
+use super::format::{UNKNOWN, count, whole, with_unit};
 use super::input::ReportInput;
 use super::page::{self, FigureFiles, Page, captioned};
 use super::plot::PlotError;
 use super::{chapters, studied, tables};
-use crate::presentation::nominal_life::{NominalLife, Reached, nominal_lives};
+use crate::presentation::nominal_life::{NominalLife, nominal_lives};
 use crate::results::summary::StudySummary;
 use common::outputs::Evaluation;
 use common::scene::Scene;
@@ -99,22 +99,13 @@ impl NominalView<'_> {
                 of(&|life| Some(shown(life.last))),
                 limit.thresholds().into_iter().map(shown).collect::<Vec<_>>().join(" to ").render(),
                 of(&|life| Some(format!("{:.0} %", 100.0 * life.margin()))),
-                of(&|life| Some(expected(life))),
+                of(&|life| Some(life.reached.life().map_or("beyond the life studied".to_owned(), whole))),
             ]
         });
         let end = count(scene.life.cycles.into());
         let at_end = format!("after {end} cycles");
         let head = ["limit state", "output", "unworn", &at_end, "limit", "margin", "expected life [cycles]"];
         captioned("limits-now", "This mechanism against its limits", tables::table(&head, rows))
-    }
-}
-
-/// When a limit is reached.
-fn expected(life: &NominalLife) -> String {
-    match life.reached {
-        Reached::FromTheStart => "0".to_owned(),
-        Reached::After(cycles) => count(cycles.round() as u64),
-        Reached::Beyond(_) => "beyond the life studied".to_owned(),
     }
 }
 

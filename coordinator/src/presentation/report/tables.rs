@@ -30,10 +30,10 @@ pub fn table<H: AsRef<str>>(head: &[H], rows: impl Iterator<Item = Row>) -> Mark
 }
 
 /// A column of a table: its name, and the text of its cell in the row of an item.
-pub type Column<'a, T> = (&'a str, &'a dyn Fn(&T) -> String);
+pub type TableColumn<'a, T> = (&'a str, &'a dyn Fn(&T) -> String);
 
 /// A table of one row per item.
-pub fn table_of<T>(columns: &[Column<'_, T>], items: impl IntoIterator<Item = T>) -> Markup {
+pub fn table_of<T>(columns: &[TableColumn<'_, T>], items: impl IntoIterator<Item = T>) -> Markup {
     let head: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
     let row = |item: T| columns.iter().map(|(_, cell)| cell(&item).render()).collect();
     table(&head, items.into_iter().map(row))

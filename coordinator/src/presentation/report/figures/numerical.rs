@@ -1,6 +1,6 @@
 //! Figures of the stated numerical errors: their effect on R, and their size over life.
 
-use super::{LifeAxis, band, capital, curve, file_name, ink_of, span};
+use super::{LifeAxis, band, capital, curves_with_bands, file_name, ink_of, span};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::rows_that_matter;
@@ -27,23 +27,16 @@ fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError
         return Ok(None);
     }
     let axis = LifeAxis::new(&input.summary);
-    let (mut bands, mut lines) = (Vec::new(), Vec::new());
-    for name in input.summary.curve_names() {
-        let ink = ink_of(&input.summary, name);
-        let range = numerical_band(&input.summary, rows, name, &axis);
-        if range.is_empty() {
-            return Ok(None);
-        }
-        bands.push(Series::unlisted(format!("{name}, range"), ink, Shape::Band(range)));
-        let points = curve(&input.summary, name, &axis).0;
-        let shape = if name == "total" { Shape::Dashed(points) } else { Shape::Line(points) };
-        lines.push(Series::new(name, ink, shape));
+    let range = |name: &str| numerical_band(&input.summary, rows, name, &axis);
+    if input.summary.curve_names().any(|name| range(name).is_empty()) {
+        return Ok(None);
     }
+    let series = curves_with_bands(&input.summary, &axis, "range", range);
     let plot = Plot {
         figure: "reliability-numerical",
         x: Axis::linear(axis.label, span(&input.summary, &axis)),
         y: Axis::linear("reliability R", (0.0, 1.0)),
-        series: &[bands, lines].concat(),
+        series: &series,
     };
     let caption = "Bands: 95 % interval with, in addition, all responses shifted by their stated errors to the unsafe and to the \
                    safe side. These shifts are extreme cases, not standard errors.";
