@@ -23,11 +23,10 @@ fn note(row: &ControlPointsRow) -> Option<String> {
         three_digits(*with_four_times),
         three_digits(row.error),
     ];
-    let unit = format!(" {unit}");
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     let values = format!(
         "after {cycles} cycles of the nominal mechanism it is {own}{unit}, and {twice} and {four_times}{unit} on surfaces with twice and four times \
-         the control points",
-        unit = unit.trim_end()
+         the control points"
     );
     let text = if !row.stated {
         format!(
@@ -36,8 +35,7 @@ fn note(row: &ControlPointsRow) -> Option<String> {
     } else if !row.converges && row.error > NOTABLE * value.abs() {
         format!(
             "{output} does not converge with the number of control points: {values}; its stated error contains {error}{unit} for that, which no \
-             accuracy lessens: compare with another contact_law",
-            unit = unit.trim_end()
+             accuracy lessens: compare with another contact_law"
         )
     } else {
         return None;

@@ -2,7 +2,8 @@
 
 use crate::presentation::format::{count, duration};
 use crate::presentation::progress::{RemainingTime, per_second, reliability_so_far};
-use common::wire::{Phase, Status};
+use crate::presentation::text_table::in_columns;
+use common::wire::{Phase, Status, WorkerStatus};
 use std::fmt::Write;
 
 /// Phase, evaluations, queue, rate, current R, and one line per worker.
@@ -62,20 +63,13 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
     if farm.workers.is_empty() {
         return writeln!(text, "no worker is connected");
     }
-    let longest = farm.workers.iter().map(|worker| worker.name.chars().count()).max().unwrap_or(0).max(6);
-    writeln!(text, "\n{:longest$}  {:>5}  {:>5}  {:>8}  {:>9}", "worker", "slots", "tasks", "done", "rate")?;
-    for worker in &farm.workers {
-        writeln!(
-            text,
-            "{:longest$}  {:>5}  {:>5}  {:>8}  {:>9}",
-            printable(&worker.name),
-            worker.slots,
-            worker.under_way,
-            count(worker.done),
-            per_second(worker.rate)
-        )?;
-    }
-    Ok(())
+    let head = ["worker", "slots", "tasks", "done", "rate"].map(str::to_owned).to_vec();
+    let row = |worker: &WorkerStatus| {
+        let WorkerStatus { name, slots, under_way, done, rate } = worker;
+        vec![printable(name), slots.to_string(), under_way.to_string(), count(*done), per_second(*rate)]
+    };
+    let rows: Vec<Vec<String>> = std::iter::once(head).chain(farm.workers.iter().map(row)).collect();
+    write!(text, "\n{}", in_columns(&rows, &[0]))
 }
 
 /// Received text without control characters, which could control a terminal.
@@ -86,7 +80,7 @@ fn printable(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::wire::{FarmStatus, ReliabilitySoFar, StudyStatus, WorkerStatus};
+    use common::wire::{FarmStatus, ReliabilitySoFar, StudyStatus};
 
     #[test]
     fn a_status_has_workers_rates_and_the_current_r() {
@@ -121,7 +115,7 @@ mod tests {
             "queue: 30 waiting, 6 running on 4 slots\n",
             "rate: 1.30/s in the last minute, at most 4 min 03 s left\n",
             "R(66 000) = 0.347 ± 0.012 (95 %), after 2 rounds",
-            "host-1      2      3        40     0.65/s",
+            "host-1      2      3    40  0.65/s\n",
         ] {
             assert!(text.contains(part), "no \"{part}\" in:\n{text}");
         }

@@ -59,11 +59,16 @@ pub fn ground([x, y]: [f64; 2]) -> Markup {
     }
 }
 
-/// An edge of the frame: a line with hatching on its left side, seen from `from` to `to`.
-pub fn hatched(from: [f64; 2], to: [f64; 2]) -> Markup {
+/// Direction from a point to another [1], and their distance.
+fn direction(from: [f64; 2], to: [f64; 2]) -> ([f64; 2], f64) {
     let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
     let length = dx.hypot(dy).max(1e-9);
-    let (dx, dy) = (dx / length, dy / length);
+    ([dx / length, dy / length], length)
+}
+
+/// An edge of the frame: a line with hatching on its left side, seen from `from` to `to`.
+pub fn hatched(from: [f64; 2], to: [f64; 2]) -> Markup {
+    let ([dx, dy], length) = direction(from, to);
     let mut path = path_along(&[from, to]);
     let mut way = 0.5 * HATCH;
     while way < length {
@@ -121,9 +126,7 @@ fn head([x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> String {
 
 /// A straight arrow.
 pub fn arrow(from: [f64; 2], to: [f64; 2], ink: Ink) -> Markup {
-    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
-    let length = dx.hypot(dy).max(1e-9);
-    let direction = [dx / length, dy / length];
+    let (direction, _) = direction(from, to);
     let shaft = [to[0] - 7.0 * direction[0], to[1] - 7.0 * direction[1]];
     html! {
         path d=(path_along(&[from, shaft])) fill="none" stroke=(ink.hex()) stroke-width="2.5" {}
@@ -156,16 +159,17 @@ pub fn turn([x, y]: [f64; 2], radius: f64, counter_clockwise: bool, ink: Ink) ->
 
 /// Corners of a helical spring between two points.
 pub fn coil(from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
-    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
-    let length = dx.hypot(dy).max(1e-9);
+    let ([dx, dy], length) = direction(from, to);
     let turns = ((length / 12.0) as usize).clamp(4, 14);
     let mut points = vec![from];
     for k in 0..turns {
         let share = 0.15 + 0.7 * (k as f64 + 0.5) / turns as f64;
         let side = if k % 2 == 0 { 7.0 } else { -7.0 };
-        points.push([from[0] + share * dx - side * dy / length, from[1] + share * dy + side * dx / length]);
+        let along = share * length;
+        points.push([from[0] + along * dx - side * dy, from[1] + along * dy + side * dx]);
     }
-    let [low, high] = [0.15, 0.85].map(|share| [from[0] + share * dx, from[1] + share * dy]);
+    let [low, high] =
+        [0.15, 0.85].map(|share| share * length).map(|along| [from[0] + along * dx, from[1] + along * dy]);
     points.insert(1, low);
     points.extend([high, to]);
     points
