@@ -12,7 +12,7 @@ pub struct Drawing {
     pub letters: Option<f64>,
     /// Axes of a chart, JSON for the script that shows values.
     pub axes: Option<String>,
-    /// Its elements.
+    /// Elements of the drawing as SVG.
     pub content: String,
 }
 

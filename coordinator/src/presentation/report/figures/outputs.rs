@@ -45,8 +45,7 @@ fn distribution(
         };
         series.push(Series::new(label, Ink::Series(k + 2), Shape::Steps(bars)));
     }
-    let lines = thresholds.iter().zip(threshold_names(state));
-    series.extend(lines.map(|(threshold, name)| Series::new(*name, Ink::Limit, Shape::Upright(*threshold))));
+    series.extend(threshold_lines(state, unit, Shape::Upright));
     let name = format!("distribution-{}", file_name(&state.name));
     let margin = 0.03 * (high - low);
     let labels = [unit.axis(&output), density(unit)];
@@ -85,9 +84,12 @@ fn distribution_caption(
     )
 }
 
-/// Names of the lines at the thresholds of a limit state, ascending.
-fn threshold_names(state: &LimitState) -> &'static [&'static str] {
-    if state.middle().is_some() { &["lower threshold", "upper threshold"] } else { &["threshold"] }
+/// Lines at the thresholds of a limit state, ascending.
+fn threshold_lines(state: &LimitState, unit: &OutputUnit, line: fn(f64) -> Shape) -> Vec<Series> {
+    let names: &[&str] =
+        if state.middle().is_some() { &["lower threshold", "upper threshold"] } else { &["threshold"] };
+    let thresholds = state.thresholds().into_iter().zip(names);
+    thresholds.map(|(si, name)| Series::new(*name, Ink::Limit, line(unit.to_shown(si)))).collect()
 }
 
 /// Where failure lies, as the beginning of a sentence.
@@ -185,9 +187,7 @@ fn history(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Result<O
     let signed = thresholds[0] < 0.0 || nominal.iter().any(|p| p.1 < 0.0);
     let low = if low < 0.5 * high && !signed { 0.0 } else { low - 0.1 * (high - low) };
     let caption = history_caption(input, !bands.is_empty());
-    let lines = thresholds.iter().zip(threshold_names(state));
-    let mut series: Vec<Series> =
-        lines.map(|(threshold, name)| Series::new(*name, Ink::Limit, Shape::Level(*threshold))).collect();
+    let mut series = threshold_lines(state, unit, Shape::Level);
     let ink = ink_of(&input.summary, &state.name);
     // The inner band lies on the outer one.
     let drawn = bands.into_iter().zip([0.16, 0.5]);

@@ -48,7 +48,7 @@ impl Page {
         Self { title, header, before_contents, body: html! {}, chapters: vec![], figures: vec![], files }
     }
 
-    /// Adds content.
+    /// Adds content to the last chapter.
     pub fn add(&mut self, content: Markup) {
         self.body.0 += &content.0;
     }
