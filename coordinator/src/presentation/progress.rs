@@ -1,6 +1,6 @@
 //! The progress of a study as all its views count it, in the terminal, in `status` and on the live page, and the time that it still takes.
 
-use super::format::{count, duration, fixed, reliability, share};
+use super::format::{count, duration, fixed, reliability, share, three_digits};
 use crate::results::progress::Progress;
 use crate::statistics::reliability::REACH;
 use common::wire::{ReliabilitySoFar, StudyStatus};
@@ -77,6 +77,26 @@ pub fn reliability_so_far(cycles: u32, r: f64, standard_error: f64) -> String {
     let value = reliability(r, (r - width).max(0.0), (r + width).min(1.0));
     let equal = if value.starts_with(['>', '<']) { "" } else { "= " };
     format!("R({cycles}) {equal}{value} (95 %)")
+}
+
+/// Evaluations, time left in the study, rate [1/s], surrogate error, R so far and the rest, the most important first, since terminals cut the
+/// end off; e.g. `84/400 evaluations, at most 4 min 03 s left, 1.30/s, error 0.0090, R(66 000) = 0.347 ± 0.012 (95 %), round 2`.
+pub fn state_of_study(study: &StudyStatus, ending: bool, rate: Option<f64>, error: Option<f64>) -> String {
+    let StudyStatus { done, failed, recalled, purpose, reliability, .. } = study;
+    let mut parts = vec![format!("{done}/{} evaluations", most_evaluations(study))];
+    if ending {
+        parts.push("computing the results".to_owned());
+    } else {
+        parts.extend(RemainingTime::of(study, rate).map(|left| left.to_string()));
+    }
+    parts.extend(rate.map(per_second));
+    parts.extend(error.filter(|error| *error > 0.0).map(|error| format!("error {}", three_digits(error))));
+    let so_far = |r: &ReliabilitySoFar| reliability_so_far(r.cycles, r.total, r.standard_error);
+    parts.extend(reliability.as_ref().map(so_far));
+    parts.extend((!purpose.is_empty()).then(|| purpose.clone()));
+    parts.extend((*failed > 0).then(|| format!("{failed} failed")));
+    parts.extend((*recalled > 0).then(|| format!("{recalled} from the campaign file")));
+    parts.join(", ")
 }
 
 /// A rate of evaluations [1/s] as text.

@@ -9,10 +9,8 @@ pub use ending::final_text;
 pub use message::print_message;
 pub use waiting::while_waiting;
 
-use crate::presentation::format::{fixed, percent, three_digits};
-use crate::presentation::progress::{
-    RemainingTime, most_evaluations, per_second, record, reliability_so_far,
-};
+use crate::presentation::format::{fixed, percent};
+use crate::presentation::progress::{record, reliability_so_far, state_of_study};
 use crate::results::progress::{Observer, Progress};
 use crate::results::summary::Round;
 use common::wire::StudyStatus;
@@ -84,39 +82,10 @@ impl ProgressText {
         (simulated > 0 && elapsed > 0.0).then(|| simulated as f64 / elapsed)
     }
 
-    /// Evaluations, time left in the study, rate, error, R so far and the rest, the most important first, since terminals cut the end
-    /// off; e.g. `84/400 evaluations, at most 4 min 03 s left, 1.30/s, error 0.0090, R(66 000) = 0.347 ± 0.012 (95 %), round 2`.
+    /// The state of the study in one line.
     pub fn state(&self, now: Duration) -> String {
-        let StudyStatus { done, failed, recalled, purpose, .. } = &self.study;
-        let mut text = format!("{done}/{} evaluations", most_evaluations(&self.study));
-        let rate = self.rate(now);
-        if self.ending {
-            text += ", computing the results";
-        } else if let Some(left) = RemainingTime::of(&self.study, rate) {
-            text += &format!(", {left}");
-        }
-        if let Some(rate) = rate {
-            text += &format!(", {}", per_second(rate));
-        }
-        if let Some(round) = &self.round {
-            if round.surrogate_error > 0.0 {
-                text += &format!(", error {}", three_digits(round.surrogate_error));
-            }
-            text += &format!(
-                ", {}",
-                reliability_so_far(round.cycles, round.reliability_total, round.standard_error())
-            );
-        }
-        if !purpose.is_empty() {
-            text += &format!(", {purpose}");
-        }
-        if *failed > 0 {
-            text += &format!(", {failed} failed");
-        }
-        if *recalled > 0 {
-            text += &format!(", {recalled} from the campaign file");
-        }
-        text.replace('\u{a0}', " ")
+        let error = self.round.as_ref().map(|round| round.surrogate_error);
+        state_of_study(&self.study, self.ending, self.rate(now), error).replace('\u{a0}', " ")
     }
 }
 

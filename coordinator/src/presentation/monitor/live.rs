@@ -4,8 +4,7 @@
 
 use super::status_source::StatusSource;
 use super::study_section::{STYLE, study_section};
-use crate::presentation::format::count;
-use crate::presentation::progress::{record, reliability_so_far};
+use crate::presentation::progress::{record, state_of_study};
 use crate::presentation::report::nominal_page::NominalView;
 use crate::presentation::report::{self, Figure, LiveStatus, Page, ReportInput, SUMMARY_DOCUMENT};
 use crate::results::progress::Progress;
@@ -309,15 +308,5 @@ impl LivePage {
 
 /// Progress of the study in one line.
 fn line(observed: &ObservedProgress) -> String {
-    let study = &observed.study;
-    let (done, planned) = (count(study.done), count(study.planned.max(study.done)));
-    let purpose = match (observed.ending, study.purpose.as_str()) {
-        (true, _) => ", computing the results".to_owned(),
-        (_, "") => String::new(),
-        (_, purpose) => format!(", {purpose}"),
-    };
-    let reliability = study.reliability.map_or(String::new(), |so_far| {
-        format!(", {} so far", reliability_so_far(so_far.cycles, so_far.total, so_far.standard_error))
-    });
-    format!("Running study: {done} of {planned} planned evaluations{purpose}{reliability}")
+    format!("Running study: {}", state_of_study(&observed.study, observed.ending, None, None))
 }
