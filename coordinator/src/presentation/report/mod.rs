@@ -10,7 +10,6 @@ pub mod drawing;
 mod figure;
 mod figures;
 pub mod fleet;
-pub use super::format;
 mod grooves;
 mod input;
 pub mod life;
@@ -32,6 +31,7 @@ pub mod untested;
 mod words;
 mod written;
 
+pub use super::format;
 pub use figure::{Drawing, Figure};
 pub use figures::reliability as reliability_figure;
 pub use input::{

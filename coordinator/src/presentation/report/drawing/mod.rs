@@ -26,7 +26,6 @@ pub use sketch::sketch;
 
 use super::figure::{Figure, csv};
 use crate::results::csv_table::number;
-
 use common::scene::Scene;
 
 /// Name of the figure and of its files.
