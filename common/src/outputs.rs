@@ -232,3 +232,29 @@ pub struct Diagnostics {
     /// Energy balance of the last cycle, on the worn bores, if the first cycle was requested.
     pub worn_energy: Option<EnergyBalance>,
 }
+
+/// The work counters of an evaluation: key in files, and name.
+pub const COUNTERS: [(&str, &str); 7] = [
+    ("steps", "time steps"),
+    ("rejected_steps", "rejected time steps"),
+    ("newton_iterations", "Newton iterations"),
+    ("force_evaluations", "force evaluations"),
+    ("simulated_cycles", "cycles simulated"),
+    ("wear_stages", "stages of the wear step"),
+    ("rejected_wear_steps", "rejected wear steps"),
+];
+
+impl Diagnostics {
+    /// The values of [`COUNTERS`].
+    pub fn counts(&self) -> [u64; 7] {
+        [
+            self.steps,
+            self.rejected_steps,
+            self.newton_iterations,
+            self.force_evaluations,
+            self.simulated_cycles,
+            self.wear_stages,
+            self.rejected_wear_steps,
+        ]
+    }
+}

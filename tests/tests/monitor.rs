@@ -247,7 +247,7 @@ fn metrics_and_status_describe_a_running_study() {
         assert!(
             page.starts_with("HTTP/1.1 200") && page.contains("content-security-policy: default-src 'none'")
         );
-        assert!(page.contains("Running study: 0 of 1 planned evaluations, nominal point"), "{page}");
+        assert!(page.contains("Running study: 0/12 evaluations, nominal point"), "{page}");
         // From the first second: progress, workers, the drawing and the limits.
         for piece in [
             "0 of at most 12 evaluations",

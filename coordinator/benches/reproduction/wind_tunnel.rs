@@ -285,5 +285,5 @@ pub fn figure(run: &Measured) -> Result<String, Box<dyn Error>> {
             .collect();
         polar.curve(&arc, Stroke { ink: Ink::Limit, width: 3.0, opacity: 1.0 });
     }
-    Ok(polar.finish("joint 1", freest(wear)))
+    Ok(polar.finish("joint 1", freest(wear)).document(&maud::html! {}))
 }

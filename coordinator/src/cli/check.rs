@@ -15,47 +15,24 @@ use common::scene::{Fault, FaultKind, Location, Scene, SceneSource, Warning};
 use coordinator::presentation::nominal_life::{NominalLife, Reached};
 use coordinator::presentation::report::format::count as with_separators;
 use coordinator::presentation::terminal::while_waiting;
-use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// A fault or a warning as editors read it: columns count characters from 1, `end_column` stands after the last one.
-#[derive(Debug, Serialize)]
-struct SceneFinding<'f> {
-    file: &'f str,
-    line: Option<usize>,
-    column: Option<usize>,
-    end_column: Option<usize>,
-    key: &'f str,
-    message: String,
-    /// Where the parameter is used whose definition is at `line`.
-    used_at: Option<String>,
+fn finding(file: &str, location: Option<&Location>, key: &str, message: &str) -> Value {
+    json!({ "file": file, "line": location.map(|at| at.line), "column": location.map(|at| at.column),
+            "end_column": location.map(|at| at.end_column), "key": key, "message": message, "used_at": null })
 }
 
-impl<'f> SceneFinding<'f> {
-    fn new(file: &'f str, location: Option<&Location>, key: &'f str, message: String) -> Self {
-        SceneFinding {
-            file,
-            line: location.map(|location| location.line),
-            column: location.map(|location| location.column),
-            end_column: location.map(|location| location.end_column),
-            key,
-            message,
-            used_at: None,
-        }
-    }
-
-    fn of_fault(fault: &'f Fault) -> Self {
-        let message = match &fault.kind {
-            FaultKind::Syntax { message, .. } => message.clone(),
-            kind => kind.to_string(),
-        };
-        let used_at = fault.used_at.as_ref().map(ToString::to_string);
-        SceneFinding {
-            used_at,
-            ..SceneFinding::new(&fault.file, fault.location.as_deref(), &fault.key, message)
-        }
-    }
+/// A fault, with the place where the parameter is used whose definition is at `line`.
+fn finding_of_fault(fault: &Fault) -> Value {
+    let message = match &fault.kind {
+        FaultKind::Syntax { message, .. } => message.clone(),
+        kind => kind.to_string(),
+    };
+    let mut found = finding(&fault.file, fault.location.as_deref(), &fault.key, &message);
+    found["used_at"] = fault.used_at.as_ref().map(ToString::to_string).into();
+    found
 }
 
 pub const EXAMPLES: &str = "\
@@ -111,9 +88,9 @@ pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), Com
         Ok((source, evaluation))
     });
     if let (Err(error), true) = (&checked, as_json) {
-        let findings = match error {
-            CommandError::Scene(faults) => faults.0.iter().map(SceneFinding::of_fault).collect(),
-            error => vec![SceneFinding::new(file, None, "", error.to_string())],
+        let findings: Vec<Value> = match error {
+            CommandError::Scene(faults) => faults.0.iter().map(finding_of_fault).collect(),
+            error => vec![finding(file, None, "", &error.to_string())],
         };
         print(&to_json(&json!({ "file": file, "valid": false, "faults": findings }))?)?;
     }
@@ -128,18 +105,14 @@ pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), Com
     let measured = measured_findings(&source);
     warnings.extend(measured.iter().filter_map(MeasuredFinding::warning));
     if as_json {
-        let places: Vec<Option<Location>> = warnings.iter().map(|w| source.location(&w.key)).collect();
-        let findings: Vec<SceneFinding> = warnings
-            .iter()
-            .zip(&places)
-            .map(|(Warning { key, message }, place)| {
-                let file = place.as_ref().map_or(file, |place| &place.file);
-                SceneFinding::new(file, place.as_ref(), key, message.clone())
-            })
-            .collect();
+        let findings = warnings.iter().map(|Warning { key, message }| {
+            let place = source.location(key);
+            finding(place.as_ref().map_or(file, |place| &place.file), place.as_ref(), key, message)
+        });
         return print(&to_json(&json!({ "file": file, "scene": scene.name, "valid": true, "faults": [],
-                                       "nominal": lives.iter().map(NominalLife::printed).collect::<Vec<_>>(),
-                                       "measured": measured, "unused_parameters": unused, "warnings": findings }))?);
+                                       "nominal": lives.iter().map(NominalLife::to_json).collect::<Value>(),
+                                       "measured": measured, "unused_parameters": unused,
+                                       "warnings": findings.collect::<Value>() }))?);
     }
     let unused = unused.iter().map(|name| (format!("parameters.{name}"), "nothing reads it"));
     let warnings = warnings.iter().map(|warning| (warning.key.clone(), warning.message.as_str()));

@@ -6,7 +6,7 @@ use super::scenes::check_linkage;
 use clap::Args;
 use common::scene::{Motion, Scene, SceneSource};
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
-use coordinator::presentation::report::{Figure, Mechanism, PngMaker, ReportError, standalone};
+use coordinator::presentation::report::{Figure, PngMaker, ReportError, standalone};
 use coordinator::results::result_files::{write_bytes, write_text};
 use std::path::{Path, PathBuf};
 use worker::mechanism::Prescribed;
@@ -53,10 +53,9 @@ pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError
     let source = SceneSource::load(&arguments.scene)?;
     let scene = source.nominal();
     check_linkage(source.origin(), &source, scene)?;
-    let mechanism = Mechanism::new(scene);
-    let drawn = drawn(source.origin(), scene, &mechanism, arguments.at)?;
+    let drawn = drawn(source.origin(), scene, arguments.at)?;
     if let Some(file) = &arguments.out {
-        write_picture(file, &drawing::figure(&drawn, &mechanism))?;
+        write_picture(file, &drawing::figure(&drawn, scene))?;
     }
     match (as_json, &arguments.out) {
         (true, _) => print(&to_json(&drawn)?),
@@ -98,9 +97,8 @@ fn write_picture(file: &Path, figure: &Figure) -> Result<(), CommandError> {
 pub fn write_drawing(source: &SceneSource, file: &Path) -> Result<(), CommandError> {
     let scene = source.nominal();
     check_linkage(source.origin(), source, scene)?;
-    let mechanism = Mechanism::new(scene);
-    let drawn = drawn(source.origin(), scene, &mechanism, SHARE_OF_CYCLE)?;
-    write_picture(file, &drawing::figure(&drawn, &mechanism))
+    let drawn = drawn(source.origin(), scene, SHARE_OF_CYCLE)?;
+    write_picture(file, &drawing::figure(&drawn, scene))
 }
 
 /// The drawing of a mechanism as a figure; none for an external simulator, or where nothing can be drawn.
@@ -108,21 +106,15 @@ pub fn drawing_figure(origin: &str, scene: &Scene) -> Option<Figure> {
     if scene.simulator.is_some() {
         return None;
     }
-    let mechanism = Mechanism::new(scene);
-    let drawn = drawn(origin, scene, &mechanism, SHARE_OF_CYCLE).ok()?;
-    Some(drawing::figure(&drawn, &mechanism))
+    let drawn = drawn(origin, scene, SHARE_OF_CYCLE).ok()?;
+    Some(drawing::figure(&drawn, scene))
 }
 
 /// The mechanism with ideal joints at a share of its cycle; at its start, where drives and joints do not determine the motion.
 ///
 /// # Errors
 /// [`CommandError::Refused`] for a mechanism without extent, or the failure of a linkage that does not close.
-fn drawn(
-    origin: &str,
-    scene: &Scene,
-    mechanism: &Mechanism,
-    share: f64,
-) -> Result<DrawnMechanism, CommandError> {
+fn drawn(origin: &str, scene: &Scene, share: f64) -> Result<DrawnMechanism, CommandError> {
     let ideal = worker::mechanism::ideal_cycle(scene, INSTANTS, &mut 0)
         .map_err(|failure| CommandError::of_simulation(origin, scene, failure))?;
     let cycle: Vec<Vec<([f64; 2], f64)>> = ideal
@@ -143,7 +135,7 @@ fn drawn(
         })
         .collect();
     let shown = drawing::instant(cycle.len(), share);
-    DrawnMechanism::new(mechanism, &cycle, shown).ok_or_else(|| {
+    DrawnMechanism::new(scene, &cycle, shown).ok_or_else(|| {
         CommandError::refused(origin, "not modelled yet: a mechanism whose points all coincide")
     })
 }
@@ -162,10 +154,9 @@ mod tests {
         picture.pixels().iter().map(colour).collect()
     }
 
-    fn of(name: &str) -> (DrawnMechanism, Mechanism) {
-        let source = SceneSource::builtin(name).expect("built in");
-        let mechanism = Mechanism::new(source.nominal());
-        (drawn(name, source.nominal(), &mechanism, SHARE_OF_CYCLE).expect("it closes"), mechanism)
+    fn of(name: &str) -> (DrawnMechanism, Scene) {
+        let scene = SceneSource::builtin(name).expect("built in").nominal().clone();
+        (drawn(name, &scene, SHARE_OF_CYCLE).expect("it closes"), scene)
     }
 
     #[test]
@@ -176,9 +167,9 @@ mod tests {
         }
         let folder = tempfile::tempdir().expect("a folder");
         for name in ["four-bar", "slider-crank"] {
-            let (drawn, mechanism) = of(name);
+            let (drawn, scene) = of(name);
             let file = folder.path().join("drawing.PNG");
-            write_picture(&file, &drawing::figure(&drawn, &mechanism)).expect("written");
+            write_picture(&file, &drawing::figure(&drawn, &scene)).expect("written");
             let colours = colours_of_png(&std::fs::read(&file).expect("a picture"));
             let share = |hex: u32| {
                 colours.iter().filter(|colour| **colour == hex).count() as f64 / colours.len() as f64
@@ -197,10 +188,10 @@ mod tests {
     #[test]
     fn joints_are_closed_in_every_built_in_scene() {
         for name in SceneSource::builtin_names() {
-            let (drawn, mechanism) = of(name);
+            let (drawn, scene) = of(name);
             let [low, high] = drawn.extent();
             let size = (high[0] - low[0]).max(high[1] - low[1]);
-            for (joint, of_scene) in drawn.joints.iter().zip(&mechanism.joints) {
+            for (joint, of_scene) in drawn.joints.iter().zip(&scene.joints) {
                 let ends = &drawn.bodies[of_scene.bushing.body].outline_m;
                 let near = ends.iter().map(|p| (p[0] - joint.at_m[0]).hypot(p[1] - joint.at_m[1]));
                 let gap = near.fold(f64::INFINITY, f64::min);
@@ -217,10 +208,9 @@ mod tests {
     fn labels_do_not_overlap_in_any_position_of_any_built_in_scene() {
         for name in SceneSource::builtin_names() {
             let source = SceneSource::builtin(name).expect("built in");
-            let mechanism = Mechanism::new(source.nominal());
             for eighth in 0..8 {
                 let share = f64::from(eighth) / 8.0;
-                let drawn = drawn(name, source.nominal(), &mechanism, share).expect("it closes");
+                let drawn = drawn(name, source.nominal(), share).expect("it closes");
                 let labels = drawing::sheet(&drawn).labels;
                 assert!(
                     labels.len() >= drawn.joints.len() + drawn.loads.len() + drawn.drives.len(),

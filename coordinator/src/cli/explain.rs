@@ -62,7 +62,7 @@ pub fn explain(name: &str, accuracy: &AccuracyArguments, verbosity: Verbosity) -
     if verbosity.json {
         let mut value = serde_json::to_value(scene)?;
         value["model"] = model.to_json();
-        let lives: Vec<_> = lives.iter().map(NominalLife::printed).collect();
+        let lives: Vec<_> = lives.iter().map(NominalLife::to_json).collect();
         value["nominal"] = serde_json::to_value(lives)?;
         value["measured"] = serde_json::to_value(measured)?;
         value["warnings"] = serde_json::to_value(warnings)?;

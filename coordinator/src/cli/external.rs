@@ -2,6 +2,7 @@
 
 use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
+use super::evaluation_json::of_outputs;
 use super::limit_text::failed;
 use super::output::{count, to_json};
 use super::shared::{FarmArguments, Slots};
@@ -12,29 +13,11 @@ use common::scene::{
 };
 use coordinator::farm::evaluate::external::open;
 use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
-use serde::Serialize;
-use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::Arc;
 use worker::own_simulators::{OfferError, OwnSimulators};
 use worker::service::Simulator;
 use worker::simulator::simulator;
-
-/// The evaluation as printed; names as for a mechanism.
-#[derive(Debug, Serialize)]
-struct PrintedReply<'r> {
-    scene: &'r str,
-    /// Values changed by `--set`, in SI units.
-    settings: BTreeMap<&'r str, f64>,
-    cycles: &'r [u32],
-    /// Each output under its name and unit.
-    #[serde(flatten)]
-    outputs: BTreeMap<String, &'r [f64]>,
-    /// Numerical error of each, under the same names, if the simulator states any.
-    numerical_error: BTreeMap<String, &'r [f64]>,
-    start: BTreeMap<String, f64>,
-    wall_s: f64,
-}
 
 /// Starts the simulator on `slots` slots; Ctrl-C and SIGTERM end its batches.
 ///
@@ -103,21 +86,7 @@ pub fn simulate(
     let lost = || CommandError::Evaluate(EvaluateError::NoOutcome { id: 0 });
     let Finished { outcome, wall, .. } = found.pop().flatten().ok_or_else(lost)?;
     let evaluation = outcome.map_err(|failure| CommandError::failed_simulation(source.origin(), &failure))?;
-    let printed = PrintedReply {
-        scene: &scene.name,
-        settings: settings.iter().map(|(name, value)| (name.as_str(), *value)).collect(),
-        cycles: &evaluation.cycles,
-        outputs: by_name(scene, &evaluation.histories),
-        numerical_error: by_name(scene, &evaluation.errors),
-        start: evaluation.start_by_key(&scene.outputs),
-        wall_s: wall,
-    };
-    to_json(&printed)
-}
-
-fn by_name<'r>(scene: &Scene, rows: &'r [Vec<f64>]) -> BTreeMap<String, &'r [f64]> {
-    let keys = scene.outputs.iter().map(|output| output.kind.unit().key(&output.name));
-    keys.zip(rows.iter().map(Vec::as_slice)).collect()
+    to_json(&of_outputs(scene, settings, &evaluation, wall))
 }
 
 /// Writes the description of the simulator for `coordinator explain`, in place of that of a mechanism.

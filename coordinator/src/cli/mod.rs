@@ -12,6 +12,7 @@ mod doctor;
 mod draw;
 mod drive_angles;
 mod error;
+mod evaluation_json;
 mod explain;
 mod external;
 mod extremes;

@@ -5,11 +5,9 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::{Fails, JointKind, Scene, Warning};
-use coordinator::presentation::control_points::control_points_notes;
-use coordinator::presentation::motion_cautions::motion_cautions;
+use coordinator::presentation::motion_cautions::cautions;
 use coordinator::presentation::nominal_life::{NominalLife, Reached, nominal_lives};
 use coordinator::presentation::report::format::three_digits;
-use coordinator::results::control_points::control_points_rows;
 use worker::simulate::{SimulateOptions, simulate};
 
 /// Longest block of wear that an accuracy may have [cycles].
@@ -101,10 +99,8 @@ pub fn nominal_check<'s>(scene: &'s Scene, evaluation: &Evaluation) -> (Vec<Nomi
     let warnings = lives.iter().filter_map(|life| {
         Some(Warning { key: format!("limit_states.{}", life.limit.name), message: warning(scene, life)? })
     });
-    let of_points = control_points_notes(&control_points_rows(scene, &evaluation.diagnostics));
-    let of_points = of_points.into_iter().map(|message| Warning { key: "joints".to_owned(), message });
-    let of_motion = motion_cautions(&evaluation.diagnostics);
-    let warnings = warnings.chain(of_hinges(scene, evaluation)).chain(of_motion).chain(of_points).collect();
+    let of_simulation = cautions(scene, &evaluation.diagnostics);
+    let warnings = warnings.chain(of_hinges(scene, evaluation)).chain(of_simulation).collect();
     (lives, warnings)
 }
 

@@ -4,8 +4,7 @@ use super::error::CommandError;
 use super::output::count;
 use common::outputs::{Evaluation, NarrowGroove};
 use common::scene::{Output, Scene};
-use coordinator::presentation::control_points::control_points_notes;
-use coordinator::presentation::motion_cautions::motion_cautions;
+use coordinator::presentation::motion_cautions::cautions;
 use coordinator::presentation::nominal_life::nominal_lives;
 use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::format::{count as grouped, duration, three_digits};
@@ -47,10 +46,8 @@ impl Simulated<'_> {
                 grouped((*since).into())
             );
         }
-        let of_points = control_points_notes(&control_points_rows(scene, &evaluation.diagnostics));
-        let of_motion = motion_cautions(&evaluation.diagnostics).into_iter().map(|caution| caution.message);
-        for caution in of_motion.chain(of_points) {
-            text += &format!("caution: {caution}\n");
+        for caution in cautions(scene, &evaluation.diagnostics) {
+            text += &format!("caution: {}\n", caution.message);
         }
         for file in files {
             text += &format!("written: {}\n", file.display());
@@ -75,7 +72,7 @@ impl Simulated<'_> {
             ("work", self.work()),
             ("version", format!("Hingewise {}", env!("CARGO_PKG_VERSION"))),
         ];
-        Ok(view.page(&facts, source).map_err(ReportError::from)?)
+        Ok(view.page(&facts, source).map_err(ReportError::from)?.html(None))
     }
 
     /// Life, accuracy, steps and time.

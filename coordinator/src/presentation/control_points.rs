@@ -3,7 +3,7 @@
 //! Each control point is a number of the model where a scene declares it so; where not, it is numerical, and what more points change is in the
 //! stated error. Neither more points nor a finer accuracy lessen the error of an output that does not converge.
 
-use crate::presentation::report::format::{count, three_digits};
+use crate::presentation::format::{count, three_digits};
 use crate::results::control_points::ControlPointsRow;
 
 /// Error over the value from which on an output that does not converge is pointed out [1].
@@ -23,11 +23,10 @@ fn note(row: &ControlPointsRow) -> Option<String> {
         three_digits(*with_four_times),
         three_digits(row.error),
     ];
-    let unit = format!(" {unit}");
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     let values = format!(
         "after {cycles} cycles of the nominal mechanism it is {own}{unit}, and {twice} and {four_times}{unit} on surfaces with twice and four times \
-         the control points",
-        unit = unit.trim_end()
+         the control points"
     );
     let text = if !row.stated {
         format!(
@@ -36,8 +35,7 @@ fn note(row: &ControlPointsRow) -> Option<String> {
     } else if !row.converges && row.error > NOTABLE * value.abs() {
         format!(
             "{output} does not converge with the number of control points: {values}; its stated error contains {error}{unit} for that, which no \
-             accuracy lessens: compare with another contact_law",
-            unit = unit.trim_end()
+             accuracy lessens: compare with another contact_law"
         )
     } else {
         return None;

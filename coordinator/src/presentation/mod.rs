@@ -5,17 +5,19 @@
 //! | [`report`] | the report of a finished study, and the comparison of several |
 //! | [`monitor`] | status, metrics and live report of a running study |
 //! | [`control_points`] | outputs that depend on the number of control points |
+//! | [`format`] | numbers as text for people |
 //! | [`motion_cautions`] | cautions about energy and settling of the simulated motion |
 //! | [`nominal_life`] | one mechanism against the limits of its scene |
-//! | [`remaining`] | time that a study still takes |
+//! | [`progress`] | progress of a study, and the time that it still takes |
 //! | [`terminal`] | progress and final summary on the terminal |
 //! | [`text_table`] | a table as text |
 
 pub mod control_points;
+pub mod format;
 pub mod monitor;
 pub mod motion_cautions;
 pub mod nominal_life;
-pub mod remaining;
+pub mod progress;
 pub mod report;
 pub mod terminal;
 pub mod text_table;

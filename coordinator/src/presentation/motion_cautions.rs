@@ -5,16 +5,26 @@
 //! W is not small against the energy that goes through the mechanism, it maintains a vibration that no real contact would, which changes
 //! forces, wear and lives; finer time steps show the same. What the balance leaves beside that work is the numerical error of the cycle.
 
-use crate::presentation::report::format::three_digits;
+use super::control_points::control_points_notes;
+use crate::presentation::format::three_digits;
+use crate::results::control_points::control_points_rows;
 use common::outputs::{Diagnostics, EnergyBalance, UnsettledMotion};
-use common::scene::Warning;
+use common::scene::{Scene, Warning};
 
 /// Share of the energy of a cycle from which on such work is pointed out [1]: the nominal `flapping-wing` has 0.001.
 const NOTABLE: f64 = 0.01;
 /// Share of all powers over a cycle below which a residual counts as rounding of the balance, whatever goes through [1].
 const NEGLIGIBLE: f64 = 1e-4;
 
-/// The cautions about an evaluation, each with the key of the scene that it belongs to; none if there is nothing to point out.
+/// All cautions about the simulation of one mechanism, each with the key of the scene that it belongs to: about its motion, and about outputs
+/// that depend on the number of control points.
+pub fn cautions(scene: &Scene, diagnostics: &Diagnostics) -> Vec<Warning> {
+    let of_points = control_points_notes(&control_points_rows(scene, diagnostics)).into_iter();
+    let of_points = of_points.map(|message| Warning { key: "joints".to_owned(), message });
+    motion_cautions(diagnostics).into_iter().chain(of_points).collect()
+}
+
+/// The cautions about the motion of an evaluation, each with the key of the scene that it belongs to; none if there is nothing to point out.
 pub fn motion_cautions(diagnostics: &Diagnostics) -> Vec<Warning> {
     let balance = match (&diagnostics.worn_energy, &diagnostics.energy) {
         (Some(worn), _) => Some((worn, "last")),

@@ -1,9 +1,9 @@
 //! One mechanism against the limits of its scene: value at the end of life, limit, margin and expected life, per limit state.
 
-use crate::presentation::report::format::{count, three_digits};
+use crate::presentation::format::{count, whole, with_unit};
 use common::outputs::Evaluation;
 use common::scene::{LimitState, OutputUnit, Scene};
-use serde::Serialize;
+use serde_json::{Value, json};
 
 /// When one mechanism reaches a limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,12 +17,20 @@ pub enum Reached {
 }
 
 impl Reached {
+    /// Expected life within the life studied [cycles].
+    pub fn life(self) -> Option<f64> {
+        match self {
+            Self::FromTheStart => Some(0.0),
+            Self::After(cycles) => Some(cycles),
+            Self::Beyond(_) => None,
+        }
+    }
+
     /// Cycles to the limit; infinite if nothing leads to it.
     pub fn expected(self) -> f64 {
         match self {
-            Self::FromTheStart => 0.0,
-            Self::After(cycles) => cycles,
             Self::Beyond(cycles) => cycles.unwrap_or(f64::INFINITY),
+            within => within.life().unwrap_or(0.0),
         }
     }
 }
@@ -46,20 +54,6 @@ pub struct NominalLife<'s> {
     pub reached: Reached,
     /// Stated numerical errors of the values at the first and at the last checkpoint [SI]; zero if none is stated.
     pub errors: [f64; 2],
-}
-
-/// A limit state in JSON, values in SI units.
-#[derive(Debug, Serialize)]
-pub struct PrintedLife<'s> {
-    limit_state: &'s str,
-    /// The threshold, the upper one of two.
-    threshold: f64,
-    /// The lower threshold of two.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    lower: Option<f64>,
-    value_at_end: f64,
-    /// Expected life [cycles]; absent beyond the life studied.
-    life: Option<f64>,
 }
 
 /// The limit states of a mechanism whose values are those of `evaluation`.
@@ -111,7 +105,7 @@ fn reached(cycles: &[u32], history: &[f64], unworn: Option<f64>, threshold: f64)
 impl NominalLife<'_> {
     /// A value of the output with its unit, to three digits.
     pub fn shown(&self, value: f64) -> String {
-        self.unit.after(&three_digits(self.unit.to_shown(value))).replace('\u{a0}', " ")
+        with_unit(&self.unit, value).replace('\u{a0}', " ")
     }
 
     /// The threshold with its unit, or both, e.g. `20 N to 90 N`.
@@ -143,7 +137,6 @@ impl NominalLife<'_> {
     /// cycles`.
     pub fn line(&self, cycles: u32) -> String {
         let (margin, name) = (100.0 * self.margin(), &self.limit.name);
-        let whole = |cycles: f64| count(cycles.round() as u64);
         let when = match self.reached {
             Reached::FromTheStart => "reached in the first cycle, unworn".to_owned(),
             Reached::After(life) => format!("reached after about {} cycles", whole(life)),
@@ -158,21 +151,15 @@ impl NominalLife<'_> {
             .replace('\u{a0}', " ")
     }
 
-    /// This limit state as JSON.
-    pub fn printed(&self) -> PrintedLife<'_> {
-        let life = match self.reached {
-            Reached::FromTheStart => Some(0.0),
-            Reached::After(life) => Some(life),
-            Reached::Beyond(_) => None,
-        };
-        let lower = self.limit.middle().map(|_| self.limit.thresholds()[0]);
-        PrintedLife {
-            limit_state: &self.limit.name,
-            threshold: self.limit.threshold,
-            lower,
-            value_at_end: self.last,
-            life,
+    /// This limit state as JSON, values in SI units: the `threshold`, the upper one of two with the `lower` one beside it; the expected
+    /// `life` [cycles] is null beyond the life studied.
+    pub fn to_json(&self) -> Value {
+        let mut found = json!({ "limit_state": self.limit.name, "threshold": self.limit.threshold,
+                                "value_at_end": self.last, "life": self.reached.life() });
+        if self.limit.middle().is_some() {
+            found["lower"] = self.limit.thresholds()[0].into();
         }
+        found
     }
 }
 
@@ -228,11 +215,11 @@ mod tests {
         assert_eq!(lives[1].reached, Reached::After(2500.0));
         // 50 rad/s.
         assert!(lives[1].line(8000).contains("limit 477 r/min"), "{}", lives[1].line(8000));
-        let printed = serde_json::to_value(lives[0].printed()).unwrap();
+        let printed = lives[0].to_json();
         assert!((printed["lower"].as_f64().unwrap() - 2e-6).abs() < 1e-18);
         evaluation.start = vec![Some(0.0), None];
         let lives = nominal_lives(&scene, &evaluation);
-        let printed = serde_json::to_value(lives[0].printed()).unwrap();
+        let printed = lives[0].to_json();
         assert_eq!(printed["limit_state"], "wear");
         assert!((printed["life"].as_f64().unwrap() - 6400.0).abs() < 1e-6, "{printed}");
     }

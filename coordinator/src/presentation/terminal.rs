@@ -9,11 +9,11 @@ pub use ending::final_text;
 pub use message::print_message;
 pub use waiting::while_waiting;
 
-use crate::presentation::remaining::EvaluationProgress;
-use crate::presentation::report::format::{count, fixed, percent, reliability, share, three_digits};
+use crate::presentation::format::{fixed, percent};
+use crate::presentation::progress::{record, reliability_so_far, state_of_study};
 use crate::results::progress::{Observer, Progress};
 use crate::results::summary::Round;
-use crate::statistics::reliability::REACH;
+use common::wire::StudyStatus;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -24,13 +24,7 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 /// Text of the progress; times count from the start of the study.
 #[derive(Debug, Default)]
 pub struct ProgressText {
-    done: usize,
-    failed: usize,
-    recalled: usize,
-    planned: usize,
-    /// Largest number of evaluations of the study.
-    budget: usize,
-    purpose: String,
+    study: StudyStatus,
     /// True once all evaluations are finished.
     ending: bool,
     round: Option<Round>,
@@ -45,7 +39,7 @@ impl ProgressText {
     /// about evaluations every ten seconds at most.
     pub fn line(&mut self, now: Duration, progress: &Progress) -> Option<String> {
         // The nominal point is a batch of its own, and the next one follows without delay.
-        let after_nominal = self.planned == 1 && matches!(progress, Progress::BatchStarted { .. });
+        let after_nominal = self.study.planned == 1 && matches!(progress, Progress::BatchStarted { .. });
         self.record(now, progress);
         match progress {
             Progress::Warning(text) => Some(format!("warning: {text}")),
@@ -58,7 +52,7 @@ impl ProgressText {
                 None
             }
             // Nothing of this batch is left to be simulated.
-            Progress::BatchStarted { planned, .. } if self.done >= *planned => None,
+            Progress::BatchStarted { planned, .. } if self.study.done >= *planned as u64 => None,
             Progress::BatchStarted { .. } | Progress::Evaluated { .. } => {
                 let due = after_nominal || self.last_line.is_none_or(|last| now >= last + LINE_EVERY);
                 due.then(|| {
@@ -70,76 +64,29 @@ impl ProgressText {
     }
 
     fn record(&mut self, now: Duration, progress: &Progress) {
+        record(&mut self.study, progress);
         match progress {
-            Progress::BatchStarted { planned, budget, purpose, .. } => {
-                self.planned = *planned;
-                self.budget = *budget;
-                self.purpose.clone_from(purpose);
+            Progress::BatchStarted { .. } => {
                 self.started.get_or_insert(now);
-            }
-            Progress::Evaluated { done, failed, recalled, .. } => {
-                self.done = *done;
-                self.failed += usize::from(*failed);
-                self.recalled += usize::from(*recalled);
             }
             Progress::RoundFinished(round) => self.round = Some(round.clone()),
             Progress::Ending => self.ending = true,
-            Progress::Reliability { .. } | Progress::Warning(_) => {}
+            Progress::Evaluated { .. } | Progress::Reliability { .. } | Progress::Warning(_) => {}
         }
     }
 
     /// Simulations per second, without recalled evaluations; `None` before the first one.
     fn rate(&self, now: Duration) -> Option<f64> {
         let elapsed = now.saturating_sub(self.started?).as_secs_f64();
-        let simulated = self.done.saturating_sub(self.recalled);
+        let simulated = self.study.done.saturating_sub(self.study.recalled);
         (simulated > 0 && elapsed > 0.0).then(|| simulated as f64 / elapsed)
     }
 
-    /// Evaluations, time left in the study, rate, error, R so far and the rest, the most important first, since terminals cut the end
-    /// off; e.g. `84/400 evaluations, at most 4 min 03 s left, 1.30/s, error 0.0090, R(66 000) = 0.347 ± 0.012 (95 %), round 2`.
+    /// The state of the study in one line.
     pub fn state(&self, now: Duration) -> String {
-        let (done, planned, budget) = (self.done as u64, self.planned as u64, self.budget as u64);
-        let progress = EvaluationProgress { done, planned, budget };
-        let mut text = format!("{done}/{} evaluations", progress.most());
-        let rate = self.rate(now);
-        if self.ending {
-            text += ", computing the results";
-        } else if let Some(left) = progress.remaining(rate) {
-            text += &format!(", {left}");
-        }
-        if let Some(rate) = rate {
-            text += &format!(", {}/s", fixed(rate, if rate < 10.0 { 2 } else { 0 }));
-        }
-        if let Some(round) = &self.round {
-            if round.surrogate_error > 0.0 {
-                text += &format!(", error {}", three_digits(round.surrogate_error));
-            }
-            text += &format!(", {}", current_reliability(round));
-        }
-        if !self.purpose.is_empty() {
-            text += &format!(", {}", self.purpose);
-        }
-        if self.failed > 0 {
-            text += &format!(", {} failed", self.failed);
-        }
-        if self.recalled > 0 {
-            text += &format!(", {} from the campaign file", self.recalled);
-        }
-        text.replace('\u{a0}', " ")
+        let error = self.round.as_ref().map(|round| round.surrogate_error);
+        state_of_study(&self.study, self.ending, self.rate(now), error).replace('\u{a0}', " ")
     }
-}
-
-/// R with its standard error, or P_f where R has no digits left to show.
-fn current_reliability(round: &Round) -> String {
-    let (r, width) = (round.reliability_total, REACH * round.standard_error());
-    let pf = 1.0 - r;
-    if pf > 0.0 && pf < 1e-3 {
-        let value = share(pf, (pf - width).max(0.0), (pf + width).min(1.0));
-        return format!("P_f({}) = {value} (95 %)", count(round.cycles.into()));
-    }
-    let value = reliability(r, (r - width).max(0.0), (r + width).min(1.0));
-    let equal = if value.starts_with(['>', '<']) { "" } else { "= " };
-    format!("R({}) {equal}{value} (95 %)", count(round.cycles.into()))
 }
 
 /// A finished round in one line.
@@ -151,7 +98,7 @@ fn round_line(round: &Round) -> String {
         "round {}: {} evaluations, {}{change}{}",
         round.round,
         round.evaluations,
-        current_reliability(round),
+        reliability_so_far(round.cycles, round.reliability_total, round.standard_error()),
         uncertainty(round)
     )
     .replace('\u{a0}', " ")
@@ -227,8 +174,8 @@ impl Observer for Terminal {
                 }
             }
             OutputMode::Bar(bar) => {
-                bar.set_length(self.text.budget.max(self.text.planned) as u64);
-                bar.set_position(self.text.done as u64);
+                bar.set_length(self.text.study.budget.max(self.text.study.planned));
+                bar.set_position(self.text.study.done);
                 bar.set_message(self.text.state(now));
                 let lasts = matches!(progress, Progress::Warning(_) | Progress::RoundFinished(_));
                 if let (true, Some(line)) = (lasts, line) {
@@ -254,20 +201,6 @@ mod tests {
 
     fn seconds(seconds: u64) -> Duration {
         Duration::from_secs(seconds)
-    }
-
-    #[test]
-    fn issue_rare_failures_are_shown_by_their_probability_and_its_error() {
-        let round = Round {
-            cycles: 500,
-            reliability_total: 1.0 - 3.2e-5,
-            surrogate_error: 1e-6,
-            cov_pf: 0.05,
-            ..Round::default()
-        };
-        assert_eq!(current_reliability(&round), "P_f(500) = 3.20e\u{2212}5 ± 3.7e\u{2212}6 (95 %)");
-        let safe = Round { reliability_total: 1.0, ..round };
-        assert!(current_reliability(&safe).starts_with("R(500) "));
     }
 
     #[test]

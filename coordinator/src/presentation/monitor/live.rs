@@ -4,17 +4,17 @@
 
 use super::status_source::StatusSource;
 use super::study_section::{STYLE, study_section};
-use crate::presentation::remaining::EvaluationProgress;
-use crate::presentation::report::format::{count, fixed};
+use crate::presentation::progress::{record, state_of_study};
 use crate::presentation::report::nominal_page::NominalView;
-use crate::presentation::report::{self, Figure, ReportInput, SUMMARY_DOCUMENT, wrapped};
+use crate::presentation::report::{self, Figure, LiveStatus, Page, ReportInput, SUMMARY_DOCUMENT};
 use crate::results::progress::Progress;
 use crate::results::store::{CampaignFile, StoreError};
-use crate::results::summary::{ReliabilityRow, Round, StudySummary};
+use crate::results::summary::{EvaluationCounts, ReliabilityRow, Round, StudySummary};
 use crate::study::{Settings, blank};
 use common::outputs::Evaluation;
 use common::scene::Scene;
-use maud::{Markup, html};
+use common::wire::StudyStatus;
+use maud::html;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -61,14 +61,7 @@ pub(super) struct PageUpdate {
 /// Progress recorded so far.
 #[derive(Debug, Default)]
 struct ObservedProgress {
-    done: usize,
-    failed: usize,
-    planned: usize,
-    budget: usize,
-    initial: usize,
-    /// Simulation time [s].
-    simulation: f64,
-    purpose: String,
+    study: StudyStatus,
     rows: Vec<ReliabilityRow>,
     samples: usize,
     rounds: Vec<Round>,
@@ -95,6 +88,8 @@ pub struct LivePage {
     /// The evaluation at the means, once it is in the campaign file.
     nominal: OnceLock<Evaluation>,
     started: Instant,
+    /// Evaluations of the initial design.
+    initial: usize,
     progress: Mutex<ObservedProgress>,
     cached: Mutex<Option<CachedPage>>,
     revision: watch::Sender<u64>,
@@ -111,6 +106,7 @@ impl LivePage {
         status: StatusSource,
         drawing: Option<Figure>,
     ) -> Self {
+        let study = StudyStatus { budget: settings.max_evaluations as u64, ..StudyStatus::default() };
         Self {
             dir: dir.to_path_buf(),
             scene: scene.clone(),
@@ -119,11 +115,8 @@ impl LivePage {
             drawing,
             nominal: OnceLock::new(),
             started: Instant::now(),
-            progress: Mutex::new(ObservedProgress {
-                initial: settings.initial,
-                budget: settings.max_evaluations,
-                ..ObservedProgress::default()
-            }),
+            initial: settings.initial,
+            progress: Mutex::new(ObservedProgress { study, ..ObservedProgress::default() }),
             cached: Mutex::new(None),
             revision: watch::Sender::new(1),
             requested: AtomicBool::new(false),
@@ -134,24 +127,15 @@ impl LivePage {
     pub fn record(&self, progress: &Progress) {
         {
             let mut observed = self.observed();
+            record(&mut observed.study, progress);
             match progress {
-                Progress::BatchStarted { planned, budget, purpose, .. } => {
-                    observed.planned = *planned;
-                    observed.budget = *budget;
-                    observed.purpose.clone_from(purpose);
-                }
-                Progress::Evaluated { done, failed, wall, .. } => {
-                    observed.done = *done;
-                    observed.simulation += wall;
-                    observed.failed += usize::from(*failed);
-                }
                 Progress::RoundFinished(round) => observed.rounds.push(round.clone()),
                 Progress::Reliability { rows, samples } => {
                     observed.rows.clone_from(rows);
                     observed.samples = *samples;
                 }
                 Progress::Ending => observed.ending = true,
-                Progress::Warning(_) => {}
+                Progress::BatchStarted { .. } | Progress::Evaluated { .. } | Progress::Warning(_) => {}
             }
         }
         self.revision.send_modify(|revision| *revision += 1);
@@ -234,9 +218,9 @@ impl LivePage {
 
     /// The page, and true if it contains a report.
     fn page(&self, revision: u64) -> (String, bool) {
-        let (summary, line, ended, section) = {
+        let (summary, line, ended, study) = {
             let observed = self.observed();
-            (self.summary(&observed), line(&observed), observed.ended, self.section(&observed))
+            (self.summary(&observed), line(&observed), observed.ended, observed.study.clone())
         };
         let report = match summary {
             None => Err("No reliability is available before the first round of learning.".to_owned()),
@@ -245,58 +229,29 @@ impl LivePage {
         };
         let holds_report = report.is_ok();
         // An error of the file is shown and may be gone at the next request.
-        let page = report.unwrap_or_else(|sentence| self.beginning(&sentence));
-        let section = if ended {
-            html! {}
-        } else {
-            section()
+        let page = report.unwrap_or_else(|reason| self.before_results(&reason));
+        let status = LiveStatus {
+            revision,
+            head: html! {
+                style { (LINE_STYLE) (STYLE) }
+                noscript { meta http-equiv="refresh" content="5"; }
+                script src="/live.js" defer {}
+            },
+            line: html! { p id="live" role="status" { (line) } },
+            progress: if ended {
+                html! {}
+            } else {
+                study_section(&study, self.status.status().as_ref())
+            },
         };
-        let page = page.replacen("</header>", &format!("</header>\n{}", section.0), 1);
-        let head = html! {
-            style { (LINE_STYLE) (STYLE) }
-            noscript { meta http-equiv="refresh" content="5"; }
-            script src="/live.js" defer {}
-        };
-        let head = head.into_string() + "\n</head>";
-        let bar = format!("<body>\n{}", html! { p id="live" role="status" { (line) } }.into_string());
-        let root = format!("<html lang=\"en\" data-revision=\"{revision}\">");
-        let page = page.replacen("<html lang=\"en\">", &root, 1);
-        (page.replacen("</head>", &head, 1).replacen("<body>", &bar, 1), holds_report)
-    }
-
-    /// Renders progress and workers; the observed progress is not held meanwhile.
-    fn section(&self, observed: &ObservedProgress) -> impl FnOnce() -> Markup + use<'_> {
-        let progress = EvaluationProgress {
-            done: observed.done as u64,
-            planned: observed.planned as u64,
-            budget: observed.budget as u64,
-        };
-        let purpose = observed.purpose.clone();
-        move || study_section(progress, &purpose, self.status.status().as_ref())
+        (page.html(Some(&status)), holds_report)
     }
 
     /// The page before the first round of learning: the nominal mechanism against its limits.
-    fn beginning(&self, sentence: &str) -> String {
-        let view = NominalView {
-            scene: &self.scene,
-            summary: self.blank.clone(),
-            evaluation: self.nominal(),
-            drawing: self.drawing.as_ref(),
-        };
-        let known = view.beginning().unwrap_or_else(|error| html! { p.note { (error) } });
-        let body = html! {
-            header {
-                p.brand { "Hingewise" }
-                h1 { (self.scene.title) }
-                p.meta {
-                    "Reliability study of scene " code { (self.scene.name) } ", method " (self.blank.method) ", accuracy "
-                    (self.blank.accuracy) ", seed " (self.blank.seed)
-                }
-            }
-            p.none { (sentence) }
-            (known)
-        };
-        wrapped(&self.scene.title, &body)
+    fn before_results(&self, reason: &str) -> Page {
+        let (evaluation, drawing) = (self.nominal(), self.drawing.as_ref());
+        let view = NominalView { scene: &self.scene, summary: self.blank.clone(), evaluation, drawing };
+        view.before_results(reason)
     }
 
     /// The evaluation at the means of the variables, which the study requests first.
@@ -328,12 +283,11 @@ impl LivePage {
         let mut summary = self.blank.clone();
         summary.population = observed.samples;
         summary.reliability.clone_from(&observed.rows);
-        summary.evaluations.total = observed.done;
-        summary.evaluations.initial = observed.initial.min(observed.done);
-        summary.evaluations.added = observed.done - summary.evaluations.initial;
-        summary.evaluations.failed = observed.failed;
+        let (done, failed) = (observed.study.done as usize, observed.study.failed as usize);
+        let initial = self.initial.min(done);
+        summary.evaluations = EvaluationCounts { total: done, initial, added: done - initial, failed };
         summary.timing_s.total = self.started.elapsed().as_secs_f64();
-        summary.timing_s.simulation = observed.simulation;
+        summary.timing_s.simulation = observed.study.simulation;
         summary.convergence.rounds.clone_from(&observed.rounds);
         // The study decides at its end whether its targets are met.
         summary.convergence.targets_met = true;
@@ -341,27 +295,18 @@ impl LivePage {
     }
 
     /// The report of the evaluations in the file with this summary, or with the one in the file.
-    fn report(&self, summary: Option<&StudySummary>) -> Result<String, report::ReportError> {
+    fn report(&self, summary: Option<&StudySummary>) -> Result<Page, report::ReportError> {
         let mut copy = CampaignFile::look(&self.dir)?;
         if let Some(summary) = summary {
             copy.put_document(SUMMARY_DOCUMENT, summary)?;
         }
         let missing = || StoreError::NoCampaign { dir: self.dir.clone() };
         let input = ReportInput::from_campaign(&copy, &self.scene)?.ok_or_else(missing)?;
-        Ok(report::render_alone(&input)?.html)
+        Ok(report::render_alone(&input)?)
     }
 }
 
 /// Progress of the study in one line.
 fn line(observed: &ObservedProgress) -> String {
-    let (done, planned) = (count(observed.done as u64), count(observed.planned.max(observed.done) as u64));
-    let purpose = match (observed.ending, observed.purpose.as_str()) {
-        (true, _) => ", computing the results".to_owned(),
-        (_, "") => String::new(),
-        (_, purpose) => format!(", {purpose}"),
-    };
-    let reliability = observed.rounds.last().map_or(String::new(), |round| {
-        format!(", R({}) = {} so far", count(round.cycles.into()), fixed(round.reliability_total, 4))
-    });
-    format!("Running study: {done} of {planned} planned evaluations{purpose}{reliability}")
+    format!("Running study: {}", state_of_study(&observed.study, observed.ending, None, None))
 }

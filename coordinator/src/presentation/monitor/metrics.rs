@@ -9,30 +9,30 @@ use std::fmt::Write;
 /// Every metric with its help and type. Counters end in `_total`; times are in seconds.
 pub fn metrics_text(status: &Status) -> String {
     let (study, farm) = (&status.study, &status.farm);
-    let mut page = Page::default();
-    page.gauge("up_seconds", "Time since the start of the coordinator.", status.up);
+    let mut page = MetricsText::default();
+    page.single("up_seconds", "Time since the start of the coordinator.", status.up);
     let phases = [Phase::Waiting, Phase::Simulating, Phase::Learning, Phase::Ending];
-    page.family("phase", "gauge", "1 for the current phase of the coordinator.");
+    page.family("phase", "1 for the current phase of the coordinator.");
     for phase in phases {
         page.sample("phase", &[("phase", phase.name())], f64::from(u8::from(phase == status.phase)));
     }
-    page.counter("evaluations_total", "Evaluations ended.", study.done as f64);
-    page.counter("evaluations_failed_total", "Evaluations ended without a result.", study.failed as f64);
-    page.counter(
+    page.single("evaluations_total", "Evaluations ended.", study.done as f64);
+    page.single("evaluations_failed_total", "Evaluations ended without a result.", study.failed as f64);
+    page.single(
         "evaluations_recalled_total",
         "Evaluations read from the campaign file.",
         study.recalled as f64,
     );
-    page.counter("simulation_seconds_total", "Simulation time of evaluations.", study.simulation);
-    page.counter("rounds_total", "Rounds of learning ended.", study.rounds as f64);
-    page.counter("warnings_total", "Warnings to the user.", study.warnings as f64);
-    page.gauge("evaluations_planned", "Evaluations planned so far.", study.planned as f64);
-    page.gauge("evaluations_budget", "Largest number of evaluations.", study.budget as f64);
-    page.gauge("tasks_queued", "Evaluations waiting for a worker.", farm.queued as f64);
-    page.gauge("tasks_under_way", "Evaluations at workers.", farm.under_way as f64);
-    page.gauge("evaluation_rate", "Evaluations per second in the last minute.", farm.rate);
-    page.gauge("workers", "Workers that are connected.", farm.workers.len() as f64);
-    page.gauge("slots", "Simulations that can run at once.", farm.slots() as f64);
+    page.single("simulation_seconds_total", "Simulation time of evaluations.", study.simulation);
+    page.single("rounds_total", "Rounds of learning ended.", study.rounds as f64);
+    page.single("warnings_total", "Warnings to the user.", study.warnings as f64);
+    page.single("evaluations_planned", "Evaluations planned so far.", study.planned as f64);
+    page.single("evaluations_budget", "Largest number of evaluations.", study.budget as f64);
+    page.single("tasks_queued", "Evaluations waiting for a worker.", farm.queued as f64);
+    page.single("tasks_under_way", "Evaluations at workers.", farm.under_way as f64);
+    page.single("evaluation_rate", "Evaluations per second in the last minute.", farm.rate);
+    page.single("workers", "Workers that are connected.", farm.workers.len() as f64);
+    page.single("slots", "Simulations that can run at once.", farm.slots() as f64);
     if let Some(so_far) = &study.reliability {
         let cycles = so_far.cycles.to_string();
         for (name, help, value) in [
@@ -47,7 +47,7 @@ pub fn metrics_text(status: &Status) -> String {
                 so_far.standard_error,
             ),
         ] {
-            page.family(name, "gauge", help);
+            page.family(name, help);
             page.sample(name, &[("cycles", &cycles)], value);
         }
     }
@@ -57,19 +57,19 @@ pub fn metrics_text(status: &Status) -> String {
     page.0
 }
 
-/// A metric of one worker: name, type, help, value.
-type WorkerMetric = (&'static str, &'static str, &'static str, fn(&WorkerStatus) -> f64);
+/// A metric of one worker: name, help, value.
+type WorkerMetric = (&'static str, &'static str, fn(&WorkerStatus) -> f64);
 
 const WORKER_METRICS: [WorkerMetric; 4] = [
-    ("worker_slots", "gauge", "Threads of a worker.", |w| f64::from(w.slots)),
-    ("worker_tasks", "gauge", "Evaluations at a worker.", |w| f64::from(w.under_way)),
-    ("worker_evaluations_total", "counter", "Evaluations ended by a worker.", |w| w.done as f64),
-    ("worker_rate", "gauge", "Evaluations per second of a worker in the last minute.", |w| w.rate),
+    ("worker_slots", "Threads of a worker.", |w| f64::from(w.slots)),
+    ("worker_tasks", "Evaluations at a worker.", |w| f64::from(w.under_way)),
+    ("worker_evaluations_total", "Evaluations ended by a worker.", |w| w.done as f64),
+    ("worker_rate", "Evaluations per second of a worker in the last minute.", |w| w.rate),
 ];
 
-fn worker_metrics(page: &mut Page, workers: &[WorkerStatus]) {
-    for (name, kind, help, value) in WORKER_METRICS {
-        page.family(name, kind, help);
+fn worker_metrics(page: &mut MetricsText, workers: &[WorkerStatus]) {
+    for (name, help, value) in WORKER_METRICS {
+        page.family(name, help);
         for worker in workers {
             page.sample(name, &[("worker", &worker.name)], value(worker));
         }
@@ -80,10 +80,12 @@ fn worker_metrics(page: &mut Page, workers: &[WorkerStatus]) {
 const PREFIX: &str = "hingewise_";
 
 #[derive(Default)]
-struct Page(String);
+struct MetricsText(String);
 
-impl Page {
-    fn family(&mut self, name: &str, kind: &str, help: &str) {
+impl MetricsText {
+    /// The head of a metric; the name of a counter ends in `_total`.
+    fn family(&mut self, name: &str, help: &str) {
+        let kind = if name.ends_with("_total") { "counter" } else { "gauge" };
         // Writing to a String cannot fail.
         let _ = writeln!(self.0, "# HELP {PREFIX}{name} {help}\n# TYPE {PREFIX}{name} {kind}");
     }
@@ -95,13 +97,8 @@ impl Page {
         let _ = writeln!(self.0, "{PREFIX}{name}{labels} {value}");
     }
 
-    fn gauge(&mut self, name: &str, help: &str, value: f64) {
-        self.family(name, "gauge", help);
-        self.sample(name, &[], value);
-    }
-
-    fn counter(&mut self, name: &str, help: &str, value: f64) {
-        self.family(name, "counter", help);
+    fn single(&mut self, name: &str, help: &str, value: f64) {
+        self.family(name, help);
         self.sample(name, &[], value);
     }
 }

@@ -2,8 +2,8 @@
 
 use super::live::LivePage;
 use crate::farm::dispatch::StatusBoard;
+use crate::presentation::progress::record;
 use crate::results::progress::{Observer, Progress};
-use common::wire::{ReliabilitySoFar, StudyStatus};
 use std::sync::Arc;
 
 /// An observer that records progress for the views and passes it on to the next observer.
@@ -30,42 +30,13 @@ impl Observer for ProgressRelay<'_> {
     fn notice(&mut self, progress: &Progress) {
         match progress {
             Progress::Ending => self.board.post_ending(),
-            other => self.board.post(|study| post(study, other)),
+            other => self.board.post(|study| record(study, other)),
         }
         if let Some(live) = &self.live {
             live.record(progress);
         }
         // Last, so that the other views are up to date when the terminal shows it.
         self.next.notice(progress);
-    }
-}
-
-/// Records progress in the status.
-fn post(study: &mut StudyStatus, progress: &Progress) {
-    match progress {
-        Progress::BatchStarted { planned, budget, purpose, .. } => {
-            (study.planned, study.budget) = (*planned as u64, *budget as u64);
-            study.purpose.clone_from(purpose);
-        }
-        Progress::Evaluated { done, failed, recalled, wall } => {
-            study.done = *done as u64;
-            study.planned = study.planned.max(study.done);
-            study.failed += u64::from(*failed);
-            study.recalled += u64::from(*recalled);
-            if !recalled && wall.is_finite() {
-                study.simulation += wall;
-            }
-        }
-        Progress::RoundFinished(round) => {
-            study.rounds += 1;
-            study.reliability = Some(ReliabilitySoFar {
-                cycles: round.cycles,
-                total: round.reliability_total,
-                standard_error: round.standard_error(),
-            });
-        }
-        Progress::Warning(_) => study.warnings += 1,
-        Progress::Reliability { .. } | Progress::Ending => {}
     }
 }
 

@@ -15,59 +15,39 @@ use thiserror::Error;
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 
-/// Reasons why a server cannot start.
+/// The reason why a server cannot start at an address.
 #[derive(Debug, Error)]
-pub enum MonitorError {
-    /// The text is not an address.
-    #[error(
-        "{option} {given}: allowed: a port of this machine, or an address with a port such as 127.0.0.1:9464"
-    )]
-    Address {
-        /// Name of the command-line option.
-        option: &'static str,
-        /// Text of the option.
-        given: String,
-    },
-    /// The address is reachable from other machines.
-    #[error(
-        "{option} {address}: other machines can reach this address and clients are not authenticated; {allowed}"
-    )]
-    Open {
-        /// Name of the command-line option.
-        option: &'static str,
-        /// Address of the option.
-        address: SocketAddr,
-        /// Addresses that are allowed.
-        allowed: &'static str,
-    },
-    /// The operating system refused the address.
-    #[error("{option} {address}: {reason}")]
-    Refused {
-        /// Name of the command-line option.
-        option: &'static str,
-        /// Address of the option.
-        address: SocketAddr,
-        /// Reason given by the system.
-        reason: std::io::Error,
-    },
+#[error("{option} {address}: {reason}")]
+pub struct MonitorError {
+    /// Name of the command-line option.
+    pub option: &'static str,
+    /// Address of the option, as given.
+    pub address: String,
+    /// That it is none, that other machines can reach it, or the reason given by the system.
+    pub reason: String,
 }
 
 /// Address to listen on: of a port alone the loopback address of this machine, or a full address. An address that other
 /// machines can reach is accepted only if `open` is `Ok`; its error names the allowed addresses.
 ///
 /// # Errors
-/// [`MonitorError::Address`], [`MonitorError::Open`].
+/// [`MonitorError`].
 pub fn listen_address(
     option: &'static str,
     given: &str,
     open: Result<(), &'static str>,
 ) -> Result<SocketAddr, MonitorError> {
     let port = given.parse().map(|port| SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
-    let address: SocketAddr = port
-        .or_else(|_| given.parse())
-        .map_err(|_| MonitorError::Address { option, given: given.to_owned() })?;
+    let refused = |reason: String| MonitorError { option, address: given.to_owned(), reason };
+    let address: SocketAddr = port.or_else(|_| given.parse()).map_err(|_| {
+        refused(
+            "allowed: a port of this machine, or an address with a port such as 127.0.0.1:9464".to_owned(),
+        )
+    })?;
     match open {
-        Err(allowed) if !address.ip().is_loopback() => Err(MonitorError::Open { option, address, allowed }),
+        Err(allowed) if !address.ip().is_loopback() => Err(refused(format!(
+            "other machines can reach this address and clients are not authenticated; {allowed}"
+        ))),
         _ => Ok(address),
     }
 }
@@ -84,7 +64,7 @@ impl MonitorServer {
     /// [`MonitorServer::live`]; an address that other machines reach is read under any name.
     ///
     /// # Errors
-    /// [`MonitorError::Refused`].
+    /// [`MonitorError`].
     pub fn metrics(address: SocketAddr, source: StatusSource) -> Result<Self, MonitorError> {
         let router = Router::new().route("/metrics", get(metrics)).with_state(source);
         let closed = address.ip().is_loopback();
@@ -96,7 +76,7 @@ impl MonitorServer {
     /// a browser of this machine.
     ///
     /// # Errors
-    /// [`MonitorError::Refused`].
+    /// [`MonitorError`].
     pub fn live(address: SocketAddr, live: Arc<LivePage>) -> Result<Self, MonitorError> {
         let router = Router::new()
             .route("/", get(page))
@@ -110,7 +90,10 @@ impl MonitorServer {
     }
 
     fn start(option: &'static str, address: SocketAddr, router: Router) -> Result<Self, MonitorError> {
-        let refused = |reason| MonitorError::Refused { option, address, reason };
+        let refused = |error: std::io::Error| {
+            let (address, reason) = (address.to_string(), error.to_string());
+            MonitorError { option, address, reason }
+        };
         let mut builder = tokio::runtime::Builder::new_multi_thread();
         builder.worker_threads(1).max_blocking_threads(2).thread_name("monitor").enable_all();
         let runtime = builder.build().map_err(refused)?;
@@ -150,14 +133,7 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
                       img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 async fn page(State(live): State<Arc<LivePage>>) -> Result<Response, StatusCode> {
-    let view = compute(move || live.view()).await?;
-    let headers = [
-        (header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8")),
-        (header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY)),
-        (header::CACHE_CONTROL, HeaderValue::from_static("no-store")),
-        (header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff")),
-    ];
-    Ok((headers, view.html).into_response())
+    Ok(html(compute(move || live.view()).await?.html, POLICY))
 }
 
 /// Content security policy of the report of a finished study: the script of its animation is part of it.
@@ -166,12 +142,18 @@ const REPORT_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; scri
 
 /// The report in the folder of a study that has ended.
 async fn report(State(live): State<Arc<LivePage>>) -> Result<Response, StatusCode> {
-    let text = file(live, "report.html".to_owned()).await?;
+    Ok(html(file(live, "report.html".to_owned()).await?, REPORT_POLICY))
+}
+
+/// A page with this content security policy, which is not kept.
+fn html(text: String, policy: &'static str) -> Response {
     let headers = [
-        (header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8")),
-        (header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(REPORT_POLICY)),
+        (header::CONTENT_TYPE, "text/html; charset=utf-8"),
+        (header::CONTENT_SECURITY_POLICY, policy),
+        (header::CACHE_CONTROL, "no-store"),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     ];
-    Ok((headers, text).into_response())
+    (headers, text).into_response()
 }
 
 /// A figure beside the report, as SVG or CSV.
@@ -232,10 +214,8 @@ mod tests {
         assert!(error.to_string().contains("--metrics 0.0.0.0:9464"), "{error}");
         assert!(listen_address("--metrics", "0.0.0.0:9464", Ok(())).is_ok());
         for slip in ["", "70000", "localhost:8080", "http://127.0.0.1:1"] {
-            assert!(
-                matches!(listen_address("--live", slip, Ok(())), Err(MonitorError::Address { .. })),
-                "{slip}"
-            );
+            let error = listen_address("--live", slip, Ok(())).unwrap_err();
+            assert!(error.reason.starts_with("allowed: a port"), "{slip}: {error}");
         }
     }
 

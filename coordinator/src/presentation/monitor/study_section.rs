@@ -1,28 +1,29 @@
 //! The progress of a study and its farm as a section of the live page.
 
-use crate::presentation::remaining::EvaluationProgress;
-use crate::presentation::report::format::{count, duration, fixed};
-use common::wire::{Phase, Status};
+use crate::presentation::format::{count, duration};
+use crate::presentation::progress::{RemainingTime, most_evaluations, per_second};
+use crate::presentation::report::{cells, table};
+use common::wire::{Phase, Status, StudyStatus, WorkerStatus};
 use maud::{Markup, html};
 
 /// Style of the section.
 pub const STYLE: &str = "#study progress{width:100%;max-width:64rem;height:1.1rem;accent-color:var(--series-1)}\
                          #study .ends{font-size:1.15rem;margin:.2rem 0}#study table{margin-top:.6rem}";
 
-/// Evaluations, rate, expected end and workers; without a status, what was counted.
-pub fn study_section(progress: EvaluationProgress, purpose: &str, status: Option<&Status>) -> Markup {
-    let EvaluationProgress { done, .. } = progress;
+/// Evaluations, rate, expected end and workers; without a `status`, what was counted.
+pub fn study_section(study: &StudyStatus, status: Option<&Status>) -> Markup {
+    let StudyStatus { done, purpose, .. } = study;
     let rate = status.map(|status| status.farm.rate).filter(|rate| *rate > 0.0);
-    let most = progress.most();
+    let most = most_evaluations(study);
     let phase = status.map(|status| status.phase);
     html! {
         section id="study" aria-label="Progress of the study" {
             progress max=(most.max(1)) value=(done) { (done) " of " (most) }
             p.ends {
-                (count(done)) " of at most " (count(most)) " evaluations"
+                (count(*done)) " of at most " (count(most)) " evaluations"
                 @if !purpose.is_empty() { " (" (purpose) ")" }
                 @if let Some(rate) = rate { ", " (per_second(rate)) }
-                @match (phase, progress.remaining(rate)) {
+                @match (phase, RemainingTime::of(study, rate)) {
                     (Some(Phase::Ending), _) => { ", computing the results" }
                     (_, Some(left)) => {
                         ", " (left) @if let Some(status) = status { (clock(status.clock_ms, left.seconds, left.is_bound)) }
@@ -53,22 +54,10 @@ fn farm(status: &Status) -> Markup {
         return html! { p { "No worker is connected; " (count(farm.queued)) " evaluations wait." } };
     }
     html! {
-        div.wide {
-            table {
-                thead { tr { th { "worker" } th { "slots" } th { "running" } th { "done" } th { "rate" } } }
-                tbody {
-                    @for worker in &farm.workers {
-                        tr {
-                            td { (worker.name) }
-                            td { (worker.slots) }
-                            td { (worker.under_way) }
-                            td { (count(worker.done)) }
-                            td { (per_second(worker.rate)) }
-                        }
-                    }
-                }
-            }
-        }
+        (table(&["worker", "slots", "running", "done", "rate"], farm.workers.iter().map(|worker| {
+            let WorkerStatus { name, slots, under_way, done, rate } = worker;
+            cells([name.clone(), slots.to_string(), under_way.to_string(), count(*done), per_second(*rate)])
+        })))
         p.meta {
             (count(farm.queued)) " waiting, " (count(farm.under_way)) " running on " (count(farm.slots())) @if farm.slots() == 1 { " slot" } @else { " slots" } ", for "
             (duration(status.up))
@@ -76,14 +65,10 @@ fn farm(status: &Status) -> Markup {
     }
 }
 
-fn per_second(rate: f64) -> String {
-    format!("{}/s", fixed(rate, if rate < 10.0 { 2 } else { 0 }))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::wire::{FarmStatus, WorkerStatus};
+    use common::wire::FarmStatus;
 
     #[test]
     fn progress_expected_end_and_workers_are_shown() {
@@ -92,8 +77,9 @@ mod tests {
         // 2026-11-24 02:30:00 UTC.
         let status =
             Status { clock_ms: 1_795_487_400_000, phase: Phase::Simulating, farm, ..Status::default() };
-        let progress = EvaluationProgress { done: 61, planned: 72, budget: 151 };
-        let text = study_section(progress, "round 2", Some(&status)).0.replace('\u{a0}', " ");
+        let purpose = "round 2".to_owned();
+        let study = StudyStatus { done: 61, planned: 72, budget: 151, purpose, ..StudyStatus::default() };
+        let text = study_section(&study, Some(&status)).0.replace('\u{a0}', " ");
         for piece in [
             "<progress max=\"151\" value=\"61\">",
             "61 of at most 151 evaluations (round 2), 1.50/s, at most 1 min 00 s left, expected end before ",
@@ -103,8 +89,8 @@ mod tests {
             assert!(text.contains(piece), "no {piece} in {text}");
         }
         let waiting = Status { phase: Phase::Waiting, ..Status::default() };
-        let text =
-            study_section(EvaluationProgress { done: 0, planned: 1, budget: 40 }, "", Some(&waiting)).0;
+        let study = StudyStatus { planned: 1, budget: 40, ..StudyStatus::default() };
+        let text = study_section(&study, Some(&waiting)).0;
         assert!(text.contains("waiting for workers") && text.contains("No worker is connected"), "{text}");
         assert!(!text.contains("expected end"), "{text}");
     }

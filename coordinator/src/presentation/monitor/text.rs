@@ -1,10 +1,10 @@
 //! The status of a running study as text.
 
 use crate::farm::allocation::scale_sentence;
-use crate::presentation::remaining::EvaluationProgress;
-use crate::presentation::report::format::{count, duration, fixed, share};
-use crate::statistics::reliability::REACH;
-use common::wire::{Phase, Status, StudyStatus};
+use crate::presentation::format::{count, duration};
+use crate::presentation::progress::{RemainingTime, per_second, reliability_so_far};
+use crate::presentation::text_table::in_columns;
+use common::wire::{Phase, Status, WorkerStatus};
 use std::fmt::Write;
 
 /// Phase, evaluations, queue, rate, current R, and one line per worker.
@@ -49,18 +49,15 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
     let (queued, under_way, slots) = (count(farm.queued), count(farm.under_way), count(farm.slots()));
     writeln!(text, "queue: {queued} waiting, {under_way} running on {slots} slots")?;
     if farm.rate > 0.0 {
-        let StudyStatus { done, planned, budget, .. } = *study;
-        let left = EvaluationProgress { done, planned, budget }.remaining(Some(farm.rate));
+        let left = RemainingTime::of(study, Some(farm.rate));
         let remaining = left.map(|left| format!(", {left}")).unwrap_or_default();
-        writeln!(text, "rate: {}/s in the last minute{remaining}", rate(farm.rate))?;
+        writeln!(text, "rate: {} in the last minute{remaining}", per_second(farm.rate))?;
     }
     if let Some(so_far) = &study.reliability {
-        let reach = REACH * so_far.standard_error;
         writeln!(
             text,
-            "reliability so far: R({}) = {} (95 %), after {} rounds",
-            count(so_far.cycles.into()),
-            share(so_far.total, (so_far.total - reach).max(0.0), (so_far.total + reach).min(1.0)),
+            "reliability so far: {}, after {} rounds",
+            reliability_so_far(so_far.cycles, so_far.total, so_far.standard_error),
             count(study.rounds)
         )?;
     }
@@ -70,24 +67,13 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
     if farm.workers.is_empty() {
         return writeln!(text, "no worker is connected");
     }
-    let longest = farm.workers.iter().map(|worker| worker.name.chars().count()).max().unwrap_or(0).max(6);
-    writeln!(text, "\n{:longest$}  {:>5}  {:>5}  {:>8}  {:>9}", "worker", "slots", "tasks", "done", "rate")?;
-    for worker in &farm.workers {
-        writeln!(
-            text,
-            "{:longest$}  {:>5}  {:>5}  {:>8}  {:>9}",
-            printable(&worker.name),
-            worker.slots,
-            worker.under_way,
-            count(worker.done),
-            format!("{}/s", rate(worker.rate))
-        )?;
-    }
-    Ok(())
-}
-
-fn rate(rate: f64) -> String {
-    fixed(rate, if rate < 10.0 { 2 } else { 0 })
+    let head = ["worker", "slots", "tasks", "done", "rate"].map(str::to_owned).to_vec();
+    let row = |worker: &WorkerStatus| {
+        let WorkerStatus { name, slots, under_way, done, rate } = worker;
+        vec![printable(name), slots.to_string(), under_way.to_string(), count(*done), per_second(*rate)]
+    };
+    let rows: Vec<Vec<String>> = std::iter::once(head).chain(farm.workers.iter().map(row)).collect();
+    write!(text, "\n{}", in_columns(&rows, &[0]))
 }
 
 /// Received text without control characters, which could control a terminal.
@@ -98,7 +84,7 @@ fn printable(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::wire::{FarmStatus, ReliabilitySoFar, WorkerStatus};
+    use common::wire::{FarmStatus, ReliabilitySoFar, StudyStatus};
 
     #[test]
     fn a_status_has_workers_rates_and_the_current_r() {
@@ -133,7 +119,7 @@ mod tests {
             "queue: 30 waiting, 6 running on 4 slots\n",
             "rate: 1.30/s in the last minute, at most 4 min 03 s left\n",
             "R(66 000) = 0.347 ± 0.012 (95 %), after 2 rounds",
-            "host-1      2      3        40     0.65/s",
+            "host-1      2      3    40  0.65/s\n",
         ] {
             assert!(text.contains(part), "no \"{part}\" in:\n{text}");
         }

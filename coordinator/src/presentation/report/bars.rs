@@ -1,14 +1,19 @@
 //! A chart of pairs of horizontal bars with their errors, one pair per variable.
 
-use super::figure::{Figure, csv};
+use super::figure::{Drawing, Figure, csv};
 use super::palette::Ink;
-use super::plot::{LETTERS, PlotError, draw, letters, px, stroke, tick_label};
+use super::plot::{Area, DrawError, LETTERS, PlotError, draw, letters, px, stroke, tick_label};
 use crate::results::csv_table::number;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::ops::Range;
 
 /// Height of one variable's two bars [CSS pixels].
 const ROW: f64 = 26.0;
+
+/// Height of the axis below [CSS pixels].
+const AXIS: f64 = 48.0;
 
 /// Width of the column of names [CSS pixels].
 const NAMES: f64 = 178.0;
@@ -62,39 +67,27 @@ impl Bars<'_> {
             name: self.figure.into(),
             title: title.into(),
             caption: caption.into(),
-            svg: self.svg()?,
+            drawing: self.drawing()?,
             csv: csv(&["variable", first, &errors[0], second, &errors[1]], self.all.iter().map(row)),
         })
     }
 
-    fn svg(&self) -> Result<String, PlotError> {
+    fn drawing(&self) -> Result<Drawing, PlotError> {
         let rows = &self.all[..self.shown.min(self.all.len())];
         let longest = rows.iter().flat_map(|pair| pair.values).map(f64::abs).fold(0.0, f64::max);
         let longest = if longest > 0.0 { 1.12 * longest } else { 1.0 };
-        let count = rows.len() as f64;
         let inks = [Ink::Series(0), Ink::Series(1)];
-        draw(self.figure, ROW * count + 76.0, |root| {
-            let mut chart = ChartBuilder::on(root)
-                .margin_top(px(28.0))
-                .margin_right(px(18.0))
-                .margin_left(px(NAMES))
-                .x_label_area_size(px(44.0))
-                .build_cartesian_2d(if self.signed { -longest } else { 0.0 }..longest, 0.0..count)?;
-            chart
-                .configure_mesh()
-                .disable_y_mesh()
-                .disable_y_axis()
-                .x_labels(6)
-                .max_light_lines(0)
-                .bold_line_style(stroke(Ink::Grid, 1.0))
-                .axis_style(stroke(Ink::Muted, 1.0))
-                .label_style(letters(LETTERS, Ink::Muted))
-                .axis_desc_style(letters(LETTERS, Ink::Ink))
-                .set_all_tick_mark_size(px(4.0))
-                .x_label_formatter(&|value| tick_label(*value))
-                .x_desc(self.axis)
-                .draw()?;
-            let right = letters(LETTERS, Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
+        let names: Vec<String> = rows.iter().map(|pair| pair.name.clone()).collect();
+        let chart = NamedRows {
+            figure: self.figure,
+            names: &names,
+            row: ROW,
+            top: 28.0,
+            axis: self.axis,
+            range: if self.signed { -longest } else { 0.0 }..longest,
+            ticks: 6,
+        };
+        chart.draw(|root, chart| {
             for (k, pair) in rows.iter().enumerate() {
                 let top = (rows.len() - k) as f64;
                 for (bar, ink) in inks.into_iter().enumerate() {
@@ -107,14 +100,73 @@ impl Bars<'_> {
                     let line = ends.map(|x| (x, middle)).to_vec();
                     chart.draw_series([PathElement::new(line, stroke(Ink::Ink, 1.0))])?;
                 }
-                let middle = px(28.0 + ROW * (k as f64 + 0.5));
-                root.draw(&Text::new(shortened(&pair.name), (px(NAMES - 6.0), middle), right.clone()))?;
             }
-            chart.draw_series([PathElement::new([(0.0, 0.0), (0.0, count)], stroke(Ink::Muted, 1.0))])?;
+            let zero = [(0.0, 0.0), (0.0, rows.len() as f64)];
+            chart.draw_series([PathElement::new(zero, stroke(Ink::Muted, 1.0))])?;
             for (bar, ink) in inks.into_iter().enumerate() {
                 let x = NAMES + 150.0 * bar as f64;
                 root.draw(&Rectangle::new([(px(x), px(8.0)), (px(x + 18.0), px(18.0))], ink.rgb().filled()))?;
                 root.draw(&Text::new(self.labels[bar], (px(x + 23.0), px(6.5)), letters(LETTERS, Ink::Ink)))?;
+            }
+            Ok(())
+        })
+    }
+}
+
+/// A chart of one row per name, the names on its left, over one horizontal axis.
+pub(super) struct NamedRows<'a> {
+    /// Name of the figure.
+    pub figure: &'a str,
+    /// Names from top to bottom.
+    pub names: &'a [String],
+    /// Height of a row, and of what is above the first [CSS pixels].
+    pub row: f64,
+    pub top: f64,
+    /// Label, range and number of ticks of the axis.
+    pub axis: &'a str,
+    pub range: Range<f64>,
+    pub ticks: usize,
+}
+
+/// Its coordinates: the number on the axis, and the number of rows from the bottom.
+type RowChart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+impl NamedRows<'_> {
+    /// The chart with what `paint` draws.
+    ///
+    /// # Errors
+    /// [`PlotError`].
+    pub fn draw(
+        &self,
+        paint: impl FnOnce(&Area<'_>, &mut RowChart<'_, '_>) -> Result<(), DrawError>,
+    ) -> Result<Drawing, PlotError> {
+        let count = self.names.len() as f64;
+        draw(self.figure, self.row * count + self.top + AXIS, |root| {
+            let mut chart = ChartBuilder::on(root)
+                .margin_top(px(self.top))
+                .margin_right(px(18.0))
+                .margin_left(px(NAMES))
+                .x_label_area_size(px(AXIS))
+                .build_cartesian_2d(self.range.clone(), 0.0..count)?;
+            chart
+                .configure_mesh()
+                .disable_y_mesh()
+                .disable_y_axis()
+                .x_labels(self.ticks)
+                .max_light_lines(0)
+                .bold_line_style(stroke(Ink::Grid, 1.0))
+                .axis_style(stroke(Ink::Muted, 1.0))
+                .label_style(letters(LETTERS, Ink::Muted))
+                .axis_desc_style(letters(LETTERS, Ink::Ink))
+                .set_all_tick_mark_size(px(4.0))
+                .x_label_formatter(&|value| tick_label(*value))
+                .x_desc(self.axis)
+                .draw()?;
+            paint(root, &mut chart)?;
+            let right = letters(LETTERS, Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
+            for (k, name) in self.names.iter().enumerate() {
+                let middle = px(self.top + self.row * (k as f64 + 0.5));
+                root.draw(&Text::new(shortened(name), (px(NAMES - 7.0), middle), right.clone()))?;
             }
             Ok(())
         })
@@ -151,7 +203,8 @@ mod tests {
         let figure = bars.figure("t", "c").unwrap();
         assert_eq!(figure.csv.lines().count(), 6);
         assert!(figure.csv.contains("\"variable 1, long\",0.05,0.01,-0.2,0.0\n"), "{}", figure.csv);
-        let document = roxmltree::Document::parse(&figure.svg).unwrap();
+        let svg = figure.drawing.document(&maud::html! {});
+        let document = roxmltree::Document::parse(&svg).unwrap();
         let text: Vec<&str> = document.descendants().filter_map(|node| node.text()).map(str::trim).collect();
         assert!(text.contains(&"variable 2, longlong") && !text.iter().any(|t| t.contains("variable 3")));
         assert_eq!(shortened("a name that is far too long").chars().count(), LONGEST);

@@ -12,7 +12,7 @@ use super::life_change::change_between;
 use super::page::{self, wrapped};
 use super::palette::{Ink, SERIES};
 use super::plot::{Axis, Plot, PlotError, Series, Shape};
-use super::tables::{life_cell, table};
+use super::tables::{life_cell, table, table_of};
 use super::words;
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::{PerLimitState, StudySummary};
@@ -44,35 +44,27 @@ pub enum Incomparable {
     },
     /// The limit states of the studies differ.
     #[error(
-        "{first} and {second} have different limit states: {} against {}; studies are compared by limit states of the same \
+        "{} and {} have different limit states: {} against {}; studies are compared by limit states of the same \
          names",
-        .of_first.join(", "), .of_second.join(", ")
+        .names[0], .names[1], .limit_states[0].join(", "), .limit_states[1].join(", ")
     )]
     LimitStates {
-        /// Name of the first study.
-        first: String,
-        /// Its limit states.
-        of_first: Vec<String>,
-        /// Name of the other.
-        second: String,
-        /// Its limit states.
-        of_second: Vec<String>,
+        /// Names of the first study and of another.
+        names: [String; 2],
+        /// Their limit states.
+        limit_states: [Vec<String>; 2],
     },
     /// The checkpoints of the studies differ.
     #[error(
-        "{first} and {second} have different checkpoints: every {} cycles up to {} against every {} up to {}; give the scenes \
+        "{} and {} have different checkpoints: every {} cycles up to {} against every {} up to {}; give the scenes \
          the same life",
-        .of_first[0], .of_first[1], .of_second[0], .of_second[1]
+        .names[0], .names[1], .ends[0][0], .ends[0][1], .ends[1][0], .ends[1][1]
     )]
     Checkpoints {
-        /// Name of the first study.
-        first: String,
-        /// Its first and last checkpoint [cycles].
-        of_first: [u32; 2],
-        /// Name of the other.
-        second: String,
-        /// Its first and last checkpoint [cycles].
-        of_second: [u32; 2],
+        /// Names of the first study and of another.
+        names: [String; 2],
+        /// Their first and last checkpoints [cycles].
+        ends: [[u32; 2]; 2],
     },
 }
 
@@ -84,42 +76,25 @@ pub fn check(studies: &[ComparedStudy]) -> Result<(), Incomparable> {
     if !(2..=MOST).contains(&studies.len()) {
         return Err(Incomparable::Number { given: studies.len() });
     }
-    let first = &studies[0];
     let states = |study: &ComparedStudy| study.summary.limit_states.iter().cloned().collect::<BTreeSet<_>>();
     let cycles =
         |study: &ComparedStudy| study.summary.reliability.iter().map(|row| row.cycles).collect::<Vec<_>>();
-    let ends = |study: &ComparedStudy| {
-        let cycles = cycles(study);
-        [cycles.first().copied().unwrap_or(0), cycles.last().copied().unwrap_or(0)]
-    };
     for other in &studies[1..] {
-        if states(first) != states(other) {
-            return Err(Incomparable::LimitStates {
-                first: first.name.clone(),
-                of_first: first.summary.limit_states.clone(),
-                second: other.name.clone(),
-                of_second: other.summary.limit_states.clone(),
-            });
+        let both = [&studies[0], other];
+        let names = both.map(|study| study.name.clone());
+        let [of_first, of_other] = both.map(states);
+        if of_first != of_other {
+            let limit_states = both.map(|study| study.summary.limit_states.clone());
+            return Err(Incomparable::LimitStates { names, limit_states });
         }
-        if cycles(first) != cycles(other) {
-            return Err(Incomparable::Checkpoints {
-                first: first.name.clone(),
-                of_first: ends(first),
-                second: other.name.clone(),
-                of_second: ends(other),
-            });
+        let both = both.map(cycles);
+        if both[0] != both[1] {
+            let end = |cycles: Option<&u32>| cycles.copied().unwrap_or(0);
+            let ends = both.map(|cycles| [end(cycles.first()), end(cycles.last())]);
+            return Err(Incomparable::Checkpoints { names, ends });
         }
     }
     Ok(())
-}
-
-/// Limit states of the studies in the first one's order, then `total` if there are several.
-fn curves(studies: &[ComparedStudy]) -> Vec<&str> {
-    let mut names: Vec<&str> = studies[0].summary.limit_states.iter().map(String::as_str).collect();
-    if names.len() > 1 {
-        names.push("total");
-    }
-    names
 }
 
 /// Most differing keys in the table of the page.
@@ -140,7 +115,7 @@ pub fn html(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> R
         @if figures.is_empty() { p.none { "These studies have a single checkpoint and therefore no curves." } }
         (page::figures(&figures, "three"))
         h2 { "Lives" }
-        @for name in curves(studies) { h3 { (capital(name)) } (lives(studies, differing, name)) }
+        @for name in studies[0].summary.curve_names() { h3 { (capital(name)) } (lives(studies, differing, name)) }
         @if !studies[0].summary.is_static() {
             p.none {
                 "Differences are lives minus those of " (studies[0].name) ". Their intervals take the samples and the surrogates of \
@@ -207,7 +182,7 @@ pub fn figures(studies: &[ComparedStudy]) -> Result<Vec<Figure>, PlotError> {
         }
         .figure(&title, "Bands: 95 % interval of sampling, surrogate and interpolation between the checkpoints, without numerical errors.")
     };
-    curves(studies).into_iter().map(figure).collect()
+    studies[0].summary.curve_names().map(figure).collect()
 }
 
 /// Lives of every study at the usual levels of reliability, or its probability of failure.
@@ -261,32 +236,20 @@ fn differences(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -
 
 /// Scene, method, accuracy, seed, evaluations and time of every study.
 fn effort(studies: &[ComparedStudy]) -> Markup {
-    let head = [
-        "study",
-        "scene",
-        "method",
-        "accuracy",
-        "seed",
-        "simulations",
-        "of these without a result",
-        "time of the study",
-        "version",
-    ];
-    let rows = studies.iter().map(|ComparedStudy { name, summary }| {
-        let cells = [
-            name.clone(),
-            summary.scene.clone(),
-            summary.method.clone(),
-            words::accuracy(summary),
-            summary.seed.to_string(),
-            count(summary.evaluations.total as u64),
-            count(summary.evaluations.failed as u64),
-            duration(summary.timing_s.total),
-            summary.version.clone(),
-        ];
-        cells.map(|cell| cell.render()).to_vec()
-    });
-    table(&head, rows)
+    table_of::<&ComparedStudy>(
+        &[
+            ("study", &|study| study.name.clone()),
+            ("scene", &|study| study.summary.scene.clone()),
+            ("method", &|study| study.summary.method.clone()),
+            ("accuracy", &|study| words::accuracy(&study.summary)),
+            ("seed", &|study| study.summary.seed.to_string()),
+            ("simulations", &|study| count(study.summary.evaluations.total as u64)),
+            ("of these without a result", &|study| count(study.summary.evaluations.failed as u64)),
+            ("time of the study", &|study| duration(study.summary.timing_s.total)),
+            ("version", &|study| study.summary.version.clone()),
+        ],
+        studies,
+    )
 }
 
 /// Every curve of every study: `study`, `limit_state`, `cycles`, `R`, `standard_error`, and the 95 % interval `lower`, `upper`,
@@ -295,7 +258,7 @@ pub fn csv(studies: &[ComparedStudy]) -> String {
     let mut table =
         CsvTable::new(["study", "limit_state", "cycles", "R", "standard_error", "lower", "upper"]);
     for ComparedStudy { name: study, summary } in studies {
-        for name in curves(studies) {
+        for name in studies[0].summary.curve_names() {
             let value = |values: &PerLimitState| values.get(name).copied().map_or(String::new(), number);
             for row in &summary.reliability {
                 let [r, error] = [&row.reliability, &row.standard_error].map(value);

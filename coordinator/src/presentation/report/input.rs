@@ -1,8 +1,8 @@
 //! The data of a report, read from the campaign file: the source of the scene, every evaluation, and the results of the
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
+use super::format::{capital, words};
 use super::grooves::{self, GroovedJoint};
-use super::mechanism::Mechanism;
 use super::stated_errors::{StatedAt, StatedErrorCollector};
 use super::untested::{no_simulated_failure, steps_and_noise};
 use super::written::WrittenScene;
@@ -10,8 +10,8 @@ use crate::presentation::control_points::control_points_notes;
 use crate::presentation::motion_cautions::motion_cautions;
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
-use common::outputs::{Diagnostics, Evaluation};
-use common::scene::{ContactLaw, JointKind, LimitState, OutputKind, OutputUnit, Scene};
+use common::outputs::{COUNTERS, Diagnostics, Evaluation};
+use common::scene::{ContactLaw, JointKind, LimitState, OutputUnit, Scene};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -45,37 +45,6 @@ pub fn equal_edges(from: f64, to: f64, bins: usize) -> Vec<f64> {
     (0..=bins).map(|k| if k == bins { to } else { from + (to - from) * k as f64 / bins as f64 }).collect()
 }
 
-/// An output of the scene.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OutputInfo {
-    /// Name in the scene.
-    pub name: String,
-    /// Quantity and the bodies or joints it belongs to.
-    pub kind: OutputKind,
-    /// Unit in files and figures.
-    pub unit: OutputUnit,
-}
-
-/// A random variable of the scene.
-#[derive(Debug, Clone, PartialEq)]
-pub struct VariableInfo {
-    /// Name in the scene.
-    pub name: String,
-    /// Mean; of the parent for a truncated normal [SI].
-    pub mean: f64,
-    /// Standard deviation; of the parent for a truncated normal [SI].
-    pub std: f64,
-}
-
-/// An evaluation without a result.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FailedRun {
-    /// Number of the evaluation.
-    pub id: u64,
-    /// Reason given by the simulator.
-    pub failure: String,
-}
-
 /// A simulation with a result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedSample {
@@ -90,31 +59,19 @@ pub struct SimulatedSample {
 pub struct WorkTotals {
     /// Evaluations with a result.
     pub evaluations: u64,
-    /// Sum of their simulation times [s].
-    pub wall: f64,
     /// Longest simulation time [s].
     pub longest: f64,
     /// Evaluations with grooves narrower than their journals, by joint.
     pub grooved: Vec<GroovedJoint>,
-    /// Sums of counters; `free_flight_fraction` and `narrow_grooves` are left empty.
-    pub sum: Diagnostics,
+    /// Sums of the [`COUNTERS`].
+    pub counts: [u64; COUNTERS.len()],
 }
 
 /// The data of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReportInput {
-    /// Title of the scene.
-    pub title: String,
     /// Result of the study.
     pub summary: StudySummary,
-    /// Limit states, in the scene's order.
-    pub limit_states: Vec<LimitState>,
-    /// Outputs, in the scene's order.
-    pub outputs: Vec<OutputInfo>,
-    /// Random variables, in the scene's order.
-    pub variables: Vec<VariableInfo>,
-    /// Bodies and joints with every variable at its mean.
-    pub mechanism: Mechanism,
     /// The evaluation at the variables' means, with its first cycle.
     pub nominal: Option<Evaluation>,
     /// Distributions of the outputs over the population.
@@ -123,8 +80,8 @@ pub struct ReportInput {
     pub stated: Vec<Vec<StatedAt>>,
     /// Evaluations with a result, in the order of their numbers.
     pub samples: Vec<SimulatedSample>,
-    /// Evaluations without a result.
-    pub failures: Vec<FailedRun>,
+    /// Evaluations without a result: number, and reason given by the simulator.
+    pub failures: Vec<(u64, String)>,
     /// Numerical work of all evaluations.
     pub work: WorkTotals,
     /// Cautions: limits of this study that a reader must know.
@@ -173,7 +130,7 @@ impl ReportInput {
                     }
                 }
                 Err(failure) => {
-                    input.failures.push(FailedRun { id: stored.id, failure: failure.to_string() });
+                    input.failures.push((stored.id, failure.to_string()));
                 }
             }
             Ok::<(), StoreError>(())
@@ -193,7 +150,6 @@ impl ReportInput {
     /// The data that scene and results provide, without the evaluations.
     fn new(scene: &Scene, summary: StudySummary, distributions: Vec<CheckpointDistribution>) -> Self {
         Self {
-            title: scene.title.clone(),
             notes: [
                 of_designs(&summary),
                 unsupported(&summary),
@@ -203,26 +159,6 @@ impl ReportInput {
             ]
             .concat(),
             summary,
-            limit_states: scene.limit_states.clone(),
-            outputs: scene
-                .outputs
-                .iter()
-                .map(|output| OutputInfo {
-                    name: output.name.clone(),
-                    kind: output.kind.clone(),
-                    unit: output.kind.unit(),
-                })
-                .collect(),
-            variables: scene
-                .variables
-                .iter()
-                .map(|variable| VariableInfo {
-                    name: variable.name.clone(),
-                    mean: variable.distribution.parent_mean(),
-                    std: variable.distribution.given_std(),
-                })
-                .collect(),
-            mechanism: Mechanism::new(scene),
             nominal: None,
             distributions,
             stated: vec![],
@@ -243,8 +179,13 @@ impl ReportInput {
     }
 
     /// The unit a limit state's output is shown in.
-    pub fn unit_of(&self, state: &LimitState) -> &OutputUnit {
-        &self.outputs[state.output].unit
+    pub fn unit_of(&self, state: &LimitState) -> OutputUnit {
+        self.scene.outputs[state.output].kind.unit()
+    }
+
+    /// The name of a limit state's output, as words.
+    pub fn output_of(&self, state: &LimitState) -> String {
+        words(&self.scene.outputs[state.output].name)
     }
 }
 
@@ -261,17 +202,9 @@ fn failures_of(scene: &Scene, evaluation: &Evaluation) -> Vec<Option<u32>> {
 impl WorkTotals {
     fn add(&mut self, diagnostics: &Diagnostics, wall: f64) {
         self.evaluations += 1;
-        self.wall += wall;
         self.longest = self.longest.max(wall);
         grooves::add(&mut self.grooved, &diagnostics.narrow_grooves);
-        let sum = &mut self.sum;
-        sum.steps += diagnostics.steps;
-        sum.rejected_steps += diagnostics.rejected_steps;
-        sum.newton_iterations += diagnostics.newton_iterations;
-        sum.force_evaluations += diagnostics.force_evaluations;
-        sum.simulated_cycles += diagnostics.simulated_cycles;
-        sum.wear_stages += diagnostics.wear_stages;
-        sum.rejected_wear_steps += diagnostics.rejected_wear_steps;
+        self.counts.iter_mut().zip(diagnostics.counts()).for_each(|(sum, count)| *sum += count);
     }
 }
 
@@ -293,11 +226,7 @@ fn go_on(summary: &StudySummary, dir: &Path) -> Option<String> {
 
 /// Cautions if no simulation exceeded a limit, and where outputs jump at their limits.
 fn unsupported(summary: &StudySummary) -> Vec<String> {
-    let sentence = |text: String| {
-        let mut letters = text.chars();
-        let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
-        format!("{first}{}.", letters.as_str())
-    };
+    let sentence = |text: String| format!("{}.", capital(&text));
     let steps = steps_and_noise(summary).into_iter().filter(|note| note.starts_with("steps"));
     no_simulated_failure(summary).into_iter().chain(steps).map(sentence).collect()
 }

@@ -1,6 +1,6 @@
 //! Lives of a study as the report states them: the life at which R falls to a level, the limit state with the most failures.
 
-use super::format::{self, count, fixed, rounded_cycles, share, three_digits, whole};
+use super::format::{self, count, fixed, power, rounded_cycles, share, three_digits, whole};
 use crate::results::life_summary::{CyclesRange, LifeRow};
 use crate::results::summary::{ReliabilityRange, ReliabilityRow, StudySummary};
 pub use crate::study::LEVELS;
@@ -154,11 +154,7 @@ pub fn failure_probability(row: &ReliabilityRow, name: &str) -> String {
     let Some(ReliabilityRange { lower, upper }) = row.interval_of(name) else { return three_digits(1.0 - r) };
     if r >= 1.0 && lower < 1.0 {
         let bound = 1.0 - lower;
-        return if bound < 0.01 {
-            format!("< {bound:.1e}").replace('-', "\u{2212}")
-        } else {
-            format!("< {}", three_digits(bound))
-        };
+        return format!("< {}", if bound < 0.01 { power(bound, 1) } else { three_digits(bound) });
     }
     share(1.0 - r, 1.0 - upper, 1.0 - lower)
 }

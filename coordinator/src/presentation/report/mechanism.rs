@@ -1,140 +1,99 @@
 //! The motion of the nominal mechanism over a cycle: poses of its bodies, and orbits of its journals in their bores.
 
 use common::outputs::{BodyMotion, CycleHistory};
-use common::scene::{Attachment, Body, Joint, JointKind, Load, Motion, Scene};
-
-/// Bodies, joints and loads of a scene, numbered as there.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Mechanism {
-    /// Bodies in the order of the scene.
-    pub bodies: Vec<Body>,
-    /// Joints in the order of the scene.
-    pub joints: Vec<Joint>,
-    /// Loads in the order of the scene.
-    pub loads: Vec<Load>,
-    /// Acceleration of gravity `(2,)` [m/s^2].
-    pub gravity: [f64; 2],
-}
+use common::scene::{Attachment, Joint, JointKind, Motion, Scene};
 
 /// Position `(2,)` [m] and angle [rad] of a body.
 pub type Pose = ([f64; 2], f64);
 
-impl Mechanism {
-    /// The bodies, joints and loads of a scene.
-    pub fn new(scene: &Scene) -> Self {
-        Self {
-            bodies: scene.bodies.clone(),
-            joints: scene.joints.clone(),
-            loads: scene.loads.clone(),
-            gravity: scene.gravity,
+/// Poses of all bodies at every instant of a cycle `(n, bodies)`; `None` if the cycle does not include the motion of
+/// every body.
+pub fn poses(scene: &Scene, cycle: &CycleHistory) -> Option<Vec<Vec<Pose>>> {
+    let motions = scene.bodies.iter().map(|body| match body.motion {
+        Motion::Fixed => Some(None),
+        _ => cycle.motion.iter().find(|motion| motion.body == body.name).map(Some),
+    });
+    let motions: Vec<Option<&BodyMotion>> = motions.collect::<Option<_>>()?;
+    let pose = |motion: &Option<&BodyMotion>, k: usize| match motion {
+        None => Some(([0.0; 2], 0.0)),
+        Some(motion) => Some((*motion.position.get(k)?, *motion.angle.get(k)?)),
+    };
+    (0..cycle.time.len()).map(|k| motions.iter().map(|motion| pose(motion, k)).collect()).collect()
+}
+
+/// Place [m] of a point of a body in a pose, given in the frame of the body.
+pub fn of_body(([x, y], angle): &Pose, [a, b]: [f64; 2]) -> [f64; 2] {
+    let (sin, cos) = angle.sin_cos();
+    [x + cos * a - sin * b, y + sin * a + cos * b]
+}
+
+/// Place [m] of a point in these poses of all bodies.
+pub fn place(poses: &[Pose], point: &Attachment) -> [f64; 2] {
+    of_body(&poses[point.body], point.position)
+}
+
+/// Vector from the centre of the bushing to that of the journal in these poses, in the frame of the bushing's body [m].
+pub fn eccentricity(poses: &[Pose], joint: &Joint) -> [f64; 2] {
+    let (journal, bushing) = (place(poses, &joint.journal), place(poses, &joint.bushing));
+    let (sin, cos) = poses[joint.bushing.body].1.sin_cos();
+    let [x, y] = [journal[0] - bushing[0], journal[1] - bushing[1]];
+    [cos * x + sin * y, cos * y - sin * x]
+}
+
+/// Outline of a body in its own frame, without repeated points `(p, 2)` [m]: its joints; for a moving body also its
+/// named points; for a driven one also its pivot; for a free one that would be a single point also its centre of mass.
+pub fn outline(scene: &Scene, body: usize) -> Vec<[f64; 2]> {
+    let shown = &scene.bodies[body];
+    let pivot = matches!(shown.motion, Motion::Driven { .. }).then_some([0.0; 2]);
+    let points = shown.points.iter().filter(|_| shown.motion != Motion::Fixed).map(|point| point.position);
+    let ends = scene.joints.iter().flat_map(|joint| [joint.journal, joint.bushing]);
+    let mut outline: Vec<[f64; 2]> = Vec::new();
+    let mut add = |point: [f64; 2]| {
+        if !outline.iter().any(|p| (p[0] - point[0]).hypot(p[1] - point[1]) < 1e-9) {
+            outline.push(point);
+        }
+        outline.len()
+    };
+    let ends = ends.filter(|end| end.body == body).map(|end| end.position);
+    let corners = pivot.into_iter().chain(ends).chain(points).map(&mut add).last().unwrap_or(0);
+    if let (Motion::Free { centre_of_mass, .. }, 0 | 1) = (&shown.motion, corners) {
+        add(*centre_of_mass);
+    }
+    outline
+}
+
+/// Points of a body that the ground holds, in its own frame `(s, 2)` [m]: the pivot of a driven body; the joints of a fixed
+/// one, but for those on a rail.
+pub fn supports(scene: &Scene, body: usize) -> Vec<[f64; 2]> {
+    match scene.bodies[body].motion {
+        Motion::Free { .. } => vec![],
+        Motion::Driven { .. } => vec![[0.0; 2]],
+        Motion::Fixed => {
+            let slides = |kind: &JointKind| matches!(kind, JointKind::Prismatic { .. } | JointKind::Guide(_));
+            let held = scene.joints.iter().filter(|joint| !slides(&joint.kind));
+            let ends = held.flat_map(|joint| [joint.journal, joint.bushing]);
+            ends.filter(|end| end.body == body).map(|end| end.position).collect()
         }
     }
+}
 
-    /// Poses of all bodies at every instant of a cycle `(n, bodies)`; `None` if the cycle does not include the motion of
-    /// every body.
-    pub fn poses(&self, cycle: &CycleHistory) -> Option<Vec<Vec<Pose>>> {
-        let at = |k: usize| (0..self.bodies.len()).map(|body| self.pose(cycle, body, k)).collect();
-        (0..cycle.time.len()).map(at).collect()
-    }
-
-    /// Pose of a body at instant `k` of a cycle; `None` if the cycle does not include its motion.
-    pub fn pose(&self, cycle: &CycleHistory, body: usize, k: usize) -> Option<Pose> {
-        let body = self.bodies.get(body)?;
-        if body.motion == Motion::Fixed {
-            return Some(([0.0; 2], 0.0));
-        }
-        let motion: &BodyMotion = cycle.motion.iter().find(|motion| motion.body == body.name)?;
-        Some((*motion.position.get(k)?, *motion.angle.get(k)?))
-    }
-
-    /// Position [m] of a point of a body at instant `k`.
-    pub fn place(&self, cycle: &CycleHistory, point: &Attachment, k: usize) -> Option<[f64; 2]> {
-        let ([x, y], angle) = self.pose(cycle, point.body, k)?;
-        let (sin, cos) = angle.sin_cos();
-        let [a, b] = point.position;
-        Some([x + cos * a - sin * b, y + sin * a + cos * b])
-    }
-
-    /// Vector from the centre of the bushing to that of the journal at instant `k`, in the frame of the bushing's body [m].
-    pub fn orbit_at(&self, cycle: &CycleHistory, joint: &Joint, k: usize) -> Option<[f64; 2]> {
-        let (journal, bushing) =
-            (self.place(cycle, &joint.journal, k)?, self.place(cycle, &joint.bushing, k)?);
-        let (sin, cos) = self.pose(cycle, joint.bushing.body, k)?.1.sin_cos();
-        let [x, y] = [journal[0] - bushing[0], journal[1] - bushing[1]];
-        Some([cos * x + sin * y, cos * y - sin * x])
-    }
-
-    /// Orbit of the journal's centre in the bushing over a cycle `(n, 2)` [m]; `None` for an ideal joint, or if the cycle
-    /// does not include the motion of both bodies.
-    pub fn orbit(&self, cycle: &CycleHistory, joint: &Joint) -> Option<Vec<[f64; 2]>> {
-        if !matches!(joint.kind, JointKind::Clearance(_)) || cycle.time.is_empty() {
-            return None;
-        }
-        (0..cycle.time.len()).map(|k| self.orbit_at(cycle, joint, k)).collect()
-    }
-
-    /// Outline of a body in its own frame, without repeated points `(p, 2)` [m]: its joints; for a moving body also its
-    /// named points; for a driven one also its pivot; for a free one that would be a single point also its centre of mass.
-    pub fn outline(&self, body: usize) -> Vec<[f64; 2]> {
-        let shown = &self.bodies[body];
-        let pivot = matches!(shown.motion, Motion::Driven { .. }).then_some([0.0; 2]);
-        let points =
-            shown.points.iter().filter(|_| shown.motion != Motion::Fixed).map(|point| point.position);
-        let ends = self.joints.iter().flat_map(|joint| [joint.journal, joint.bushing]);
-        let mut outline: Vec<[f64; 2]> = Vec::new();
-        let mut add = |point: [f64; 2]| {
-            if !outline.iter().any(|p| (p[0] - point[0]).hypot(p[1] - point[1]) < 1e-9) {
-                outline.push(point);
-            }
-            outline.len()
-        };
-        let ends = ends.filter(|end| end.body == body).map(|end| end.position);
-        let corners = pivot.into_iter().chain(ends).chain(points).map(&mut add).last().unwrap_or(0);
-        if let (Motion::Free { centre_of_mass, .. }, 0 | 1) = (&shown.motion, corners) {
-            add(*centre_of_mass);
-        }
-        outline
-    }
-
-    /// Points of a body that the ground holds, in its own frame `(s, 2)` [m]: the pivot of a driven body; the joints of a fixed
-    /// one, but for those on a rail.
-    pub fn supports(&self, body: usize) -> Vec<[f64; 2]> {
-        match self.bodies[body].motion {
-            Motion::Free { .. } => vec![],
-            Motion::Driven { .. } => vec![[0.0; 2]],
-            Motion::Fixed => {
-                let slides =
-                    |kind: &JointKind| matches!(kind, JointKind::Prismatic { .. } | JointKind::Guide(_));
-                let held = self.joints.iter().filter(|joint| !slides(&joint.kind));
-                let ends = held.flat_map(|joint| [joint.journal, joint.bushing]);
-                ends.filter(|end| end.body == body).map(|end| end.position).collect()
-            }
-        }
-    }
-
-    /// Ends of the rail of a prismatic joint or a guide in the frame of its second body `(2, 2)` [m]: the way of the first body's point
-    /// over the poses of a cycle `(n, bodies)`; `None` for another joint.
-    pub fn rail(&self, joint: &Joint, cycle: &[Vec<Pose>]) -> Option<[[f64; 2]; 2]> {
-        let axis = match &joint.kind {
-            JointKind::Prismatic { axis, .. } => *axis,
-            JointKind::Guide(guide) => guide.axis,
-            _ => return None,
-        };
-        let (sin, cos) = axis.sin_cos();
-        let [a, b] = joint.bushing.position;
-        let along = cycle.iter().map(|poses| {
-            let ([x, y], angle) = poses[joint.bushing.body];
-            let ([u, v], turned) = poses[joint.journal.body];
-            let ((s, c), (t, d)) = (angle.sin_cos(), turned.sin_cos());
-            let [p, q] = joint.journal.position;
-            let (px, py) = (u + d * p - t * q - x, v + t * p + d * q - y);
-            let (own_x, own_y) = (c * px + s * py - a, c * py - s * px - b);
-            own_x * cos + own_y * sin
-        });
-        let (low, high) = along
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), way: f64| (low.min(way), high.max(way)));
-        (low <= high).then(|| [low, high].map(|way| [a + way * cos, b + way * sin]))
-    }
+/// Ends of the rail of a prismatic joint or a guide in the frame of its second body `(2, 2)` [m]: the way of the first body's point
+/// over the poses of a cycle `(n, bodies)`; `None` for another joint.
+pub fn rail(joint: &Joint, cycle: &[Vec<Pose>]) -> Option<[[f64; 2]; 2]> {
+    let axis = match &joint.kind {
+        JointKind::Prismatic { axis, .. } => *axis,
+        JointKind::Guide(guide) => guide.axis,
+        _ => return None,
+    };
+    let (sin, cos) = axis.sin_cos();
+    let [a, b] = joint.bushing.position;
+    let along = cycle.iter().map(|poses| {
+        let [x, y] = eccentricity(poses, joint);
+        x * cos + y * sin
+    });
+    let (low, high) =
+        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), way: f64| (low.min(way), high.max(way)));
+    (low <= high).then(|| [low, high].map(|way| [a + way * cos, b + way * sin]))
 }
 
 #[cfg(test)]
@@ -144,25 +103,25 @@ mod tests {
 
     #[test]
     fn the_orbit_is_in_the_frame_of_the_bushing() {
-        let mechanism = Mechanism::new(&test_study::scene());
+        let scene = &test_study::scene();
         let cycle = test_study::first_cycle();
-        for joint in &mechanism.joints {
-            let orbit = mechanism.orbit(&cycle, joint).unwrap();
-            for (k, [x, y]) in orbit.iter().enumerate() {
-                let [ex, ey] = test_study::eccentricity(cycle.time[k]);
-                assert!((x - ex).hypot(y - ey) < 1e-12, "joint {}, {k}: {x} {y}", joint.name);
+        let poses = poses(scene, &cycle).unwrap();
+        for joint in &scene.joints {
+            for (poses, time) in poses.iter().zip(&cycle.time) {
+                let ([x, y], [ex, ey]) = (eccentricity(poses, joint), test_study::eccentricity(*time));
+                assert!((x - ex).hypot(y - ey) < 1e-12, "joint {}, {time} s: {x} {y}", joint.name);
             }
         }
         let mut unknown = cycle.clone();
         unknown.motion.pop();
-        assert_eq!(mechanism.orbit(&unknown, &mechanism.joints[0]), None);
+        assert_eq!(super::poses(scene, &unknown), None);
     }
 
     #[test]
     fn a_driven_body_reaches_from_its_pivot() {
-        let mechanism = Mechanism::new(&test_study::scene());
-        assert_eq!(mechanism.outline(1)[0], [0.0; 2]);
-        assert_eq!(mechanism.outline(1).len(), 7);
-        assert_eq!(mechanism.outline(2).len(), 6);
+        let scene = &test_study::scene();
+        assert_eq!(outline(scene, 1)[0], [0.0; 2]);
+        assert_eq!(outline(scene, 1).len(), 7);
+        assert_eq!(outline(scene, 2).len(), 6);
     }
 }

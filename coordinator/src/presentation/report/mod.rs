@@ -4,11 +4,11 @@
 mod animation;
 pub mod answer;
 mod bars;
+mod chapters;
 pub mod compare;
 pub mod drawing;
 mod figure;
 mod figures;
-pub mod format;
 mod grooves;
 mod input;
 pub mod life;
@@ -30,20 +30,19 @@ pub mod untested;
 mod words;
 mod written;
 
-pub use figure::Figure;
+pub use super::format;
+pub use figure::{Drawing, Figure};
 pub use figures::reliability as reliability_figure;
 pub use input::{
-    CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, FailedRun, OutputInfo, ReportInput, SUMMARY_DOCUMENT,
-    SimulatedSample, VariableInfo, WorkTotals, equal_edges,
+    CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, ReportInput, SUMMARY_DOCUMENT, SimulatedSample,
+    WorkTotals, equal_edges,
 };
 pub use life::{failure_probability, reliability};
-pub use mechanism::Mechanism;
-pub use page::{standalone, wrapped};
+pub use page::{FigureFiles, LiveStatus, Page, standalone, wrapped};
 pub use plot::{Axis, Plot, PlotError, Points, Scale, Series, Shape};
 pub use png::{PngError, PngMaker};
 pub use stated_errors::StatedAt;
-
-use page::FigureFiles;
+pub use tables::{cells, table};
 
 use crate::results::result_files::{
     ResultFileError, create_folder, reliability_csv, summary_json, write_bytes, write_samples_csv, write_text,
@@ -82,53 +81,20 @@ impl ReportError {
     }
 }
 
-/// A report in memory.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Report {
-    /// Text of `report.html`.
-    pub html: String,
-    /// Figures of the page, also written as files of their own.
-    pub figures: Vec<Figure>,
-}
-
-/// Renders the report; a function of its input alone.
+/// The page of the report; a function of its input alone.
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn render(input: &ReportInput) -> Result<Report, PlotError> {
-    rendered(input, FigureFiles::NextToPage)
+pub fn render(input: &ReportInput) -> Result<Page, PlotError> {
+    chapters::page(input, FigureFiles::NextToPage)
 }
 
-/// Renders the report as a page without links to files; a function of its input alone.
+/// The page of the report without links to files; a function of its input alone.
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn render_alone(input: &ReportInput) -> Result<Report, PlotError> {
-    rendered(input, FigureFiles::Absent)
-}
-
-fn rendered(input: &ReportInput, files: FigureFiles) -> Result<Report, PlotError> {
-    let reliability = [figures::reliability(&input.summary)?, figures::first_failure(input)?];
-    let sections = page::Sections {
-        studied: studied::figure(input).into_iter().collect(),
-        reliability: reliability.into_iter().flatten().collect(),
-        rates: figures::failure_rates(&input.summary)?,
-        outputs: [figures::distributions(input)?, figures::histories(input)?].concat(),
-        inputs: figures::input_histograms(input)?,
-        combinations: figures::parallel_coordinates(input)?.into_iter().collect(),
-        sensitivity: figures::sensitivities(input)?,
-        variance: figures::variance_contributions(input)?,
-        motion: animation::animation(input),
-        bores: figures::bores(input),
-        orbits: figures::orbits(input),
-        first_cycle: figures::first_cycle(input)?,
-        last_cycle: figures::last_cycle(input)?,
-        predictions: figures::predicted_against_simulated(input)?,
-        learning: figures::learning(input)?,
-        numerical: figures::numerical(input)?,
-    };
-    let html = page::html(input, &sections, files);
-    Ok(Report { html, figures: sections.into_figures() })
+pub fn render_alone(input: &ReportInput) -> Result<Page, PlotError> {
+    chapters::page(input, FigureFiles::Absent)
 }
 
 /// Writes `report.html`, and every figure of it as `figures/*.svg` with its numbers as `figures/*.csv`, into `dir`;
@@ -137,10 +103,10 @@ fn rendered(input: &ReportInput, files: FigureFiles) -> Result<Report, PlotError
 /// # Errors
 /// [`ReportError`].
 pub fn write(dir: &Path, input: &ReportInput) -> Result<PathBuf, ReportError> {
-    let report = render(input)?;
-    write_figures(dir, &report.figures)?;
+    let page = render(input)?;
+    write_figures(dir, page.figures())?;
     let path = dir.join("report.html");
-    write_text(&path, &report.html)?;
+    write_text(&path, &page.html(None))?;
     Ok(path)
 }
 
@@ -201,12 +167,12 @@ pub fn write_pictures(
     dir: &Path,
 ) -> Result<Option<usize>, ReportError> {
     let Some(input) = ReportInput::from_campaign(campaign, scene)? else { return Ok(None) };
-    let (maker, figures) = (PngMaker::new()?, render(&input)?.figures);
+    let (maker, page) = (PngMaker::new()?, render(&input)?);
     let folder = dir.join("figures");
-    for figure in &figures {
+    for figure in page.figures() {
         let picture = maker.png(figure)?;
         let path = folder.join(format!("{}.png", figure.name));
         write_bytes(&path, &picture)?;
     }
-    Ok(Some(figures.len()))
+    Ok(Some(page.figures().len()))
 }

@@ -3,12 +3,12 @@
 
 use super::figure::Figure;
 use super::figures;
-use super::format::{UNKNOWN, count, three_digits};
+use super::format::{UNKNOWN, count, whole, with_unit};
 use super::input::ReportInput;
-use super::page::{self, Sections, animated, captioned, figures as figures_in};
+use super::page::{self, FigureFiles, Page, captioned};
 use super::plot::PlotError;
-use super::{animation, studied, tables};
-use crate::presentation::nominal_life::{NominalLife, Reached, nominal_lives};
+use super::{chapters, studied, tables};
+use crate::presentation::nominal_life::{NominalLife, nominal_lives};
 use crate::results::summary::StudySummary;
 use common::outputs::Evaluation;
 use common::scene::Scene;
@@ -27,51 +27,49 @@ pub struct NominalView<'v> {
 }
 
 impl NominalView<'_> {
-    /// Limits, and the drawing beside the outputs over life.
-    ///
-    /// # Errors
-    /// [`PlotError`].
-    pub fn beginning(&self) -> Result<Markup, PlotError> {
+    /// The page before the first results of a study, with the reason why there are none.
+    pub fn before_results(&self, reason: &str) -> Page {
         let input = self.input();
-        let drawn = studied::figure(&input).or_else(|| self.drawing.cloned());
-        let shown: Vec<Figure> = drawn.into_iter().chain(figures::histories(&input)?).collect();
-        Ok(html! {
-            (self.limits())
-            (figures_in(&shown, "two"))
-        })
+        let mut page = Page::new(&self.scene.title, chapters::header(&input), FigureFiles::Absent);
+        page.add(html! { p.none { (reason) } });
+        if let Err(error) = self.begin(&mut page, &input) {
+            page.add(html! { p.note { (error) } });
+        }
+        page
     }
 
-    /// A whole page; `facts` are pairs of a name and what it stands for, and `source` is the text of the scene.
+    /// The page of one simulation; `facts` are pairs of a name and what it stands for, and `source` is the text of the scene.
     ///
     /// # Errors
     /// [`PlotError`].
-    pub fn page(&self, facts: &[(&str, String)], source: &str) -> Result<String, PlotError> {
+    pub fn page(&self, facts: &[(&str, String)], source: &str) -> Result<Page, PlotError> {
         let input = self.input();
-        let sections = Sections {
-            motion: animation::animation(&input),
-            bores: figures::bores(&input),
-            orbits: figures::orbits(&input),
-            first_cycle: figures::first_cycle(&input)?,
-            last_cycle: figures::last_cycle(&input)?,
-            ..Sections::default()
-        };
-        let rows = facts.iter().map(|(name, value)| vec![html! { (name) }, html! { (value) }]);
-        let body = html! {
+        let header = html! {
             header {
                 p.brand { "Hingewise" }
                 h1 { (self.scene.title) }
                 p.meta { "Simulation of one mechanism, scene " code { (self.scene.name) } }
             }
-            (captioned("facts", "The simulation", tables::table_of_text(&["item", "value"], rows)))
-            (self.beginning()?)
-            (page::mechanism(&input, &sections))
-            h2 { "What was simulated" }
-            (studied::mechanism(self.scene, source))
-            div.appendix { h2 { "Appendix" } }
-            (page::details("Scene file", html! { pre { code { (source) } } }))
-            @if let Some(motion) = &sections.motion { (animated(motion)) }
         };
-        Ok(page::wrapped(&self.scene.title, &body))
+        let mut page = Page::new(&self.scene.title, header, FigureFiles::Absent);
+        let rows = facts.iter().map(|(name, value)| vec![html! { (name) }, html! { (value) }]);
+        page.add(captioned("facts", "The simulation", tables::table_of_text(&["item", "value"], rows)));
+        self.begin(&mut page, &input)?;
+        let scripts = chapters::mechanism(&mut page, &input)?;
+        page.begin("What was simulated");
+        page.add(studied::mechanism(self.scene, source));
+        page.begin_appendix();
+        page.add(html! { (page::details("Scene file", html! { pre { code { (source) } } })) (scripts) });
+        Ok(page)
+    }
+
+    /// Adds limits, and the drawing beside the outputs over life.
+    fn begin(&self, page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
+        page.add(self.limits());
+        let drawing = studied::figure(input).or_else(|| self.drawing.cloned());
+        let drawn = page.draw(drawing.into_iter().chain(figures::histories(input)?).collect(), "two");
+        page.add(drawn);
+        Ok(())
     }
 
     fn input(&self) -> ReportInput {
@@ -89,8 +87,7 @@ impl NominalView<'_> {
         let lives = known.map(|evaluation| nominal_lives(scene, evaluation));
         let rows = scene.limit_states.iter().enumerate().map(|(k, limit)| {
             let output = &scene.outputs[limit.output];
-            let unit = output.kind.unit();
-            let shown = |value: f64| unit.after(&three_digits(unit.to_shown(value)));
+            let shown = |value: f64| with_unit(&output.kind.unit(), value);
             let known = lives.as_ref().map(|lives| &lives[k]);
             let of = |value: &dyn Fn(&NominalLife) -> Option<String>| {
                 known.and_then(value).unwrap_or_else(|| UNKNOWN.to_owned()).render()
@@ -102,30 +99,13 @@ impl NominalView<'_> {
                 of(&|life| Some(shown(life.last))),
                 limit.thresholds().into_iter().map(shown).collect::<Vec<_>>().join(" to ").render(),
                 of(&|life| Some(format!("{:.0} %", 100.0 * life.margin()))),
-                of(&|life| Some(expected(life))),
+                of(&|life| Some(life.reached.life().map_or("beyond the life studied".to_owned(), whole))),
             ]
         });
         let end = count(scene.life.cycles.into());
-        let head = [
-            "limit state".to_owned(),
-            "output".to_owned(),
-            "unworn".to_owned(),
-            format!("after {end} cycles"),
-            "limit".to_owned(),
-            "margin".to_owned(),
-            "expected life [cycles]".to_owned(),
-        ];
-        let head: Vec<&str> = head.iter().map(String::as_str).collect();
+        let at_end = format!("after {end} cycles");
+        let head = ["limit state", "output", "unworn", &at_end, "limit", "margin", "expected life [cycles]"];
         captioned("limits-now", "This mechanism against its limits", tables::table(&head, rows))
-    }
-}
-
-/// When a limit is reached.
-fn expected(life: &NominalLife) -> String {
-    match life.reached {
-        Reached::FromTheStart => "0".to_owned(),
-        Reached::After(cycles) => count(cycles.round() as u64),
-        Reached::Beyond(_) => "beyond the life studied".to_owned(),
     }
 }
 
@@ -140,14 +120,15 @@ mod tests {
         let scene = &test_study::scene();
         let summary = blank(scene, &Settings::from(scene.study));
         let before = NominalView { scene, summary, evaluation: None, drawing: None };
-        let text = before.beginning().unwrap().0;
+        let text = before.before_results("no results").html(None);
+        assert!(text.contains("no results"));
         assert!(text.contains("limits-now") && text.contains(UNKNOWN), "{text}");
         assert!(!text.contains("history-wear"), "there is no history yet");
 
         let evaluation = test_study::report_input().nominal.unwrap();
         let view = NominalView { evaluation: Some(&evaluation), ..before };
         let facts = [("accuracy", "draft".to_owned())];
-        let page = view.page(&facts, "gravity = 0").unwrap();
+        let page = view.page(&facts, "gravity = 0").unwrap().html(None);
         for piece in [
             "id=\"drawing\"",
             "id=\"history-wear\"",

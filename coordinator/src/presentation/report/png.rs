@@ -1,6 +1,7 @@
 //! A figure as a picture of pixels, in the colours of the light page.
 
 use super::figure::Figure;
+use maud::html;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::fontdb::Database;
 use resvg::usvg::{Options, Tree};
@@ -23,23 +24,9 @@ pub enum PngError {
         FAMILIES.join(", ")
     )]
     NoFont,
-    /// A drawing that cannot be read.
-    #[error("no PNG of the figure {figure}: {error}")]
-    Drawing {
-        /// Name of the figure.
-        figure: String,
-        /// The error of the reader.
-        error: resvg::usvg::Error,
-    },
     /// A picture that cannot be made.
-    #[error("no PNG of the figure {figure}: a picture of this size cannot be made")]
-    Size {
-        /// Name of the figure.
-        figure: String,
-    },
-    /// A picture that cannot be encoded.
     #[error("no PNG of the figure {figure}: {reason}")]
-    Encoding {
+    Picture {
         /// Name of the figure.
         figure: String,
         /// Reason of the failure.
@@ -79,17 +66,17 @@ impl PngMaker {
     /// # Errors
     /// [`PngError`].
     pub fn png(&self, figure: &Figure) -> Result<Vec<u8>, PngError> {
-        let name = || figure.name.clone();
+        let failed = |reason: String| PngError::Picture { figure: figure.name.clone(), reason };
         let options =
             Options { fontdb: self.fonts.clone(), font_family: self.family.clone(), ..Options::default() };
-        let tree = Tree::from_str(&figure.svg, &options)
-            .map_err(|error| PngError::Drawing { figure: name(), error })?;
+        let tree = Tree::from_str(&figure.drawing.document(&html! {}), &options)
+            .map_err(|error| failed(error.to_string()))?;
         let scale = WIDTH / tree.size().width();
         let height = (scale * tree.size().height()).ceil() as u32;
-        let mut picture =
-            Pixmap::new(WIDTH as u32, height).ok_or_else(|| PngError::Size { figure: name() })?;
+        let mut picture = Pixmap::new(WIDTH as u32, height)
+            .ok_or_else(|| failed("a picture of this size cannot be made".to_owned()))?;
         resvg::render(&tree, Transform::from_scale(scale, scale), &mut picture.as_mut());
-        picture.encode_png().map_err(|error| PngError::Encoding { figure: name(), reason: error.to_string() })
+        picture.encode_png().map_err(|error| failed(error.to_string()))
     }
 }
 

@@ -4,6 +4,7 @@
 //! # Source
 //! Catmull, Rom (1974), A class of local interpolating splines: the spline of closed curves.
 
+use super::figure::Drawing;
 use super::palette::Ink;
 use super::plot::tick_label;
 use maud::{Markup, html};
@@ -97,11 +98,15 @@ impl Polar {
     /// A closed Catmull-Rom spline through values at equal angles from zero, counter-clockwise `(n,)` [m].
     pub fn closed(&mut self, values: &[f64], stroke: Stroke) {
         if let Some(path) = self.spline(values) {
-            self.elements.push(html! {
-                path d=(path + "Z") fill="none" stroke=(stroke.ink.hex()) stroke-width=(stroke.width)
-                    stroke-opacity=(stroke.opacity) stroke-linejoin="round" {}
-            });
+            self.path(path + "Z", stroke, None);
         }
+    }
+
+    fn path(&mut self, path: String, stroke: Stroke, cap: Option<&str>) {
+        self.elements.push(html! {
+            path d=(path) fill="none" stroke=(stroke.ink.hex()) stroke-width=(stroke.width)
+                stroke-opacity=(stroke.opacity) stroke-linecap=[cap] stroke-linejoin="round" {}
+        });
     }
 
     /// The area between the circle of zero and the spline of [`Polar::closed`], filled by the even-odd rule.
@@ -142,15 +147,12 @@ impl Polar {
             let [x, y] = self.place(y.atan2(*x), x.hypot(*y));
             let _ = write!(path, "{}{x:.1} {y:.1}", if k == 0 { 'M' } else { 'L' });
         }
-        self.elements.push(html! {
-            path d=(path) fill="none" stroke=(stroke.ink.hex()) stroke-width=(stroke.width)
-                stroke-opacity=(stroke.opacity) stroke-linecap="round" stroke-linejoin="round" {}
-        });
+        self.path(path, stroke, Some("round"));
     }
 
-    /// The SVG document with a title in its corner, and the values of two rings [um] between spoke `free`, from 0 to 11, and
+    /// The drawing with a title in its corner, and the values of two rings [um] between spoke `free`, from 0 to 11, and
     /// the next.
-    pub fn finish(self, title: &str, free: usize) -> String {
+    pub fn finish(self, title: &str, free: usize) -> Drawing {
         let muted = Ink::Muted.hex();
         let directions = [
             (0, OUTER + 5.0, 4.5, "start"),
@@ -163,21 +165,19 @@ impl Polar {
             let [x, y] = self.place(spoke_angle(free) + TAU / 24.0, value);
             (format!("{x:.1}"), format!("{:.1}", y + 4.0), tick_label(value * 1e6))
         });
-        let document = html! {
-            svg xmlns="http://www.w3.org/2000/svg" viewBox=(format!("{0} {0} {1} {1}", -HALF, 2.0 * HALF))
-                font-family="sans-serif" font-size="13" {
-                rect x=(-HALF) y=(-HALF) width=(2.0 * HALF) height=(2.0 * HALF) fill=(Ink::Paper.hex()) {}
-                @for element in &self.elements { (element) }
-                @for (degrees, x, y, anchor) in directions {
-                    text x=(x) y=(y) text-anchor=(anchor) fill=(muted) { (degrees) "°" }
-                }
-                @for (x, y, value) in rings {
-                    text x=(x) y=(y) text-anchor="middle" fill=(muted) { (value) " µm" }
-                }
-                text x=(6.0 - HALF) y=(18.0 - HALF) fill=(Ink::Ink.hex()) { (title) }
+        let content = html! {
+            rect x=(-HALF) y=(-HALF) width=(2.0 * HALF) height=(2.0 * HALF) fill=(Ink::Paper.hex()) {}
+            @for element in &self.elements { (element) }
+            @for (degrees, x, y, anchor) in directions {
+                text x=(x) y=(y) text-anchor=(anchor) fill=(muted) { (degrees) "°" }
             }
+            @for (x, y, value) in rings {
+                text x=(x) y=(y) text-anchor="middle" fill=(muted) { (value) " µm" }
+            }
+            text x=(6.0 - HALF) y=(18.0 - HALF) fill=(Ink::Ink.hex()) { (title) }
         };
-        document.into_string() + "\n"
+        let view = format!("{0} {0} {1} {1}", -HALF, 2.0 * HALF);
+        Drawing { view, letters: Some(13.0), axes: None, content: content.into_string() }
     }
 }
 
@@ -220,7 +220,7 @@ mod tests {
         let mut polar = Polar::new(0.5, 2e-5);
         polar.filled(&wear, Ink::Series(0));
         polar.closed(&wear, LINE);
-        let svg = polar.finish("A & B", freest(&wear));
+        let svg = polar.finish("A & B", freest(&wear)).document(&html! {});
         let document = roxmltree::Document::parse(&svg).unwrap();
         let path = document.descendants().filter_map(|node| node.attribute("d")).next_back().unwrap();
         assert!(path.contains(&format!(" 0.00 -{OUTER:.2}C")), "{path}");
@@ -231,7 +231,7 @@ mod tests {
     fn places_lie_at_their_distance_and_angle() {
         let mut polar = Polar::new(0.0, 2e-5);
         polar.curve(&[[1e-5, 0.0], [0.0, -2e-5]], LINE);
-        let svg = polar.finish("1", 1);
+        let svg = polar.finish("1", 1).content;
         assert!(svg.contains("d=\"M62.0 0.0L0.0 124.0\""), "{svg}");
     }
 
@@ -240,7 +240,7 @@ mod tests {
         let mut polar = Polar::new(0.5, 1e-5);
         polar.closed(&[f64::NAN; 8], LINE);
         polar.curve(&[[f64::NAN, 0.0]], LINE);
-        let svg = polar.finish("1", freest(&[f64::NAN; 8]));
+        let svg = polar.finish("1", freest(&[f64::NAN; 8])).document(&html! {});
         assert!(!svg.contains("NaN") && roxmltree::Document::parse(&svg).is_ok());
     }
 }

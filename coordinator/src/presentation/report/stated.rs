@@ -1,11 +1,12 @@
 //! The numerical errors that the evaluations state of their outputs, as a table over life and in sentences.
 
-use super::figures::words;
-use super::format::{count, percent, three_digits};
+use super::format::{count, percent, with_unit};
 use super::input::ReportInput;
 use super::life::{Included, LifeAt, governing, life_and_limits, life_at, states_numerical_errors};
-use super::tables::table;
-use maud::{Markup, Render, html};
+use super::stated_errors::StatedAt;
+use super::tables::table_of;
+use common::scene::LimitState;
+use maud::{Markup, html};
 
 /// Lives shown in the table: the end of every sixth of the life, and the governing checkpoint.
 const SIXTHS: usize = 6;
@@ -14,46 +15,48 @@ const SIXTHS: usize = 6;
 /// empty if no evaluation states errors.
 pub fn errors_over_life(input: &ReportInput) -> Markup {
     let governing = governing(&input.summary).map(|row| row.cycles);
-    let mut rows = Vec::new();
-    for state in &input.limit_states {
+    let rows = input.scene.limit_states.iter().flat_map(|state| {
         let errors = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
-        let unit = input.unit_of(state);
-        let share = |error: f64| percent(error.abs() / state.scale());
-        let value = |error: f64| unit.after(&three_digits(unit.to_shown(error)));
-        for (k, stated) in errors.iter().enumerate() {
-            let ends_a_sixth = (1..=SIXTHS).any(|sixth| k + 1 == errors.len() * sixth / SIXTHS);
-            if ends_a_sixth || Some(stated.cycles) == governing {
-                let cells = [
-                    words(&input.outputs[state.output].name),
-                    count(stated.cycles.into()),
-                    value(stated.typical),
-                    share(stated.typical),
-                    value(stated.largest),
-                    share(stated.largest),
-                ];
-                rows.push(cells.map(|cell| cell.render()).to_vec());
-            }
-        }
-    }
-    let head = ["stated error of", "at cycles", "typical", "of the limit", "largest", "of the limit"];
+        let is_shown = move |(k, stated): &(usize, &StatedAt)| {
+            (1..=SIXTHS).any(|sixth| k + 1 == errors.len() * sixth / SIXTHS)
+                || Some(stated.cycles) == governing
+        };
+        errors.iter().enumerate().filter(is_shown).map(move |(_, stated)| (state, stated))
+    });
+    let rows: Vec<(&LimitState, &StatedAt)> = rows.collect();
     if rows.is_empty() {
-        html! {}
-    } else {
-        table(&head, rows.into_iter())
+        return html! {};
     }
+    let value = |state: &LimitState, error: f64| with_unit(&input.unit_of(state), error);
+    table_of::<(&LimitState, &StatedAt)>(
+        &[
+            ("stated error of", &|(state, _)| input.output_of(state)),
+            ("at cycles", &|(_, stated)| count(stated.cycles.into())),
+            ("typical", &|(state, stated)| value(state, stated.typical)),
+            ("of the limit", &|(state, stated)| of_limit(state, stated.typical)),
+            ("largest", &|(state, stated)| value(state, stated.largest)),
+            ("of the limit", &|(state, stated)| of_limit(state, stated.largest)),
+        ],
+        rows,
+    )
+}
+
+/// An error as a share of its limit.
+fn of_limit(state: &LimitState, error: f64) -> String {
+    percent(error.abs() / state.scale())
 }
 
 /// Meaning and size of the stated errors, and their effect on the life; empty if no evaluation states errors.
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let Some(row) = governing(&input.summary) else { return vec![] };
     let sizes: Vec<String> = input
+        .scene
         .limit_states
         .iter()
         .filter_map(|state| {
             let stated = input.stated.get(state.output)?.iter().find(|stated| stated.cycles == row.cycles)?;
-            let share = |error: f64| percent(error.abs() / state.scale());
-            let name = words(&input.outputs[state.output].name);
-            Some(format!("{name} {}, at most {}", share(stated.typical), share(stated.largest)))
+            let [typical, largest] = [stated.typical, stated.largest].map(|error| of_limit(state, error));
+            Some(format!("{} {typical}, at most {largest}", input.output_of(state)))
         })
         .collect();
     if sizes.is_empty() {

@@ -1,12 +1,14 @@
 //! The tables of the report.
 
-use super::figures::{self, rows_at_governing};
-use super::format::{UNKNOWN, count, duration, fixed, percent, three_digits};
+use super::figures::{rows_at_governing, words};
+use super::format::{UNKNOWN, count, duration, fixed, percent, three_digits, with_unit};
 use super::grooves::GroovedJoint;
 use super::input::ReportInput;
 use super::life::{self, Included, LEVELS, LifeAt, life_and_limits, life_at, states_numerical_errors};
-use crate::results::summary::{ReliabilityRange, ReliabilityRow, Round};
+use crate::results::summary::{ReliabilityRange, ReliabilityRow, Round, SensitivityRow, WorkerShare};
 use crate::statistics::reliability::REACH;
+use common::outputs::COUNTERS;
+use common::random::Distribution;
 use maud::{Markup, Render, html};
 
 /// Cells of one row.
@@ -25,6 +27,16 @@ pub fn table_of_text(head: &[&str], rows: impl Iterator<Item = Row>) -> Markup {
 /// A table of numbers; on a narrow screen it scrolls sideways.
 pub fn table<H: AsRef<str>>(head: &[H], rows: impl Iterator<Item = Row>) -> Markup {
     scrolling_table(None, head, rows)
+}
+
+/// A column of a table: its name, and the text of its cell in the row of an item.
+pub type TableColumn<'a, T> = (&'a str, &'a dyn Fn(&T) -> String);
+
+/// A table of one row per item.
+pub fn table_of<T>(columns: &[TableColumn<'_, T>], items: impl IntoIterator<Item = T>) -> Markup {
+    let head: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+    let row = |item: T| columns.iter().map(|(_, cell)| cell(&item).render()).collect();
+    table(&head, items.into_iter().map(row))
 }
 
 fn scrolling_table<H: AsRef<str>>(
@@ -81,7 +93,7 @@ fn missing_digits(rows: &[Row], column: usize) -> Vec<Option<String>> {
 /// their numerical errors.
 pub fn reliability(input: &ReportInput, rows: &[ReliabilityRow]) -> Markup {
     let names: Vec<&str> =
-        input.limit_states.iter().map(|state| state.name.as_str()).chain(["total"]).collect();
+        input.scene.limit_states.iter().map(|state| state.name.as_str()).chain(["total"]).collect();
     let numerical = rows.iter().any(|row| !row.numerical.is_empty());
     let mut head = vec!["cycles".to_string()];
     for name in &names {
@@ -151,124 +163,87 @@ pub fn sensitivity(input: &ReportInput, limit_state: &str) -> Option<Markup> {
     if rows.is_empty() {
         return None;
     }
-    let head = [
-        "variable",
-        "mean (SI)",
-        "std (SI)",
-        "dPf/dmean",
-        "± (95 %)",
-        "dPf/dstd",
-        "± (95 %)",
-        "scaled, mean",
-        "scaled, std",
-    ];
-    let rows = rows.iter().map(|row| {
-        let variable = input.variables.iter().find(|variable| variable.name == row.variable);
-        let numbers = [
-            variable.map_or(f64::NAN, |variable| variable.mean),
-            variable.map_or(f64::NAN, |variable| variable.std),
-            row.d_pf_d_mean,
-            REACH * row.standard_error.d_pf_d_mean,
-            row.d_pf_d_std,
-            REACH * row.standard_error.d_pf_d_std,
-        ];
-        let scaled = [row.scaled.d_pf_d_mean, row.scaled.d_pf_d_std];
-        let name = figures::words(&row.variable).render();
-        let numbers = numbers.map(|value| three_digits(value).render());
-        std::iter::once(name).chain(numbers).chain(scaled.map(|value| three_digits(value).render())).collect()
-    });
-    Some(table(&head, rows))
+    let law = |row: &SensitivityRow, of: fn(&Distribution) -> f64| {
+        let variable = input.scene.variables.iter().find(|variable| variable.name == row.variable);
+        three_digits(variable.map_or(f64::NAN, |variable| of(&variable.distribution)))
+    };
+    Some(table_of::<&SensitivityRow>(
+        &[
+            ("variable", &|row| words(&row.variable)),
+            ("mean (SI)", &|row| law(row, |law| law.parent_mean())),
+            ("std (SI)", &|row| law(row, |law| law.given_std())),
+            ("dPf/dmean", &|row| three_digits(row.d_pf_d_mean)),
+            ("± (95 %)", &|row| three_digits(REACH * row.standard_error.d_pf_d_mean)),
+            ("dPf/dstd", &|row| three_digits(row.d_pf_d_std)),
+            ("± (95 %)", &|row| three_digits(REACH * row.standard_error.d_pf_d_std)),
+            ("scaled, mean", &|row| three_digits(row.scaled.d_pf_d_mean)),
+            ("scaled, std", &|row| three_digits(row.scaled.d_pf_d_std)),
+        ],
+        rows,
+    ))
 }
 
 /// Rounds of learning.
 pub fn rounds(input: &ReportInput) -> Markup {
-    let head = [
-        "round",
-        "evaluations",
-        "min U",
-        "uncertain",
-        "change of R",
-        "surrogate error",
-        "cov of Pf",
-        "k",
-        "at cycles",
-        "R",
-        "repairs",
-    ];
     let or_unknown = |value: Option<f64>| value.map_or(UNKNOWN.to_string(), three_digits);
-    let cells = |round: &Round| {
-        let cells = [
-            round.round.to_string(),
-            round.evaluations.to_string(),
-            three_digits(round.min_u),
-            percent(round.share_uncertain),
-            or_unknown(round.change_of_r),
-            three_digits(round.surrogate_error),
-            percent(round.cov_pf),
-            or_unknown(round.dominance),
-            count(round.cycles.into()),
-            fixed(round.reliability_total, 4),
-            round.repairs.to_string(),
-        ];
-        cells.map(|cell| cell.render()).to_vec()
-    };
-    table(&head, input.summary.convergence.rounds.iter().map(cells))
+    table_of::<&Round>(
+        &[
+            ("round", &|round| round.round.to_string()),
+            ("evaluations", &|round| round.evaluations.to_string()),
+            ("min U", &|round| three_digits(round.min_u)),
+            ("uncertain", &|round| percent(round.share_uncertain)),
+            ("change of R", &|round| or_unknown(round.change_of_r)),
+            ("surrogate error", &|round| three_digits(round.surrogate_error)),
+            ("cov of Pf", &|round| percent(round.cov_pf)),
+            ("k", &|round| or_unknown(round.dominance)),
+            ("at cycles", &|round| count(round.cycles.into())),
+            ("R", &|round| fixed(round.reliability_total, 4)),
+            ("repairs", &|round| round.repairs.to_string()),
+        ],
+        &input.summary.convergence.rounds,
+    )
 }
 
 /// Numerical work, over all evaluations and per evaluation; share of free flight of every joint; grooves narrower than their journals.
 pub fn diagnostics(input: &ReportInput) -> Markup {
     let work = &input.work;
     let per = |sum: u64| three_digits(sum as f64 / work.evaluations.max(1) as f64);
-    let rows = [
-        ("time steps", work.sum.steps),
-        ("rejected time steps", work.sum.rejected_steps),
-        ("Newton iterations", work.sum.newton_iterations),
-        ("force evaluations", work.sum.force_evaluations),
-        ("cycles simulated", work.sum.simulated_cycles),
-        ("stages of the wear step", work.sum.wear_stages),
-        ("rejected wear steps", work.sum.rejected_wear_steps),
-    ];
     let flight = input.nominal.as_ref().map_or(&[][..], |nominal| &nominal.diagnostics.free_flight_fraction);
     html! {
-        (table(
-            &["work", "all evaluations", "per evaluation"],
-            rows.iter().map(|(name, sum)| vec![name.render(), count(*sum).render(), per(*sum).render()]),
+        (table_of::<(&(&str, &str), u64)>(
+            &[
+                ("work", &|((_, name), _)| (*name).to_owned()),
+                ("all evaluations", &|(_, sum)| count(*sum)),
+                ("per evaluation", &|(_, sum)| per(*sum)),
+            ],
+            COUNTERS.iter().zip(work.counts),
         ))
         @if !flight.is_empty() {
-            (table(
-                &["joint", "share of the first cycle in free flight"],
-                flight.iter().map(|(name, share)| vec![name.render(), percent(*share).render()]),
+            (table_of::<&(String, f64)>(
+                &[
+                    ("joint", &|(name, _)| name.clone()),
+                    ("share of the first cycle in free flight", &|(_, share)| percent(*share)),
+                ],
+                flight,
             ))
         }
-        @if let Some(found) = grooves(&work.grooved) {
-            (found)
-        }
+        @if !work.grooved.is_empty() { (grooves(&work.grooved)) }
     }
 }
 
-/// The joints with such grooves; `None` if there are none.
-fn grooves(grooved: &[GroovedJoint]) -> Option<Markup> {
-    let head = [
-        "groove narrower than the journal",
-        "evaluations",
-        "first at cycle",
-        "angle [deg]",
-        "width [deg]",
-        "stays open [µm]",
-    ];
-    let row = |joint: &GroovedJoint| {
-        let GroovedJoint { evaluations, since, widest } = joint;
-        let cells = [
-            format!("joint {}", widest.joint),
-            count(*evaluations),
-            count((*since).into()),
-            fixed(widest.angle.to_degrees(), 0),
-            fixed(widest.width.to_degrees(), 0),
-            three_digits(1e6 * widest.open),
-        ];
-        cells.map(|cell| cell.render()).to_vec()
-    };
-    (!grooved.is_empty()).then(|| table(&head, grooved.iter().map(row)))
+/// The joints with such grooves.
+fn grooves(grooved: &[GroovedJoint]) -> Markup {
+    table_of::<&GroovedJoint>(
+        &[
+            ("groove narrower than the journal", &|joint| format!("joint {}", joint.widest.joint)),
+            ("evaluations", &|joint| count(joint.evaluations)),
+            ("first at cycle", &|joint| count(joint.since.into())),
+            ("angle [deg]", &|joint| fixed(joint.widest.angle.to_degrees(), 0)),
+            ("width [deg]", &|joint| fixed(joint.widest.width.to_degrees(), 0)),
+            ("stays open [µm]", &|joint| three_digits(1e6 * joint.widest.open)),
+        ],
+        grooved,
+    )
 }
 
 /// Every output of the nominal mechanism at its last checkpoint, also those without a limit state, with its stated
@@ -276,14 +251,12 @@ fn grooves(grooved: &[GroovedJoint]) -> Option<Markup> {
 pub fn stated_errors(input: &ReportInput) -> Option<Markup> {
     let nominal = input.nominal.as_ref()?;
     let cycles = nominal.cycles.last()?;
-    let rows = input.outputs.iter().zip(&nominal.histories).enumerate().map(|(k, (output, history))| {
-        let last = |row: &[f64]| {
-            let value = row.last().map_or(f64::NAN, |si| output.unit.to_shown(*si));
-            output.unit.after(&three_digits(value))
-        };
-        let error = nominal.errors.get(k).map_or(UNKNOWN.to_owned(), |errors| last(errors));
-        [figures::words(&output.name), last(history), error].map(|cell| cell.render()).to_vec()
-    });
+    let rows =
+        input.scene.outputs.iter().zip(&nominal.histories).enumerate().map(|(k, (output, history))| {
+            let last = |row: &[f64]| with_unit(&output.kind.unit(), row.last().copied().unwrap_or(f64::NAN));
+            let error = nominal.errors.get(k).map_or(UNKNOWN.to_owned(), |errors| last(errors));
+            [words(&output.name), last(history), error].map(|cell| cell.render()).to_vec()
+        });
     let subject = format!("nominal at {} cycles", count((*cycles).into()));
     Some(table(&[subject.as_str(), "value", "numerical error"], rows))
 }
@@ -304,18 +277,18 @@ pub fn timing(input: &ReportInput) -> Markup {
     ];
     let workers = &input.summary.workers;
     html! {
-        (table(
-            &["time", ""],
-            times.iter().map(|(name, seconds)| vec![name.render(), duration(*seconds).render()]),
+        (table_of::<(&str, f64)>(
+            &[("time", &|(name, _)| (*name).to_owned()), ("", &|(_, seconds)| duration(*seconds))],
+            times,
         ))
         @if !workers.is_empty() {
-            (table(
-                &["worker", "evaluations", "simulation time"],
-                workers.iter().map(|worker| vec![
-                    worker.name.render(),
-                    count(worker.evaluations as u64).render(),
-                    duration(worker.simulation_s).render(),
-                ]),
+            (table_of::<&WorkerShare>(
+                &[
+                    ("worker", &|worker| worker.name.clone()),
+                    ("evaluations", &|worker| count(worker.evaluations as u64)),
+                    ("simulation time", &|worker| duration(worker.simulation_s)),
+                ],
+                workers,
             ))
         }
     }
@@ -348,9 +321,7 @@ mod tests {
             width: 0.2,
             open: 2e-6,
         };
-        assert!(grooves(&[]).is_none());
-        let page =
-            grooves(&[GroovedJoint { evaluations: 3, since: 2000, widest }]).expect("one").into_string();
+        let page = grooves(&[GroovedJoint { evaluations: 3, since: 2000, widest }]).into_string();
         for part in ["joint a", ">3<", "2\u{a0}000", "57", "11", "2.00"] {
             assert!(page.contains(part), "{part}: {page}");
         }

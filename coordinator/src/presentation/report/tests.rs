@@ -10,21 +10,21 @@ fn without_pads(html: &str) -> String {
 }
 
 /// Every link leads to a place on the page that there is once, or to a file of one of its figures.
-fn assert_links(report: &Report, html: &str) {
+fn assert_links(report: &Page, html: &str) {
     let mut links = 0;
     for target in html.split("href=\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
         links += 1;
         let found = match target.strip_prefix('#') {
             Some(id) => html.matches(&format!("id=\"{id}\"")).count() == 1,
-            None => report.figures.iter().any(|figure| {
+            None => report.figures().iter().any(|figure| {
                 [format!("figures/{}.svg", figure.name), format!("figures/{}.csv", figure.name)]
                     .contains(&target.to_owned())
             }),
         };
         assert!(found, "{target}");
     }
-    assert!(links > 5 + 2 * report.figures.len(), "{links}");
-    for (k, figure) in report.figures.iter().enumerate() {
+    assert!(links > 5 + 2 * report.figures().len(), "{links}");
+    for (k, figure) in report.figures().iter().enumerate() {
         let at = html.find(&format!("<figure id=\"{}\"", figure.name)).unwrap();
         let number = format!("<strong>Figure {}.</strong>", k + 1);
         assert!(html[at..].split("</figure>").next().unwrap().contains(&number), "{}: {number}", figure.name);
@@ -33,14 +33,15 @@ fn assert_links(report: &Report, html: &str) {
 
 /// Checks that hold for every report: no external reference, figures that are XML and have their numbers, no value that is
 /// not a number, no word of Rust for a missing value.
-fn assert_sound(report: &Report) {
+fn assert_sound(report: &Page) {
     // The page without its script.
-    let html = &match report.html.split_once("<script") {
+    let text = report.html(None);
+    let html = &match text.split_once("<script") {
         Some((page, _)) => page.to_string() + "</main>\n</body>\n</html>",
-        None => report.html.clone(),
+        None => report.html(None).clone(),
     };
     for outside in ["http", "src=", "@import", "url(", "<link", "//www"] {
-        assert!(!report.html.contains(outside), "{outside}");
+        assert!(!report.html(None).contains(outside), "{outside}");
     }
     for outside in ["onclick", " style=\""] {
         assert!(!html.contains(outside), "{outside}");
@@ -50,7 +51,7 @@ fn assert_sound(report: &Report) {
     for bad in ["NaN", "nan", "None", "inf", "Some", "null"] {
         assert!(!words.contains(&bad), "{bad}");
     }
-    for figure in &report.figures {
+    for figure in report.figures() {
         let name = &figure.name;
         assert!(html.contains(&format!("<figure id=\"{name}\"")), "{name}");
         let mut lines = figure.csv.lines();
@@ -73,8 +74,8 @@ fn assert_sound(report: &Report) {
     roxmltree::Document::parse(&body).unwrap();
 }
 
-fn names(report: &Report) -> Vec<&str> {
-    report.figures.iter().map(|figure| figure.name.as_str()).collect()
+fn names(report: &Page) -> Vec<&str> {
+    report.figures().iter().map(|figure| figure.name.as_str()).collect()
 }
 
 #[test]
@@ -99,7 +100,7 @@ fn a_whole_study_has_every_figure_and_its_lives() {
     expected.extend(["learning-reliability", "learning-shares", "learning-min-u"]);
     expected.extend(["reliability-numerical", "stated-error-wear", "stated-error-asymmetry"]);
     assert_eq!(names(&report), expected);
-    let html = without_pads(&report.html).replace('\u{a0}', " ");
+    let html = without_pads(&report.html(None)).replace('\u{a0}', " ");
     for text in [
         "Hingewise",
         "<h2>What was studied</h2>",
@@ -160,18 +161,19 @@ fn the_sentences_carry_the_numbers_of_the_curves() {
 fn a_report_of_thirty_variables_and_two_hundred_samples_is_small() {
     let report = render(&test_study::report_with_samples()).unwrap();
     assert_sound(&report);
-    let size = report.html.len();
+    let size = report.html(None).len();
     assert!(size < 1_500_000, "{size} bytes");
     // Every chart names its axes for the script that shows values, and the script is there once.
-    let charts = report.figures.iter().filter(|figure| figure.svg.contains("data-axes=")).count();
-    assert!(charts > 20 && report.html.matches(" data-axes=\"").count() == charts, "{charts}");
-    assert_eq!(report.html.matches("svg[data-axes]").count(), 1);
+    let charts = report.figures().iter().filter(|figure| figure.drawing.axes.is_some()).count();
+    assert!(charts > 20 && report.html(None).matches(" data-axes=\"").count() == charts, "{charts}");
+    assert_eq!(report.html(None).matches("svg[data-axes]").count(), 1);
 }
 
 #[test]
 fn the_same_input_gives_the_same_text() {
     let input = test_study::report_input();
-    assert_eq!(render(&input).unwrap(), render(&input).unwrap());
+    let text = || render(&input).unwrap().html(None);
+    assert_eq!(text(), text());
 }
 
 #[test]
@@ -200,11 +202,11 @@ fn a_study_without_optional_results_is_reported() {
     let report = render(&input).unwrap();
     assert_sound(&report);
     assert_eq!(names(&report), ["reliability"]);
-    assert!(!render_alone(&input).unwrap().html.contains("figures/"));
-    assert!(report.html.contains("The nominal evaluation has no first cycle."));
+    assert!(!render_alone(&input).unwrap().html(None).contains("figures/"));
+    assert!(report.html(None).contains("The nominal evaluation has no first cycle."));
     assert!(
-        report.html.contains("The simulations state no numerical errors.")
-            && !report.html.contains("numerical errors</th>")
+        report.html(None).contains("The simulations state no numerical errors.")
+            && !report.html(None).contains("numerical errors</th>")
     );
     for said in [
         "Every evaluation has a result.",
@@ -212,10 +214,10 @@ fn a_study_without_optional_results_is_reported() {
         "The study stored no most probable failures.",
         "The study stored no predictions of its surrogates.",
     ] {
-        assert!(report.html.contains(said), "{said}");
+        assert!(report.html(None).contains(said), "{said}");
     }
     input.summary.method = "monte-carlo".into();
-    assert!(render(&input).unwrap().html.contains("there are no surrogates."));
+    assert!(render(&input).unwrap().html(None).contains("there are no surrogates."));
 }
 
 /// Old campaigns, whose evaluations lack the bores over life and the last cycle, are reported as well.
@@ -238,15 +240,15 @@ fn the_report_of_an_old_campaign_names_what_is_missing() {
         "The nominal evaluation does not include the motion of journals and bushings.",
         "The nominal evaluation has no last cycle.",
     ] {
-        assert!(report.html.contains(said), "{said}");
+        assert!(report.html(None).contains(said), "{said}");
     }
-    assert!(!report.html.contains("id=\"motion\""));
+    assert!(!report.html(None).contains("id=\"motion\""));
 }
 
 #[test]
 fn one_limit_state_needs_no_total() {
     let mut input = test_study::report_input();
-    input.limit_states.truncate(1);
+    input.scene.limit_states.truncate(1);
     input.summary.limit_states.truncate(1);
     for row in &mut input.summary.reliability {
         row.reliability.remove("asymmetry");
@@ -256,8 +258,8 @@ fn one_limit_state_needs_no_total() {
     }
     let report = render(&input).unwrap();
     assert_sound(&report);
-    assert!(report.html.contains("The mechanism fails by wear"));
-    assert!(!report.html.contains("asymmetry-"));
+    assert!(report.html(None).contains("The mechanism fails by wear"));
+    assert!(!report.html(None).contains("asymmetry-"));
 }
 
 #[test]
@@ -292,9 +294,9 @@ fn nothing_fails_and_nothing_at_all() {
     input.summary.curves.clear();
     let report = render(&input).unwrap();
     assert_sound(&report);
-    assert!(report.html.contains("No limit state is reached within the life studied."));
+    assert!(report.html(None).contains("No limit state is reached within the life studied."));
     // Neither "1.0000 ± 0.0000" nor any other certainty.
-    assert!(!report.html.contains("± 0.0000") && !report.html.contains("± 0<"), "a certainty");
+    assert!(!report.html(None).contains("± 0.0000") && !report.html(None).contains("± 0<"), "a certainty");
     input.summary.reliability.clear();
     assert_sound(&render(&input).unwrap());
 }
@@ -312,8 +314,8 @@ fn page_and_figures_are_written_from_the_campaign_file_alone() {
     assert_eq!((input.work.evaluations, input.failures.len()), (11, 1));
     let path = write(dir, &input).unwrap();
     let report = render(&input).unwrap();
-    assert_eq!(std::fs::read_to_string(path).unwrap(), report.html);
-    for figure in &report.figures {
+    assert_eq!(std::fs::read_to_string(path).unwrap(), report.html(None));
+    for figure in report.figures() {
         let text = std::fs::read_to_string(dir.join("figures").join(format!("{}.svg", figure.name))).unwrap();
         assert_eq!(text, page::standalone(figure));
         let numbers =

@@ -1,6 +1,6 @@
 //! Notes on what the simulations of a study do not support: failures that none of them has met, steps and noise of outputs.
 
-use super::format::{count, three_digits};
+use super::format::{count, power, three_digits};
 use crate::results::summary::{StudySummary, SurrogateRow, UntestedRow};
 
 /// A caution where no simulation exceeded a limit, or none where the population is, with the bound on P_f that the initial design
@@ -13,8 +13,7 @@ pub fn no_simulated_failure(summary: &StudySummary) -> Option<String> {
     let of_system = summary.untested.as_ref().filter(|untested| untested.curves.iter().any(|c| c == "total"));
     let (samples, bound, predicted) = match of_system {
         Some(UntestedRow { samples, bound, predicted, .. }) => {
-            let predicted =
-                format!("; the surrogates alone predict P_f < {predicted:.1e}").replace('-', "\u{2212}");
+            let predicted = format!("; the surrogates alone predict P_f < {}", power(*predicted, 1));
             (*samples, *bound, predicted)
         }
         None if summary.untested.is_some() => return summary.untested.as_ref().map(of_limit_states),

@@ -71,12 +71,9 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
 /// Failure probabilities of a study with a single checkpoint.
 fn failure_probabilities(input: &ReportInput) -> Option<String> {
     let row = input.summary.reliability.first()?;
-    let mut names: Vec<&str> = input.summary.limit_states.iter().map(String::as_str).collect();
-    if names.len() > 1 {
-        names.push("total");
-    }
+    let names = input.summary.curve_names();
     let each: Vec<String> =
-        names.iter().map(|name| format!("{} ({name})", failure_probability(row, name))).collect();
+        names.map(|name| format!("{} ({name})", failure_probability(row, name))).collect();
     Some(format!("The probability of failure (95 % interval) is {}.", each.join(", ")))
 }
 
@@ -92,9 +89,6 @@ fn cycles(life_at_level: LifeAt) -> String {
         }
         LifeAt::Beyond { lower, .. } => format!("more than {} cycles", whole(lower.floor())),
         LifeAt::Unworn { .. } => "no age: too many exceed a limit unworn".to_owned(),
-        LifeAt::Between { lower, upper: Some(upper) } if lower <= 0.0 => {
-            format!("an age that is not resolved, before {} cycles", whole(upper.ceil()))
-        }
         LifeAt::Between { .. } => {
             format!("an age that is not resolved, {} cycles", life_and_limits(life_at_level).0)
         }
@@ -107,9 +101,9 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
     let summary = &input.summary;
     let mut text = Vec::new();
     let criterion = |name: &str| {
-        let state = input.limit_states.iter().find(|state| state.name == name)?;
+        let state = input.scene.limit_states.iter().find(|state| state.name == name)?;
         let unit = input.unit_of(state);
-        let output = super::figures::words(&input.outputs[state.output].name);
+        let output = input.output_of(state);
         let shown = |value: f64| unit.after(&tick_label(unit.to_shown(value)));
         let threshold = shown(state.threshold);
         Some(match state.fails {

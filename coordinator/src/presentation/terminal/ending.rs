@@ -1,7 +1,7 @@
 //! The summary printed at the end of a study.
 
 use crate::presentation::control_points::control_points_notes;
-use crate::presentation::report::format::{count, duration, fixed};
+use crate::presentation::format::{count, duration, fixed};
 use crate::presentation::report::life::{
     Included, LEVELS, LifeAt, life_and_limits, life_at, rows_that_matter, states_numerical_errors,
     unresolved_fall,

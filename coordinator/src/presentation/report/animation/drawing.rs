@@ -1,11 +1,12 @@
 //! The first frame of the animation: bodies in true proportions, and below them the joints with clearance, magnified.
 
-use super::frames::{AnimatedCycle, frames};
+use super::frames::AnimatedCycle;
 use crate::presentation::report::drawing::labels::LabelArea;
 use crate::presentation::report::drawing::symbols::{block, coordinate, ground, link, rail, rail_ends};
-use crate::presentation::report::mechanism::{Mechanism, Pose};
+use crate::presentation::report::figure::Drawing;
+use crate::presentation::report::mechanism::{self, Pose, eccentricity, of_body, place};
 use crate::presentation::report::palette::Ink;
-use common::scene::{GuideClearance, Joint, JointKind, Motion};
+use common::scene::{GuideClearance, Joint, JointKind, Motion, Scene};
 use maud::{Markup, html};
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -50,19 +51,16 @@ pub struct Layout {
 
 impl Layout {
     /// The layout that contains every frame of these cycles; `None` if the mechanism has no extent.
-    pub fn new(mechanism: &Mechanism, shown: &[AnimatedCycle<'_>], wear: &[&[f64]]) -> Option<Self> {
+    pub fn new(scene: &Scene, shown: &[AnimatedCycle<'_>], wear: &[&[f64]]) -> Option<Self> {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for AnimatedCycle { cycle, .. } in shown {
-            for (body, k) in (0..mechanism.bodies.len()).flat_map(|b| frames(cycle).map(move |k| (b, k))) {
-                let Some(([x, y], angle)) = mechanism.pose(cycle, body, k) else { continue };
-                let (sin, cos) = angle.sin_cos();
-                for [a, b] in mechanism.outline(body) {
-                    for (axis, value) in
-                        [x + cos * a - sin * b, y + sin * a + cos * b].into_iter().enumerate()
-                    {
-                        low[axis] = low[axis].min(value);
-                        high[axis] = high[axis].max(value);
-                    }
+        let outlines: Vec<Vec<[f64; 2]>> =
+            (0..scene.bodies.len()).map(|body| mechanism::outline(scene, body)).collect();
+        for poses in shown.iter().flat_map(AnimatedCycle::frames) {
+            let drawn = poses.iter().zip(&outlines);
+            for point in drawn.flat_map(|(pose, outline)| outline.iter().map(|point| of_body(pose, *point))) {
+                for axis in 0..2 {
+                    low[axis] = low[axis].min(point[axis]);
+                    high[axis] = high[axis].max(point[axis]);
                 }
             }
         }
@@ -79,7 +77,7 @@ impl Layout {
                 }),
             _ => 0.0,
         };
-        let largest = mechanism.joints.iter().enumerate().map(reach).fold(0.0, f64::max);
+        let largest = scene.joints.iter().enumerate().map(reach).fold(0.0, f64::max);
         let layout = Self {
             from: low,
             top: high[1],
@@ -114,51 +112,48 @@ fn transform(layout: &Layout, (at, angle): Pose) -> String {
 }
 
 /// The drawing at the first instant of a cycle; `wear`: depth per joint at equal angles `(joints)(control_points,)` [m].
-pub fn picture(mechanism: &Mechanism, layout: &Layout, shown: &AnimatedCycle<'_>, wear: &[&[f64]]) -> String {
-    let joints: Vec<usize> = with_clearance(mechanism).collect();
+pub fn picture(scene: &Scene, layout: &Layout, shown: &AnimatedCycle<'_>, wear: &[&[f64]]) -> Drawing {
+    let joints: Vec<usize> = with_clearance(scene).collect();
     let columns = (WIDTH / CELL) as usize;
     let height = format!("{:.0}", layout.height + CELL * joints.len().div_ceil(columns) as f64);
-    let drawing = html! {
-        svg xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {WIDTH} {height}")) font-family="sans-serif"
-            font-size=(FONT) {
-            rect width=(WIDTH) height=(height) fill=(Ink::Paper.hex()) {}
-            (bodies(mechanism, layout, shown))
-            (joint_marks(mechanism, layout, shown))
-            @for (cell, index) in joints.iter().copied().enumerate() {
-                @let (column, row) = (cell % columns, cell / columns);
-                // Each row is centred.
-                @let left = 0.5 * (WIDTH - CELL * columns.min(joints.len() - columns * row) as f64);
-                @let centre = [left + CELL * (column as f64 + 0.5), layout.height + CELL * (row as f64 + 0.5)];
-                (magnified(mechanism, layout, shown, index, wear.get(index).copied().unwrap_or_default(), centre))
-            }
+    let content = html! {
+        rect width=(WIDTH) height=(height) fill=(Ink::Paper.hex()) {}
+        (bodies(scene, layout, shown))
+        (joint_marks(scene, layout, shown))
+        @for (cell, index) in joints.iter().copied().enumerate() {
+            @let (column, row) = (cell % columns, cell / columns);
+            // Each row is centred.
+            @let left = 0.5 * (WIDTH - CELL * columns.min(joints.len() - columns * row) as f64);
+            @let centre = [left + CELL * (column as f64 + 0.5), layout.height + CELL * (row as f64 + 0.5)];
+            (magnified(scene, layout, shown, index, wear.get(index).copied().unwrap_or_default(), centre))
         }
     };
-    drawing.into_string() + "\n"
+    let view = format!("0 0 {WIDTH} {height}");
+    Drawing { view, letters: Some(FONT), axes: None, content: content.into_string() }
 }
 
 /// Bodies and their supports on the ground; sliders as blocks, rails of the frame in their place.
-fn bodies(mechanism: &Mechanism, layout: &Layout, shown: &AnimatedCycle<'_>) -> Markup {
+fn bodies(scene: &Scene, layout: &Layout, shown: &AnimatedCycle<'_>) -> Markup {
     let scale = layout.scale;
     let local = |[x, y]: [f64; 2]| [x * scale, -y * scale];
-    let cycle = mechanism.poses(shown.cycle).unwrap_or_default();
     html! {
-        @for (index, body) in mechanism.bodies.iter().enumerate() {
-            @if let Some(pose) = mechanism.pose(shown.cycle, index, 0) {
-                @for support in mechanism.supports(index) {
-                    (ground(layout.place([pose.0[0] + support[0], pose.0[1] + support[1]])))
+        @for (index, (body, pose)) in scene.bodies.iter().zip(&shown.poses[0]).enumerate() {
+            @for support in mechanism::supports(scene, index) {
+                (ground(layout.place([pose.0[0] + support[0], pose.0[1] + support[1]])))
+            }
+            @if body.motion == Motion::Fixed {
+                @for ends in rails(scene, index, &shown.poses) {
+                    (rail(rail_ends(ends.map(|end| layout.place(end))), true, Ink::Muted))
                 }
-                @if body.motion == Motion::Fixed {
-                    @for ends in rails(mechanism, index, &cycle) { (rail(rail_ends(ends.map(|end| layout.place(end))), true, Ink::Muted)) }
-                } @else {
-                    g data-body=(index) transform=(transform(layout, pose)) {
-                        (link(&mechanism.outline(index).into_iter().map(local).collect::<Vec<_>>(), Ink::Series(index)))
-                        @for ends in rails(mechanism, index, &cycle) {
-                            (rail(rail_ends(ends.map(local)), false, Ink::Series(index)))
-                        }
-                        @for joint in &mechanism.joints {
-                            @if let (JointKind::Prismatic { axis, angle } | JointKind::Guide(GuideClearance { axis, angle, .. }), true) = (&joint.kind, joint.journal.body == index) {
-                                (block(local(joint.journal.position), -(axis - angle).to_degrees(), Ink::Series(index)))
-                            }
+            } @else {
+                g data-body=(index) transform=(transform(layout, *pose)) {
+                    (link(&mechanism::outline(scene, index).into_iter().map(local).collect::<Vec<_>>(), Ink::Series(index)))
+                    @for ends in rails(scene, index, &shown.poses) {
+                        (rail(rail_ends(ends.map(local)), false, Ink::Series(index)))
+                    }
+                    @for joint in &scene.joints {
+                        @if let (JointKind::Prismatic { axis, angle } | JointKind::Guide(GuideClearance { axis, angle, .. }), true) = (&joint.kind, joint.journal.body == index) {
+                            (block(local(joint.journal.position), -(axis - angle).to_degrees(), Ink::Series(index)))
                         }
                     }
                 }
@@ -168,27 +163,24 @@ fn bodies(mechanism: &Mechanism, layout: &Layout, shown: &AnimatedCycle<'_>) -> 
 }
 
 /// Ends of the rails of a body in its own frame [m].
-fn rails(mechanism: &Mechanism, body: usize, cycle: &[Vec<Pose>]) -> Vec<[[f64; 2]; 2]> {
-    let own = mechanism.joints.iter().filter(|joint| joint.bushing.body == body);
-    own.filter_map(|joint| mechanism.rail(joint, cycle)).collect()
+fn rails(scene: &Scene, body: usize, cycle: &[Vec<Pose>]) -> Vec<[[f64; 2]; 2]> {
+    let own = scene.joints.iter().filter(|joint| joint.bushing.body == body);
+    own.filter_map(|joint| mechanism::rail(joint, cycle)).collect()
 }
 
 /// A circle and the name of every joint, the names where they do not cover each other.
-fn joint_marks(mechanism: &Mechanism, layout: &Layout, shown: &AnimatedCycle<'_>) -> Markup {
-    let marked = mechanism.joints.iter().enumerate().filter_map(|(index, joint)| {
-        Some((index, joint, layout.place(mechanism.place(shown.cycle, &joint.journal, 0)?)))
-    });
-    let marked: Vec<(usize, &Joint, [f64; 2])> = marked.collect();
+fn joint_marks(scene: &Scene, layout: &Layout, shown: &AnimatedCycle<'_>) -> Markup {
+    let at = |joint: &Joint| layout.place(place(&shown.poses[0], &joint.journal));
     let names: Vec<(&str, [f64; 2])> =
-        marked.iter().map(|(_, joint, at)| (joint.name.as_str(), *at)).collect();
+        scene.joints.iter().map(|joint| (joint.name.as_str(), at(joint))).collect();
     let offsets = name_offsets(&names);
     let (paper, ink) = (Ink::Paper.hex(), Ink::Ink.hex());
     html! {
-        @for ((index, joint, [x, y]), [right, down]) in marked.iter().zip(offsets) {
+        @for (index, ((name, [x, y]), [right, down])) in names.iter().zip(offsets).enumerate() {
             g data-joint=(index) transform=(format!("translate({} {})", coordinate(*x), coordinate(*y))) {
                 circle r="4.5" fill=(paper) stroke=(ink) stroke-width="2" {}
                 text x=(coordinate(right)) y=(coordinate(down)) fill=(ink) stroke=(paper) stroke-width="3" paint-order="stroke" {
-                    (joint.name)
+                    (name)
                 }
             }
         }
@@ -221,26 +213,26 @@ fn name_offsets(names: &[(&str, [f64; 2])]) -> Vec<[f64; 2]> {
 }
 
 /// Joints with clearance, by the scene's numbering.
-pub fn with_clearance(mechanism: &Mechanism) -> impl Iterator<Item = usize> {
-    let all = mechanism.joints.iter().enumerate();
+pub fn with_clearance(scene: &Scene) -> impl Iterator<Item = usize> {
+    let all = scene.joints.iter().enumerate();
     all.filter(|(_, joint)| matches!(joint.kind, JointKind::Clearance(_))).map(|(index, _)| index)
 }
 
 /// A journal in its bore: unworn bore, worn bore and journal turn with the body of the bushing.
 fn magnified(
-    mechanism: &Mechanism,
+    scene: &Scene,
     layout: &Layout,
     shown: &AnimatedCycle<'_>,
     index: usize,
     depth: &[f64],
     [x, y]: [f64; 2],
 ) -> Markup {
-    let joint = &mechanism.joints[index];
+    let joint = &scene.joints[index];
     let JointKind::Clearance(clearance) = &joint.kind else { return html! {} };
     let journal = BORE - clearance.radial_clearance() * layout.magnified;
-    let turned = |body: usize| mechanism.pose(shown.cycle, body, 0).map_or(0.0, |pose| pose.1);
-    let (bushing, pin) = (turned(joint.bushing.body), turned(joint.journal.body));
-    let [ex, ey] = mechanism.orbit_at(shown.cycle, joint, 0).map_or([0.0; 2], |e| layout.magnify(e));
+    let poses = &shown.poses[0];
+    let (bushing, pin) = (poses[joint.bushing.body].1, poses[joint.journal.body].1);
+    let [ex, ey] = layout.magnify(eccentricity(poses, joint));
     let (paper, muted, ink, wear) =
         (Ink::Paper.hex(), Ink::Muted.hex(), Ink::Ink.hex(), Ink::Series(0).hex());
     let cell = format!("translate({} {})", coordinate(x), coordinate(y - 6.0));

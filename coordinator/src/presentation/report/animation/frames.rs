@@ -1,5 +1,6 @@
 //! Frames of an animated cycle.
 
+use crate::presentation::report::mechanism::Pose;
 use common::outputs::CycleHistory;
 
 /// Frames per cycle.
@@ -13,10 +14,14 @@ pub struct AnimatedCycle<'a> {
     pub worn: bool,
     /// Motion over the cycle.
     pub cycle: &'a CycleHistory,
+    /// Poses of all bodies at its instants `(n, bodies)`.
+    pub poses: Vec<Vec<Pose>>,
 }
 
-/// Indices of the frames in a cycle, evenly spread.
-pub fn frames(cycle: &CycleHistory) -> impl Iterator<Item = usize> {
-    let last = cycle.time.len() - 1;
-    (0..FRAMES).map(move |frame| frame * last / FRAMES)
+impl AnimatedCycle<'_> {
+    /// Poses of all bodies in the frames, which are evenly spread over the cycle.
+    pub fn frames(&self) -> impl Iterator<Item = &[Pose]> {
+        let last = self.poses.len() - 1;
+        (0..FRAMES).map(move |frame| self.poses[frame * last / FRAMES].as_slice())
+    }
 }

@@ -8,9 +8,8 @@ mod frames;
 use super::figure::{Figure, csv};
 use super::format::count;
 use super::input::ReportInput;
-use super::mechanism::Mechanism;
+use super::mechanism::{self, Pose};
 use crate::results::csv_table::number;
-use common::outputs::CycleHistory;
 use frames::AnimatedCycle;
 
 /// The script that animates the drawing.
@@ -30,19 +29,23 @@ pub struct Animation {
 /// The animation; `None` if the nominal evaluation does not include the motion of every body.
 pub fn animation(input: &ReportInput) -> Option<Animation> {
     let nominal = input.nominal.as_ref()?;
-    let mechanism = &input.mechanism;
+    let scene = &input.scene;
     let last = nominal.worn.as_ref().and_then(|worn| worn.last_cycle.as_ref());
     let cycles =
         [("last cycle, worn", true, last), ("first cycle, unworn", false, nominal.first_cycle.as_ref())];
     let shown: Vec<AnimatedCycle<'_>> = cycles
         .into_iter()
         .filter_map(|(name, worn, cycle)| {
-            Some(AnimatedCycle { name, worn, cycle: cycle.filter(|c| is_complete(mechanism, c))? })
+            let poses = mechanism::poses(scene, cycle?)?;
+            let is_known = |([x, y], angle): &Pose| x.is_finite() && y.is_finite() && angle.is_finite();
+            let is_complete =
+                poses.len() > 1 && !scene.joints.is_empty() && poses.iter().flatten().all(is_known);
+            is_complete.then_some(AnimatedCycle { name, worn, cycle: cycle?, poses })
         })
         .collect();
     let first = shown.first()?;
     let wear: Vec<&[f64]> = nominal.joints.iter().map(|joint| joint.wear_depth.as_slice()).collect();
-    let layout = drawing::Layout::new(mechanism, &shown, &wear)?;
+    let layout = drawing::Layout::new(scene, &shown, &wear)?;
     let caption = format!(
         "Nominal mechanism. Top: true proportions. Bottom: every journal in its bore, oriented as in the mechanism, with \
          clearance and wear magnified {} times. {}",
@@ -76,24 +79,11 @@ pub fn animation(input: &ReportInput) -> Option<Animation> {
         name: NAME.into(),
         title: "The mechanism in motion".into(),
         caption,
-        svg: drawing::picture(mechanism, &layout, first, &wear),
+        drawing: drawing::picture(scene, &layout, first, &wear),
         csv: csv(&["cycle", "body", "time [ms]", "x [mm]", "y [mm]", "angle [deg]"], rows),
     };
     let lives = nominal.worn.as_ref().filter(|worn| worn.cycles.len() > 1);
-    Some(Animation { figure, data: data::json(mechanism, &layout, &shown, lives) })
-}
-
-/// True if a cycle includes the motion of every body at every instant.
-fn is_complete(mechanism: &Mechanism, cycle: &CycleHistory) -> bool {
-    cycle.time.len() > 1
-        && !mechanism.joints.is_empty()
-        && (0..mechanism.bodies.len()).all(|body| {
-            (0..cycle.time.len()).all(|k| {
-                mechanism
-                    .pose(cycle, body, k)
-                    .is_some_and(|([x, y], angle)| x.is_finite() && y.is_finite() && angle.is_finite())
-            })
-        })
+    Some(Animation { figure, data: data::json(scene, &layout, &shown, lives).to_string() })
 }
 
 #[cfg(test)]
@@ -106,7 +96,8 @@ mod tests {
     fn the_picture_has_every_body_and_joint_and_the_data_move_them() {
         let input = test_study::report_input();
         let animation = animation(&input).unwrap();
-        let document = roxmltree::Document::parse(&animation.figure.svg).unwrap();
+        let svg = animation.figure.drawing.document(&maud::html! {});
+        let document = roxmltree::Document::parse(&svg).unwrap();
         let with =
             |attribute: &str| document.descendants().filter(|node| node.has_attribute(attribute)).count();
         assert_eq!((with("data-body"), with("data-joint"), with("data-bore")), (2, 6, 6));

@@ -2,8 +2,8 @@
 //! drawing, the sketch in the terminal and other programs.
 
 use super::words;
-use crate::presentation::report::mechanism::{Mechanism, Pose};
-use common::scene::{Attachment, Load, Motion, Value};
+use crate::presentation::report::mechanism::{self, Pose, of_body, place};
+use common::scene::{Load, Motion, Scene, Value};
 use serde::Serialize;
 
 /// Distance below which two points of a drawing are one [m].
@@ -104,39 +104,38 @@ pub struct DrawnDrive {
     pub counter_clockwise: bool,
 }
 
+/// Mean of some points; the origin without any.
+pub fn middle_of(points: &[[f64; 2]]) -> [f64; 2] {
+    let n = points.len().max(1) as f64;
+    points.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n])
+}
+
 /// Vector of the plane from `a` to `b`.
 fn between(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [b[0] - a[0], b[1] - a[1]]
 }
 
-/// Position [m] of a point of a body in these poses.
-pub fn place(poses: &[Pose], point: &Attachment) -> [f64; 2] {
-    of_body(&poses[point.body], point.position)
-}
-
-fn of_body(([x, y], angle): &Pose, [a, b]: [f64; 2]) -> [f64; 2] {
-    let (sin, cos) = angle.sin_cos();
-    [x + cos * a - sin * b, y + sin * a + cos * b]
-}
-
 impl DrawnMechanism {
     /// The mechanism in position `shown` of a cycle, given as poses per instant and body `(n, bodies)`; `None` without an
     /// instant of that number, for poses that are not finite, or if all points coincide.
-    pub fn new(mechanism: &Mechanism, cycle: &[Vec<Pose>], shown: usize) -> Option<Self> {
+    pub fn new(scene: &Scene, cycle: &[Vec<Pose>], shown: usize) -> Option<Self> {
         let poses = cycle.get(shown)?;
-        let bodies = mechanism.bodies.iter().enumerate().map(|(index, body)| DrawnBody {
+        let bodies = scene.bodies.iter().enumerate().map(|(index, body)| DrawnBody {
             name: body.name.clone(),
             motion: match body.motion {
                 Motion::Fixed => DrawnMotion::Fixed,
                 Motion::Driven { .. } => DrawnMotion::Driven,
                 Motion::Free { .. } => DrawnMotion::Free,
             },
-            outline_m: mechanism.outline(index).iter().map(|p| of_body(&poses[index], *p)).collect(),
-            supports_m: mechanism.supports(index).iter().map(|p| of_body(&poses[index], *p)).collect(),
+            outline_m: mechanism::outline(scene, index).iter().map(|p| of_body(&poses[index], *p)).collect(),
+            supports_m: mechanism::supports(scene, index)
+                .iter()
+                .map(|p| of_body(&poses[index], *p))
+                .collect(),
         });
-        let joints = (0..mechanism.joints.len()).map(|index| joint(mechanism, cycle, poses, index));
-        let loads = mechanism.loads.iter().map(|load| self::load(mechanism, poses, load));
-        let drives = mechanism.bodies.iter().zip(poses).filter_map(|(body, (pivot, angle))| {
+        let joints = (0..scene.joints.len()).map(|index| joint(scene, cycle, poses, index));
+        let loads = scene.loads.iter().map(|load| self::load(scene, poses, load));
+        let drives = scene.bodies.iter().zip(poses).filter_map(|(body, (pivot, angle))| {
             let Motion::Driven { drive, .. } = &body.motion else { return None };
             let (speed, counter_clockwise) = words::drive(drive);
             let angle_deg = angle.to_degrees().rem_euclid(360.0);
@@ -147,11 +146,21 @@ impl DrawnMechanism {
             joints: joints.collect(),
             loads: loads.collect(),
             drives: drives.collect(),
-            gravity_m_s2: mechanism.gravity,
+            gravity_m_s2: scene.gravity,
         };
         let [low, high] = drawn.extent();
         let size = (high[0] - low[0]).max(high[1] - low[1]);
         (size.is_finite() && size > SAME_POINT).then_some(drawn)
+    }
+
+    /// True if it has a joint of this kind.
+    pub fn has(&self, kind: &str) -> bool {
+        self.joints.iter().any(|joint| joint.kind == kind)
+    }
+
+    /// True if the ground holds one of its bodies.
+    pub fn has_supports(&self) -> bool {
+        self.bodies.iter().any(|body| !body.supports_m.is_empty())
     }
 
     /// Lower left and upper right corner of bodies, joints and rails `(2, 2)` [m].
@@ -176,11 +185,11 @@ impl DrawnMechanism {
     }
 }
 
-fn joint(mechanism: &Mechanism, cycle: &[Vec<Pose>], poses: &[Pose], index: usize) -> DrawnJoint {
-    let joint = &mechanism.joints[index];
-    let fixed = mechanism.bodies[joint.bushing.body].motion == Motion::Fixed;
+fn joint(scene: &Scene, cycle: &[Vec<Pose>], poses: &[Pose], index: usize) -> DrawnJoint {
+    let joint = &scene.joints[index];
+    let fixed = scene.bodies[joint.bushing.body].motion == Motion::Fixed;
     let rail_m =
-        mechanism.rail(joint, cycle).map(|ends| ends.map(|p| of_body(&poses[joint.bushing.body], p)));
+        mechanism::rail(joint, cycle).map(|ends| ends.map(|p| of_body(&poses[joint.bushing.body], p)));
     DrawnJoint {
         name: joint.name.clone(),
         kind: joint.kind.words().0,
@@ -190,12 +199,8 @@ fn joint(mechanism: &Mechanism, cycle: &[Vec<Pose>], poses: &[Pose], index: usiz
     }
 }
 
-fn load(mechanism: &Mechanism, poses: &[Pose], load: &Load) -> DrawnLoad {
-    let middle = |body: usize| {
-        let outline = mechanism.outline(body);
-        let n = outline.len().max(1) as f64;
-        of_body(&poses[body], outline.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n]))
-    };
+fn load(scene: &Scene, poses: &[Pose], load: &Load) -> DrawnLoad {
+    let middle = |body: usize| of_body(&poses[body], middle_of(&mechanism::outline(scene, body)));
     // Without the name, which comes first.
     let values: Vec<Value> = load.values().into_iter().skip(1).map(|(_, value)| value).collect();
     let symbol = match &values[..] {
@@ -215,7 +220,7 @@ fn load(mechanism: &Mechanism, poses: &[Pose], load: &Load) -> DrawnLoad {
         [Value::Place(at), Value::Pair(along), ..] => LoadSymbol::Arrow(place(poses, at), *along),
         [Value::Body(a), Value::Body(b), ..] => {
             let joins = |body: usize, other: usize| {
-                mechanism.joints.iter().find(|j| j.journal.body == body && j.bushing.body == other)
+                scene.joints.iter().find(|j| j.journal.body == body && j.bushing.body == other)
             };
             let shared = joins(*a, *b).or_else(|| joins(*b, *a));
             LoadSymbol::Spiral(shared.map_or_else(|| middle(*a), |joint| place(poses, &joint.journal)))

@@ -26,8 +26,7 @@ pub use sketch::sketch;
 
 use super::figure::{Figure, csv};
 use crate::results::csv_table::number;
-
-use super::mechanism::Mechanism;
+use common::scene::Scene;
 
 /// Name of the figure and of its files.
 pub const NAME: &str = "drawing";
@@ -41,7 +40,7 @@ pub fn instant(n: usize, share: f64) -> usize {
 }
 
 /// The drawing with caption and coordinates.
-pub fn figure(drawn: &DrawnMechanism, mechanism: &Mechanism) -> Figure {
+pub fn figure(drawn: &DrawnMechanism, scene: &Scene) -> Figure {
     let rows = drawn
         .bodies
         .iter()
@@ -53,33 +52,24 @@ pub fn figure(drawn: &DrawnMechanism, mechanism: &Mechanism) -> Figure {
     Figure {
         name: NAME.into(),
         title: "The mechanism".into(),
-        caption: caption(drawn, mechanism),
-        svg: sheet(drawn).svg,
+        caption: caption(drawn, scene),
+        drawing: sheet(drawn).drawing,
         csv: csv(&["kind", "name", "x [mm]", "y [mm]"], rows),
     }
 }
 
 /// The meaning of the symbols that appear.
-fn caption(drawn: &DrawnMechanism, mechanism: &Mechanism) -> String {
-    let has = |kind: &str| drawn.joints.iter().any(|joint| joint.kind == kind);
-    let mut parts = Vec::new();
-    if has("clearance") {
-        parts.push("circle with a dot: hinge with clearance");
-    }
-    if has("revolute") {
-        parts.push("circle: ideal hinge");
-    }
-    if has("prismatic") {
-        parts.push("block on a rail: slider");
-    }
-    if has("guide") {
-        parts.push("block on a rail: slider in a guide with clearance");
-    }
-    if has("fixed") {
-        parts.push("square: rigid connection");
-    }
-    if drawn.bodies.iter().any(|body| !body.supports_m.is_empty()) || drawn.joints.iter().any(|j| j.on_ground)
-    {
+fn caption(drawn: &DrawnMechanism, scene: &Scene) -> String {
+    let symbols = [
+        ("clearance", "circle with a dot: hinge with clearance"),
+        ("revolute", "circle: ideal hinge"),
+        ("prismatic", "block on a rail: slider"),
+        ("guide", "block on a rail: slider in a guide with clearance"),
+        ("fixed", "square: rigid connection"),
+    ];
+    let shown = symbols.into_iter().filter(|(kind, _)| drawn.has(kind));
+    let mut parts: Vec<&str> = shown.map(|(_, meaning)| meaning).collect();
+    if drawn.has_supports() || drawn.joints.iter().any(|j| j.on_ground) {
         parts.push("hatched: frame");
     }
     if !drawn.loads.is_empty() {
@@ -88,7 +78,7 @@ fn caption(drawn: &DrawnMechanism, mechanism: &Mechanism) -> String {
     if !drawn.drives.is_empty() {
         parts.push("curved arrow at a pivot: drive, with its angle in this position");
     }
-    let clearances = mechanism.joints.iter().any(|joint| joint.kind.has_clearance());
+    let clearances = scene.joints.iter().any(|joint| joint.kind.has_clearance());
     let proportions =
         if clearances { "True proportions, clearances too small to be seen" } else { "True proportions" };
     format!("{proportions}. In italics: bodies; {}.", parts.join("; "))

@@ -1,8 +1,11 @@
 //! The drawing of a mechanism as SVG: bodies with their names, joints, supports, sliders on rails, drives, loads and a scale.
 
-use super::geometry::{DrawnLoad, DrawnMechanism, DrawnMotion, LoadSymbol};
+use super::geometry::{
+    DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, DrawnMotion, LoadSymbol, middle_of,
+};
 use super::labels::{Label, LabelArea, LabelOf, LetterSize, PlacedLabel, place_labels};
 use super::symbols::{self, arrow, coordinate, path_along};
+use crate::presentation::report::figure::Drawing;
 use crate::presentation::report::format::three_digits;
 use crate::presentation::report::palette::Ink;
 use maud::{Markup, html};
@@ -39,14 +42,12 @@ const FONT: f64 = 15.2;
 /// A drawing of a mechanism.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MechanismSheet {
-    /// The drawing as an SVG document.
-    pub svg: String,
+    /// What is drawn.
+    pub drawing: Drawing,
     /// Labels with their places.
     pub labels: Vec<PlacedLabel>,
     /// Rectangle of the whole drawing [drawing units].
     pub area: LabelArea,
-    /// Length of the scale bar [m].
-    pub scale_bar: f64,
 }
 
 /// Drawing units per metre, and the point of the mechanism at the origin of the drawing.
@@ -81,28 +82,34 @@ fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
     let [low, high] = drawn.extent();
     let units = (0..2).map(|k| room[k] / (high[k] - low[k])).fold(f64::INFINITY, f64::min);
     let scale = SheetScale { units, origin: [low[0], high[1]] };
-    let loads: Vec<DrawnSymbol> = drawn.loads.iter().map(|load| load_symbol(load, &scale)).collect();
-    let mut covered = obstacles(drawn, &scale);
-    covered.extend(loads.iter().flat_map(|load| load.covers.iter().copied()));
-    let labels = place_labels(&labels(drawn, &scale, &loads), &covered, LETTERS);
+    let bodies = drawn.bodies.iter().enumerate().map(|(index, body)| body_symbol(index, body, &scale));
+    let bodies: Vec<Symbol> = bodies.collect();
+    let loads: Vec<Symbol> = drawn.loads.iter().map(|load| load_symbol(load, &scale)).collect();
+    let joints: Vec<Symbol> = drawn.joints.iter().map(|joint| joint_symbol(joint, &scale)).collect();
+    let drives: Vec<Symbol> = drawn.drives.iter().map(|drive| drive_symbol(drive, &scale)).collect();
+    // Those with the least choice of places have the first.
+    let named = [&joints, &bodies, &drives, &loads].into_iter().flatten();
+    let covered: Vec<[f64; 2]> = named.clone().flat_map(|symbol| symbol.covers.iter().copied()).collect();
+    let names: Vec<Label> = named.filter_map(|symbol| symbol.label.clone()).collect();
+    let labels = place_labels(&names, &covered, LETTERS);
+    // A hinge lies on the block that it turns on.
+    let (on_rails, others): (Vec<_>, Vec<_>) =
+        drawn.joints.iter().zip(&joints).partition(|(joint, _)| joint.rail_m.is_some());
+    let joints = on_rails.into_iter().chain(others).map(|(_, symbol)| symbol);
     let mut area = bounds(&covered, &labels);
     let bar = scale_bar(units);
     area = widened(area, 44.0);
     let size = [area.to[0] - area.from[0], area.to[1] - area.from[1]];
-    let svg = html! {
-        svg xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" font-size=(FONT)
-            viewBox=(format!("{} {} {} {}", coordinate(area.from[0]), coordinate(area.from[1]), coordinate(size[0]), coordinate(size[1]))) {
-            rect x=(coordinate(area.from[0])) y=(coordinate(area.from[1])) width=(coordinate(size[0]))
-                height=(coordinate(size[1])) fill=(Ink::Paper.hex()) {}
-            (bodies(drawn, &scale))
-            @for load in &loads { (load.markup) }
-            (joints(drawn, &scale))
-            (drives(drawn, &scale))
-            @for label in &labels { (text(label)) }
-            (foot(drawn, area, bar, bar * units))
-        }
+    let [x, y, width, height] = [area.from[0], area.from[1], size[0], size[1]].map(coordinate);
+    let content = html! {
+        rect x=(x) y=(y) width=(width) height=(height) fill=(Ink::Paper.hex()) {}
+        @for symbol in bodies.iter().chain(&loads).chain(joints).chain(&drives) { (symbol.markup) }
+        @for label in &labels { (text(label)) }
+        (foot(drawn, area, bar, bar * units))
     };
-    MechanismSheet { svg: svg.into_string() + "\n", labels, area, scale_bar: bar }
+    let view = format!("{x} {y} {width} {height}");
+    let drawing = Drawing { view, letters: Some(FONT), axes: None, content: content.into_string() };
+    MechanismSheet { drawing, labels, area }
 }
 
 /// The rectangle around points and labels with a margin, at least as wide as a drawing is.
@@ -138,6 +145,7 @@ pub fn length_in_words(length: f64) -> String {
         l if l >= 0.9995e-3 => (1e3 * l, "mm"),
         l => (1e6 * l, "µm"),
     };
+    // The digits of three, without trailing zeros.
     let digits = three_digits(value);
     let short =
         if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { &digits };
@@ -167,145 +175,105 @@ fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     (0..12).map(corner).collect()
 }
 
-/// Points of everything drawn but loads and labels.
-fn obstacles(drawn: &DrawnMechanism, scale: &SheetScale) -> Vec<[f64; 2]> {
-    let mut covered = Vec::new();
-    for body in &drawn.bodies {
-        if body.motion != DrawnMotion::Fixed {
-            let mut corners = symbols::around(&places(&body.outline_m, scale));
-            corners.extend(corners.first().copied());
-            covered.extend(along(&corners));
-        }
-        for [x, y] in places(&body.supports_m, scale) {
-            let floor = y + symbols::SUPPORT;
-            covered.extend(along(&[[x, y], [x + 16.0, floor], [x - 18.0, floor], [x, y]]));
-        }
-    }
-    for joint in &drawn.joints {
-        covered.extend(circle(scale.place(joint.at_m), 6.0));
-        let Some(ends) = joint.rail_m else { continue };
-        let [left, right] = rail(ends, scale);
-        covered.extend(along(&[left, right]));
-        covered.extend(along(&[[left[0], left[1] + 7.0], [right[0], right[1] + 7.0]]));
-        let block = scale.place(joint.at_m);
-        covered.extend(along(&[[block[0] - 17.0, block[1]], [block[0] + 17.0, block[1]]]));
-        covered.extend(circle(block, 12.0));
-    }
-    for drive in &drawn.drives {
-        covered.extend(circle(scale.place(drive.pivot_m), TURNS[0]));
-    }
-    covered
-}
-
 fn places(points: &[[f64; 2]], scale: &SheetScale) -> Vec<[f64; 2]> {
     points.iter().map(|point| scale.place(*point)).collect()
 }
 
-fn rail(ends: [[f64; 2]; 2], scale: &SheetScale) -> [[f64; 2]; 2] {
-    symbols::rail_ends(ends.map(|end| scale.place(end)))
-}
-
-/// Names of joints, bodies, drives and loads at their points; those with the least choice first.
-fn labels(drawn: &DrawnMechanism, scale: &SheetScale, loads: &[DrawnSymbol]) -> Vec<Label> {
-    let mut labels = Vec::new();
-    for joint in &drawn.joints {
-        let clear = if joint.rail_m.is_some() { 14.0 } else { 10.0 };
-        let at = scale.place(joint.at_m);
-        labels.push(Label { text: joint.name.clone(), at, clear, of: LabelOf::Joint });
-    }
-    for (index, body) in drawn.bodies.iter().enumerate() {
-        let points = places(&body.outline_m, scale);
-        let of = LabelOf::Body(index);
-        // A single point is that of a joint; the frame is named at a support or a rail.
-        let (at, clear) = match (body.motion, points.as_slice()) {
-            (_, []) => continue,
-            (DrawnMotion::Fixed, points) => {
-                let support = body.supports_m.first().map(|p| scale.place(*p));
-                (support.map_or(points[0], |[x, y]| [x, y + 16.0]), 20.0)
-            }
-            (_, [only]) => (*only, 16.0),
-            (_, points) => {
-                let n = points.len() as f64;
-                (points.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n]), 6.0)
-            }
-        };
-        labels.push(Label { text: body.name.clone(), at, clear, of });
-    }
-    for drive in &drawn.drives {
-        let text = format!("{}, {} at {:.0}°", drive.body, drive.speed, drive.angle_deg);
-        labels.push(Label { text, at: scale.place(drive.pivot_m), clear: TURNS[0] + 6.0, of: LabelOf::Load });
-    }
-    for (load, symbol) in drawn.loads.iter().zip(loads) {
-        let text = format!("{} {}", load.name, load.size);
-        labels.push(Label { text, at: symbol.label_at, clear: symbol.clear, of: LabelOf::Load });
-    }
-    labels
-}
-
-fn bodies(drawn: &DrawnMechanism, scale: &SheetScale) -> Markup {
-    html! {
-        @for (index, body) in drawn.bodies.iter().enumerate() {
-            @for support in &body.supports_m { (symbols::ground(scale.place(*support))) }
-            @if body.motion != DrawnMotion::Fixed {
-                (symbols::link(&places(&body.outline_m, scale), Ink::Series(index)))
-            }
-        }
-    }
-}
-
-/// Circles of hinges, filled without clearance; squares of welds; blocks of sliders on their rails.
-fn joints(drawn: &DrawnMechanism, scale: &SheetScale) -> Markup {
-    let (paper, ink) = (Ink::Paper.hex(), Ink::Ink.hex());
-    html! {
-        @for joint in drawn.joints.iter().filter(|joint| joint.rail_m.is_some()) {
-            @let [left, right] = rail(joint.rail_m.unwrap_or_default(), scale);
-            (symbols::rail([left, right], joint.on_ground, Ink::Muted))
-            @let turned = (right[1] - left[1]).atan2(right[0] - left[0]).to_degrees();
-            (symbols::block(scale.place(joint.at_m), turned, Ink::Ink))
-        }
-        @for joint in drawn.joints.iter().filter(|joint| joint.rail_m.is_none()) {
-            @let [x, y] = scale.place(joint.at_m).map(coordinate);
-            @match joint.kind {
-                "fixed" => rect x=(x) y=(y) width="10" height="10" transform="translate(-5 -5)" fill=(ink) {},
-                "clearance" => {
-                    circle cx=(x) cy=(y) r="6" fill=(paper) stroke=(ink) stroke-width="2" {}
-                    circle cx=(x) cy=(y) r="2.2" fill=(ink) {}
-                }
-                _ => circle cx=(x) cy=(y) r="5" fill=(paper) stroke=(ink) stroke-width="2" {},
-            }
-        }
-    }
-}
-
-fn drives(drawn: &DrawnMechanism, scale: &SheetScale) -> Markup {
-    html! {
-        @for drive in &drawn.drives {
-            (symbols::turn(scale.place(drive.pivot_m), TURNS[0], drive.counter_clockwise, Ink::Ink))
-        }
-    }
-}
-
-/// The symbol of a load with what it covers and the place of its label.
-struct DrawnSymbol {
+/// A symbol with what it covers and its label.
+struct Symbol {
     markup: Markup,
     covers: Vec<[f64; 2]>,
-    label_at: [f64; 2],
-    clear: f64,
+    label: Option<Label>,
 }
 
-fn load_symbol(load: &DrawnLoad, scale: &SheetScale) -> DrawnSymbol {
+fn body_symbol(index: usize, body: &DrawnBody, scale: &SheetScale) -> Symbol {
+    let (outline, supports) = (places(&body.outline_m, scale), places(&body.supports_m, scale));
+    let is_fixed = body.motion == DrawnMotion::Fixed;
+    let mut covers = Vec::new();
+    if !is_fixed {
+        let mut corners = symbols::around(&outline);
+        corners.extend(corners.first().copied());
+        covers.extend(along(&corners));
+    }
+    for [x, y] in supports.iter().copied() {
+        let floor = y + symbols::SUPPORT;
+        covers.extend(along(&[[x, y], [x + 16.0, floor], [x - 18.0, floor], [x, y]]));
+    }
+    // A single point is that of a joint; the frame is named at a support or a rail.
+    let place = match outline.as_slice() {
+        [] => None,
+        points if is_fixed => Some((supports.first().map_or(points[0], |[x, y]| [*x, y + 16.0]), 20.0)),
+        [only] => Some((*only, 16.0)),
+        points => Some((middle_of(points), 6.0)),
+    };
+    let of = LabelOf::Body(index);
+    let label = place.map(|(at, clear)| Label { text: body.name.clone(), at, clear, of });
+    let markup = html! {
+        @for support in &supports { (symbols::ground(*support)) }
+        @if !is_fixed { (symbols::link(&outline, Ink::Series(index))) }
+    };
+    Symbol { markup, covers, label }
+}
+
+/// Circle of a hinge, filled without clearance; square of a weld; block of a slider on its rail.
+fn joint_symbol(joint: &DrawnJoint, scale: &SheetScale) -> Symbol {
+    let (paper, ink) = (Ink::Paper.hex(), Ink::Ink.hex());
+    let at = scale.place(joint.at_m);
+    let ([x, y], [left_text, top_text]) = (at, at.map(coordinate));
+    let mut covers = circle(at, 6.0);
+    let (clear, markup) = match (joint.rail_m, joint.kind) {
+        (Some(ends), _) => {
+            let [left, right] = symbols::rail_ends(ends.map(|end| scale.place(end)));
+            covers.extend(along(&[left, right]));
+            covers.extend(along(&[[left[0], left[1] + 7.0], [right[0], right[1] + 7.0]]));
+            covers.extend(along(&[[x - 17.0, y], [x + 17.0, y]]));
+            covers.extend(circle(at, 12.0));
+            let turned = (right[1] - left[1]).atan2(right[0] - left[0]).to_degrees();
+            let rail = symbols::rail([left, right], joint.on_ground, Ink::Muted);
+            (14.0, html! { (rail) (symbols::block(at, turned, Ink::Ink)) })
+        }
+        (None, "fixed") => (
+            10.0,
+            html! {
+                rect x=(left_text) y=(top_text) width="10" height="10" transform="translate(-5 -5)" fill=(ink) {}
+            },
+        ),
+        (None, "clearance") => (
+            10.0,
+            html! {
+                circle cx=(left_text) cy=(top_text) r="6" fill=(paper) stroke=(ink) stroke-width="2" {}
+                circle cx=(left_text) cy=(top_text) r="2.2" fill=(ink) {}
+            },
+        ),
+        _ => (
+            10.0,
+            html! { circle cx=(left_text) cy=(top_text) r="5" fill=(paper) stroke=(ink) stroke-width="2" {} },
+        ),
+    };
+    let label = Some(Label { text: joint.name.clone(), at, clear, of: LabelOf::Joint });
+    Symbol { markup, covers, label }
+}
+
+fn drive_symbol(drive: &DrawnDrive, scale: &SheetScale) -> Symbol {
+    let at = scale.place(drive.pivot_m);
+    let text = format!("{}, {} at {:.0}°", drive.body, drive.speed, drive.angle_deg);
+    let label = Some(Label { text, at, clear: TURNS[0] + 6.0, of: LabelOf::Load });
+    let markup = symbols::turn(at, TURNS[0], drive.counter_clockwise, Ink::Ink);
+    Symbol { markup, covers: circle(at, TURNS[0]), label }
+}
+
+fn load_symbol(load: &DrawnLoad, scale: &SheetScale) -> Symbol {
     let ink = Ink::Limit;
-    match load.symbol {
+    let (markup, covers, at, clear) = match load.symbol {
         LoadSymbol::Arrow(at, [x, y]) => {
             let (from, length) = (scale.place(at), x.hypot(y).max(1e-300));
             let to = [from[0] + FORCE * x / length, from[1] - FORCE * y / length];
-            let covers = along(&[from, to]);
-            DrawnSymbol { markup: arrow(from, to, ink), covers, label_at: to, clear: 5.0 }
+            (arrow(from, to, ink), along(&[from, to]), to, 5.0)
         }
         LoadSymbol::Turn(at, counter_clockwise) => {
             let at = scale.place(at);
             let markup = symbols::turn(at, TURNS[1], counter_clockwise, ink);
-            DrawnSymbol { markup, covers: circle(at, TURNS[1]), label_at: at, clear: TURNS[1] + 5.0 }
+            (markup, circle(at, TURNS[1]), at, TURNS[1] + 5.0)
         }
         LoadSymbol::Coil(a, b) => {
             let (from, mut to) = (scale.place(a), scale.place(b));
@@ -320,16 +288,17 @@ fn load_symbol(load: &DrawnLoad, scale: &SheetScale) -> DrawnSymbol {
                 path d=(path) fill="none" stroke=(ink.hex()) stroke-width="2" stroke-linejoin="round" {}
                 circle cx=(coordinate(to[0])) cy=(coordinate(to[1])) r="3" fill=(ink.hex()) {}
             };
-            let label_at = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
-            DrawnSymbol { markup, covers: along(&[from, to]), label_at, clear: 12.0 }
+            (markup, along(&[from, to]), [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])], 12.0)
         }
         LoadSymbol::Spiral(at) => {
             let at = scale.place(at);
             let path = path_along(&symbols::spiral(at));
             let markup = html! { path d=(path) fill="none" stroke=(ink.hex()) stroke-width="2" {} };
-            DrawnSymbol { markup, covers: circle(at, 20.0), label_at: at, clear: 26.0 }
+            (markup, circle(at, 20.0), at, 26.0)
         }
-    }
+    };
+    let text = format!("{} {}", load.name, load.size);
+    Symbol { markup, covers, label: Some(Label { text, at, clear, of: LabelOf::Load }) }
 }
 
 /// A label, with a line to its point where it is not next to it.

@@ -1,6 +1,6 @@
 //! The drawing of a mechanism in letters: lines of Braille dots, joints and loads as signs, names beside them.
 
-use super::geometry::{DrawnMechanism, DrawnMotion, LoadSymbol};
+use super::geometry::{DrawnMechanism, DrawnMotion, LoadSymbol, middle_of};
 use super::labels::{Label, LabelOf, LetterSize, place_labels};
 use super::symbols::around;
 use std::collections::BTreeMap;
@@ -133,13 +133,11 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
         labels.push(Label { text: joint.name.clone(), at: [x, y], clear: 1.0, of: LabelOf::Joint });
     }
     for (index, body) in drawn.bodies.iter().enumerate() {
-        let n = body.outline_m.len() as f64;
-        if body.motion == DrawnMotion::Fixed || n == 0.0 {
+        if body.motion == DrawnMotion::Fixed || body.outline_m.is_empty() {
             continue;
         }
-        let middle = body.outline_m.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n]);
-        let text = format!("[{}]", body.name);
-        labels.push(Label { text, at: place(middle), clear: 1.0, of: LabelOf::Body(index) });
+        let (text, at) = (format!("[{}]", body.name), place(middle_of(&body.outline_m)));
+        labels.push(Label { text, at, clear: 1.0, of: LabelOf::Body(index) });
     }
     for placed in place_labels(&labels, &canvas.used(), LETTERS) {
         let [x, y] = placed.area.from;
@@ -184,10 +182,10 @@ fn legend(drawn: &DrawnMechanism) -> String {
     ];
     let mut parts: Vec<String> = kinds
         .into_iter()
-        .filter(|(kind, _)| drawn.joints.iter().any(|joint| joint.kind == *kind))
+        .filter(|(kind, _)| drawn.has(kind))
         .map(|(kind, meaning)| format!("{} {meaning}", sign_of(kind)))
         .collect();
-    if drawn.bodies.iter().any(|body| !body.supports_m.is_empty()) {
+    if drawn.has_supports() {
         parts.push("▲ frame".to_owned());
     }
     parts.push("[name] body".to_owned());

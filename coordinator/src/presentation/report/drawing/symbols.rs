@@ -1,6 +1,7 @@
 //! Symbols of mechanisms as SVG: links, supports, sliders on rails, arrows, springs. Points are in drawing units, y downward.
 
-use crate::presentation::report::format::fixed;
+use super::geometry::middle_of;
+use crate::presentation::report::format::plain;
 use crate::presentation::report::palette::Ink;
 use maud::{Markup, html};
 use std::fmt::Write;
@@ -16,8 +17,7 @@ const HATCH: f64 = 7.0;
 
 /// A number of the drawing, with two decimals at most.
 pub fn coordinate(value: f64) -> String {
-    let text = fixed(value, 2).replace('\u{2212}', "-");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+    plain(value, 2).replace('\u{2212}', "-")
 }
 
 /// `M`, `L`, ... commands along points.
@@ -43,8 +43,7 @@ pub fn link(corners: &[[f64; 2]], ink: Ink) -> Markup {
 /// The corners sorted by direction from their middle, so that the edges of a plate do not cross.
 pub fn around(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut sorted = corners.to_vec();
-    let n = corners.len().max(1) as f64;
-    let middle = corners.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n]);
+    let middle = middle_of(corners);
     let direction = |p: &[f64; 2]| (middle[1] - p[1]).atan2(p[0] - middle[0]);
     sorted.sort_by(|a, b| direction(a).total_cmp(&direction(b)));
     sorted
@@ -60,11 +59,16 @@ pub fn ground([x, y]: [f64; 2]) -> Markup {
     }
 }
 
-/// An edge of the frame: a line with hatching on its left side, seen from `from` to `to`.
-pub fn hatched(from: [f64; 2], to: [f64; 2]) -> Markup {
+/// Direction from a point to another [1], and their distance.
+fn direction(from: [f64; 2], to: [f64; 2]) -> ([f64; 2], f64) {
     let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
     let length = dx.hypot(dy).max(1e-9);
-    let (dx, dy) = (dx / length, dy / length);
+    ([dx / length, dy / length], length)
+}
+
+/// An edge of the frame: a line with hatching on its left side, seen from `from` to `to`.
+pub fn hatched(from: [f64; 2], to: [f64; 2]) -> Markup {
+    let ([dx, dy], length) = direction(from, to);
     let mut path = path_along(&[from, to]);
     let mut way = 0.5 * HATCH;
     while way < length {
@@ -122,9 +126,7 @@ fn head([x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> String {
 
 /// A straight arrow.
 pub fn arrow(from: [f64; 2], to: [f64; 2], ink: Ink) -> Markup {
-    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
-    let length = dx.hypot(dy).max(1e-9);
-    let direction = [dx / length, dy / length];
+    let (direction, _) = direction(from, to);
     let shaft = [to[0] - 7.0 * direction[0], to[1] - 7.0 * direction[1]];
     html! {
         path d=(path_along(&[from, shaft])) fill="none" stroke=(ink.hex()) stroke-width="2.5" {}
@@ -157,16 +159,17 @@ pub fn turn([x, y]: [f64; 2], radius: f64, counter_clockwise: bool, ink: Ink) ->
 
 /// Corners of a helical spring between two points.
 pub fn coil(from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
-    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
-    let length = dx.hypot(dy).max(1e-9);
+    let ([dx, dy], length) = direction(from, to);
     let turns = ((length / 12.0) as usize).clamp(4, 14);
     let mut points = vec![from];
     for k in 0..turns {
         let share = 0.15 + 0.7 * (k as f64 + 0.5) / turns as f64;
         let side = if k % 2 == 0 { 7.0 } else { -7.0 };
-        points.push([from[0] + share * dx - side * dy / length, from[1] + share * dy + side * dx / length]);
+        let along = share * length;
+        points.push([from[0] + along * dx - side * dy, from[1] + along * dy + side * dx]);
     }
-    let [low, high] = [0.15, 0.85].map(|share| [from[0] + share * dx, from[1] + share * dy]);
+    let [low, high] =
+        [0.15, 0.85].map(|share| share * length).map(|along| [from[0] + along * dx, from[1] + along * dy]);
     points.insert(1, low);
     points.extend([high, to]);
     points

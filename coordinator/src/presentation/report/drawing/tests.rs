@@ -4,11 +4,11 @@ use super::geometry::{DrawnMechanism, LoadSymbol};
 use super::sheet::{length_in_words, sheet};
 use super::*;
 use crate::presentation::report::mechanism::Pose;
-use common::scene::{Motion, SceneSource};
+use common::scene::{Motion, Scene, SceneSource};
 
 /// The scene with every word of the language, its bodies in their start positions, and as a second instant with the slider
 /// 10 mm farther along its rail.
-fn everything() -> (Mechanism, Vec<Vec<Pose>>) {
+fn everything() -> (Scene, Vec<Vec<Pose>>) {
     let source = include_str!("../../../../../common/tests/scenes/everything.toml");
     let scene = SceneSource::parse(source, "everything").unwrap().nominal().clone();
     let pose = |body: &common::scene::Body| match &body.motion {
@@ -22,17 +22,18 @@ fn everything() -> (Mechanism, Vec<Vec<Pose>>) {
     let slider = scene.bodies.iter().position(|body| body.name == "slider").unwrap();
     later[slider].0[0] += 0.01 * cos;
     later[slider].0[1] += 0.01 * sin;
-    (Mechanism::new(&scene), vec![start, later])
+    (scene, vec![start, later])
 }
 
 #[test]
 fn every_part_of_a_scene_is_drawn_and_named_without_overlap() {
-    let (mechanism, cycle) = everything();
-    let drawn = DrawnMechanism::new(&mechanism, &cycle, 0).unwrap();
+    let (scene, cycle) = everything();
+    let drawn = DrawnMechanism::new(&scene, &cycle, 0).unwrap();
     let sheet = sheet(&drawn);
-    let document = roxmltree::Document::parse(&sheet.svg).unwrap();
+    let svg = sheet.drawing.document(&maud::html! {});
+    let document = roxmltree::Document::parse(&svg).unwrap();
     let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
-    let names = mechanism.joints.iter().map(|joint| joint.name.as_str()).chain(["rod", "slider", "frame"]);
+    let names = scene.joints.iter().map(|joint| joint.name.as_str()).chain(["rod", "slider", "frame"]);
     for name in names {
         assert!(texts.contains(&name), "{name} in {texts:?}");
     }
@@ -44,13 +45,13 @@ fn every_part_of_a_scene_is_drawn_and_named_without_overlap() {
         assert!(sheet.labels[k + 1..].iter().all(|b| !a.area.overlaps(&b.area)), "{a:?}");
         assert!(sheet.area.contains(a.area.from) && sheet.area.contains(a.area.to), "{a:?}");
     }
-    assert!(!sheet.svg.contains("NaN") && !sheet.svg.contains("inf"));
+    assert!(!svg.contains("NaN") && !svg.contains("inf"));
 }
 
 #[test]
 fn a_rail_is_the_way_of_its_slider() {
-    let (mechanism, cycle) = everything();
-    let drawn = DrawnMechanism::new(&mechanism, &cycle, 0).unwrap();
+    let (scene, cycle) = everything();
+    let drawn = DrawnMechanism::new(&scene, &cycle, 0).unwrap();
     let guide = drawn.joints.iter().find(|joint| joint.name == "guide").unwrap();
     let [from, to] = guide.rail_m.unwrap();
     assert!(((to[0] - from[0]).hypot(to[1] - from[1]) - 0.01).abs() < 1e-9, "{from:?} to {to:?}");
@@ -63,8 +64,8 @@ fn a_rail_is_the_way_of_its_slider() {
 
 #[test]
 fn loads_act_where_and_whither_the_scene_says() {
-    let (mechanism, cycle) = everything();
-    let drawn = DrawnMechanism::new(&mechanism, &cycle, 0).unwrap();
+    let (scene, cycle) = everything();
+    let drawn = DrawnMechanism::new(&scene, &cycle, 0).unwrap();
     let load = |name: &str| &drawn.loads.iter().find(|load| load.name == name).unwrap().symbol;
     let LoadSymbol::Arrow(at, direction) = load("weight") else { panic!() };
     assert!(
@@ -82,17 +83,18 @@ fn loads_act_where_and_whither_the_scene_says() {
 
 #[test]
 fn a_mechanism_without_extent_or_with_unknown_poses_is_not_drawn() {
-    let (mechanism, mut cycle) = everything();
-    assert!(DrawnMechanism::new(&mechanism, &cycle, 2).is_none());
+    let (mut scene, mut cycle) = everything();
+    assert!(DrawnMechanism::new(&scene, &cycle, 2).is_none());
     cycle[0][5].0[0] = f64::NAN;
-    assert!(DrawnMechanism::new(&mechanism, &cycle, 0).is_none());
-    assert!(DrawnMechanism::new(&Mechanism::default(), &[vec![]], 0).is_none());
+    assert!(DrawnMechanism::new(&scene, &cycle, 0).is_none());
+    (scene.bodies, scene.joints, scene.loads) = (vec![], vec![], vec![]);
+    assert!(DrawnMechanism::new(&scene, &[vec![]], 0).is_none());
 }
 
 #[test]
 fn the_sketch_has_every_name() {
-    let (mechanism, cycle) = everything();
-    let text = sketch(&DrawnMechanism::new(&mechanism, &cycle, 0).unwrap());
+    let (scene, cycle) = everything();
+    let text = sketch(&DrawnMechanism::new(&scene, &cycle, 0).unwrap());
     for said in [
         "hinge",
         "guide",

@@ -63,7 +63,7 @@ pub fn bores(input: &ReportInput) -> Vec<Figure> {
             name: format!("bore-{}", file_name(&joint.name)),
             title: format!("Bore of joint {}", joint.name),
             caption,
-            svg: polar.finish(&format!("joint {}", joint.name), freest(wear)),
+            drawing: polar.finish(&format!("joint {}", joint.name), freest(wear)),
             csv: csv(&["cycles", "angle [deg]", "wear depth [um]"], rows),
         }
     })

@@ -82,7 +82,7 @@ pub fn last_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let (Some(first), Some(worn)) = (&nominal.first_cycle, &nominal.worn) else { return Ok(vec![]) };
     let Some(last) = &worn.last_cycle else { return Ok(vec![]) };
     let mut figures = Vec::new();
-    for output in &input.outputs {
+    for output in &input.scene.outputs {
         let (a, b, quantity) = match &output.kind {
             OutputKind::AngularVelocityDifference { a, b } => (a, b, &SPEED),
             OutputKind::AngleDifference { a, b } => (a, b, &ANGLE),

@@ -99,12 +99,12 @@ pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
 /// [`PlotError`].
 pub fn variance_contributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let mut figures = Vec::new();
-    for state in &input.limit_states {
+    for state in &input.scene.limit_states {
         let all = input.summary.sobol.iter().filter(|row| row.limit_state == state.name);
         let Some(cycles) = nearest_to_governing(input, all.clone().map(|row| row.cycles)) else { continue };
         let mut rows: Vec<&SobolRow> = all.filter(|row| row.cycles == cycles).collect();
         rows.sort_by(|a, b| finite(b.total).total_cmp(&finite(a.total)));
-        let output = words(&input.outputs[state.output].name);
+        let output = input.output_of(state);
         let caption = format!(
             "Sobol indices of the surrogate at {}: share of the variance of the {output} due to a variable alone \
              (first order) and with its interactions (total). Thin lines: 1.96 standard errors by sampling and surrogate. The {} largest of {}.",

@@ -2,7 +2,7 @@
 
 use super::{by_influence, file_name, words};
 use crate::presentation::report::figure::Figure;
-use crate::presentation::report::format::{count, seven_digits};
+use crate::presentation::report::format::{count, plain, seven_digits};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
@@ -32,13 +32,13 @@ pub fn input_histograms(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
 
 fn histogram(input: &ReportInput, k: usize, variable: &RandomVariable) -> Result<Figure, PlotError> {
     let law = &variable.distribution;
-    let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
+    let unit_scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
     let (low, high) = (law.quantile(TAIL), law.upper_quantile(TAIL));
-    let size = (low / scale).abs().max((high / scale).abs());
+    let size = (low / unit_scale).abs().max((high / unit_scale).abs());
     // Numbers far from one are drawn over a power of ten.
     let power = size.log10().floor();
     let power = if (-2.0..4.0).contains(&power) { 0.0 } else { power };
-    let scale = scale * 10f64.powf(power);
+    let scale = unit_scale * 10f64.powf(power);
     let values: Vec<f64> = input.samples.iter().filter_map(|sample| sample.values.get(k).copied()).collect();
     let (low, high) = values.iter().fold((low, high), |(low, high), x| (low.min(*x), high.max(*x)));
     let margin = 0.02 * (high - low);
@@ -76,7 +76,7 @@ fn histogram(input: &ReportInput, k: usize, variable: &RandomVariable) -> Result
     let plot = Plot {
         figure: &format!("input-{}", file_name(&variable.name)),
         x: Axis {
-            text: six_decimals,
+            text: |value| plain(value, 6),
             ..Axis::linear(&label, ((low - slack) / scale, (high + slack) / scale))
         },
         y: Axis::linear("density × standard deviation", (0.0, 1.08 * top.min(3.0))),
@@ -85,7 +85,6 @@ fn histogram(input: &ReportInput, k: usize, variable: &RandomVariable) -> Result
             Series::new("density", Ink::Ink, Shape::Line(density)),
         ],
     };
-    let unit_scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
     let caption = format!(
         "{}: mean {}, standard deviation {} {}; {} simulations.",
         law.word(),
@@ -105,13 +104,6 @@ fn axis_label(variable: &RandomVariable, power: f64) -> String {
         "" => words(&variable.name),
         both => format!("{} [{both}]", words(&variable.name)),
     }
-}
-
-/// A number with at most six decimals and no trailing zeros.
-fn six_decimals(value: f64) -> String {
-    let text = format!("{value:.6}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".into() } else { text.replace('-', "\u{2212}") }
 }
 
 #[cfg(test)]
@@ -154,6 +146,6 @@ mod tests {
         let input = test_study::report_with_samples();
         let wear = input.scene.variables.iter().find(|v| v.name == "wear_coefficient_12").unwrap();
         assert_eq!(axis_label(wear, -13.0), "wear coefficient 12 [1e\u{2212}13 1/Pa]");
-        assert_eq!([40.0549, 0.5, -0.0].map(six_decimals), ["40.0549", "0.5", "0"]);
+        assert_eq!([40.0549, 0.5, -0.0].map(|value| plain(value, 6)), ["40.0549", "0.5", "0"]);
     }
 }

@@ -25,7 +25,11 @@ pub use outputs::{distributions, histories};
 pub use parallel::parallel_coordinates;
 pub use predictions::predicted_against_simulated;
 pub use rates::failure_rates;
-pub use reliability::{band, beginning, curve, first_failure, reliability, shares_of_failures};
+pub use reliability::{
+    band, beginning, curve, curves_with_bands, first_failure, reliability, shares_of_failures,
+};
+
+pub use super::format::{capital, file_name, words};
 
 use super::input::ReportInput;
 use super::life::{governing, rows_that_matter};
@@ -84,20 +88,4 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
         Some(range.map_or((v, v), |(low, high)| (low.min(v), high.max(v))))
     });
     both.unwrap_or((0.0, 1.0))
-}
-
-/// A name of a scene as part of a file's name.
-pub fn file_name(name: &str) -> String {
-    name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '-' }).collect()
-}
-
-/// An identifier as words.
-pub fn words(name: &str) -> String {
-    name.replace('_', " ")
-}
-
-/// With a capital first letter.
-pub fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

@@ -1,6 +1,6 @@
 //! Figures of the stated numerical errors: their effect on R, and their size over life.
 
-use super::{LifeAxis, band, capital, curve, file_name, ink_of, span, words};
+use super::{LifeAxis, band, capital, curves_with_bands, file_name, ink_of, span};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::rows_that_matter;
@@ -27,23 +27,16 @@ fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError
         return Ok(None);
     }
     let axis = LifeAxis::new(&input.summary);
-    let (mut bands, mut lines) = (Vec::new(), Vec::new());
-    for name in input.summary.curve_names() {
-        let ink = ink_of(&input.summary, name);
-        let range = numerical_band(&input.summary, rows, name, &axis);
-        if range.is_empty() {
-            return Ok(None);
-        }
-        bands.push(Series::unlisted(format!("{name}, range"), ink, Shape::Band(range)));
-        let points = curve(&input.summary, name, &axis).0;
-        let shape = if name == "total" { Shape::Dashed(points) } else { Shape::Line(points) };
-        lines.push(Series::new(name, ink, shape));
+    let range = |name: &str| numerical_band(&input.summary, rows, name, &axis);
+    if input.summary.curve_names().any(|name| range(name).is_empty()) {
+        return Ok(None);
     }
+    let series = curves_with_bands(&input.summary, &axis, "range", range);
     let plot = Plot {
         figure: "reliability-numerical",
         x: Axis::linear(axis.label, span(&input.summary, &axis)),
         y: Axis::linear("reliability R", (0.0, 1.0)),
-        series: &[bands, lines].concat(),
+        series: &series,
     };
     let caption = "Bands: 95 % interval with, in addition, all responses shifted by their stated errors to the unsafe and to the \
                    safe side. These shifts are extreme cases, not standard errors.";
@@ -72,7 +65,7 @@ fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let axis = LifeAxis::new(&input.summary);
     let mut figures = Vec::new();
     // Relative to a limit of zero an error has no size.
-    for state in input.limit_states.iter().filter(|state| state.scale() != 0.0) {
+    for state in input.scene.limit_states.iter().filter(|state| state.scale() != 0.0) {
         let stated = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
         let Some(last) = stated.last() else { continue };
         let of_limit = |error: f64| 100.0 * error.abs() / state.scale();
@@ -86,7 +79,7 @@ fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             Series::new("largest", Ink::Ink, Shape::Dashed(largest)),
         ];
         let name = format!("stated-error-{}", file_name(&state.name));
-        let output = words(&input.outputs[state.output].name);
+        let output = input.output_of(state);
         let plot = Plot {
             figure: &name,
             x: Axis::linear(axis.label, (0.0, axis.place(last.cycles))),

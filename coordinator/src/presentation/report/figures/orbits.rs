@@ -4,6 +4,7 @@ use super::file_name;
 use crate::presentation::report::figure::{Figure, csv};
 use crate::presentation::report::format::fixed;
 use crate::presentation::report::input::ReportInput;
+use crate::presentation::report::mechanism::{Pose, eccentricity, poses};
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::polar::{Polar, Stroke, freest, full_scale};
 use crate::results::csv_table::number;
@@ -28,19 +29,20 @@ struct Orbits<'a> {
 pub fn orbits(input: &ReportInput) -> Vec<Figure> {
     let Some(nominal) = &input.nominal else { return vec![] };
     let last = nominal.worn.as_ref().and_then(|worn| worn.last_cycle.as_ref());
-    let cycles = [("first", nominal.first_cycle.as_ref()), ("last", last)];
-    let mut all = Vec::new();
-    for (index, joint) in input.mechanism.joints.iter().enumerate() {
-        let JointKind::Clearance(clearance) = &joint.kind else { continue };
-        let known = cycles.into_iter().filter_map(|(name, cycle)| Some((name, cycle?)));
-        let cycles: Vec<_> = known
-            .filter_map(|(name, cycle)| Some((name, cycle, input.mechanism.orbit(cycle, joint)?)))
-            .collect();
-        if !cycles.is_empty() {
-            let wear = nominal.joints.get(index).map_or(&[][..], |joint| &joint.wear_depth);
-            all.push(Orbits { joint, clearance: clearance.radial_clearance(), wear, cycles });
-        }
-    }
+    let known =
+        [("first", nominal.first_cycle.as_ref()), ("last", last)].into_iter().filter_map(|(name, cycle)| {
+            let poses = poses(&input.scene, cycle?).filter(|poses| !poses.is_empty())?;
+            Some((name, cycle?, poses))
+        });
+    let known: Vec<_> = known.collect();
+    let orbits = input.scene.joints.iter().enumerate().filter_map(|(index, joint)| {
+        let JointKind::Clearance(clearance) = &joint.kind else { return None };
+        let orbit = |poses: &Vec<Vec<Pose>>| poses.iter().map(|poses| eccentricity(poses, joint)).collect();
+        let cycles = known.iter().map(|(name, cycle, poses)| (*name, *cycle, orbit(poses))).collect();
+        let wear = nominal.joints.get(index).map_or(&[][..], |joint| &joint.wear_depth);
+        Some(Orbits { joint, clearance: clearance.radial_clearance(), wear, cycles })
+    });
+    let all: Vec<Orbits<'_>> = if known.is_empty() { vec![] } else { orbits.collect() };
     let reach = |orbits: &Orbits<'_>| {
         let far = orbits.cycles.iter().flat_map(|(.., orbit)| orbit).map(|e| e[0].hypot(e[1]));
         far.chain(orbits.wear.iter().map(|depth| orbits.clearance + depth)).fold(orbits.clearance, f64::max)
@@ -85,7 +87,7 @@ fn figure(orbits: &Orbits<'_>, full: f64) -> Figure {
         name: format!("orbit-{}", file_name(name)),
         title: format!("Orbit of journal {name}"),
         caption,
-        svg: polar.finish(&format!("joint {name}"), freest(&reached)),
+        drawing: polar.finish(&format!("joint {name}"), freest(&reached)),
         csv: csv(&["cycle", "time [ms]", "x [um]", "y [um]"], rows),
     }
 }

@@ -1,6 +1,6 @@
 //! Figures of the outputs: their distributions late in life, and their course over life.
 
-use super::{LifeAxis, capital, file_name, ink_of, range, words};
+use super::{LifeAxis, capital, file_name, ink_of, range};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{count, fixed, number_of_cycles, three_digits};
 use crate::presentation::report::input::{CheckpointDistribution, ReportInput};
@@ -15,7 +15,7 @@ use common::scene::{Fails, LimitState, OutputUnit};
 /// # Errors
 /// [`PlotError`].
 pub fn distributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
-    let drawn = input.limit_states.iter().map(|state| (state, three_around_governing(input, state)));
+    let drawn = input.scene.limit_states.iter().map(|state| (state, three_around_governing(input, state)));
     drawn
         .filter(|(_, shown)| !shown.is_empty())
         .map(|(state, shown)| distribution(input, state, &shown))
@@ -28,8 +28,7 @@ fn distribution(
     state: &LimitState,
     shown: &[&CheckpointDistribution],
 ) -> Result<Figure, PlotError> {
-    let output = &input.outputs[state.output];
-    let unit = &output.unit;
+    let (output, unit) = (input.output_of(state), &input.unit_of(state));
     let thresholds: Vec<f64> = state.thresholds().into_iter().map(|si| unit.to_shown(si)).collect();
     let mut series = Vec::new();
     let (mut low, mut high) = range(thresholds.iter().copied());
@@ -46,11 +45,10 @@ fn distribution(
         };
         series.push(Series::new(label, Ink::Series(k + 2), Shape::Steps(bars)));
     }
-    let lines = thresholds.iter().zip(threshold_names(state));
-    series.extend(lines.map(|(threshold, name)| Series::new(*name, Ink::Limit, Shape::Upright(*threshold))));
+    series.extend(threshold_lines(state, unit, Shape::Upright));
     let name = format!("distribution-{}", file_name(&state.name));
     let margin = 0.03 * (high - low);
-    let labels = [unit.axis(&words(&output.name)), density(unit)];
+    let labels = [unit.axis(&output), density(unit)];
     let plot = Plot {
         figure: &name,
         x: Axis::linear(&labels[0], (low - margin, high + margin)),
@@ -58,9 +56,9 @@ fn distribution(
         series: &series,
     };
     let title = if input.summary.is_static() {
-        format!("distribution of {}", words(&output.name))
+        format!("distribution of {output}")
     } else {
-        format!("{} late in life", words(&output.name))
+        format!("{output} late in life")
     };
     plot.figure(&capital(&title), &distribution_caption(input, state, shown))
 }
@@ -71,7 +69,7 @@ fn distribution_caption(
     state: &LimitState,
     shown: &[&CheckpointDistribution],
 ) -> String {
-    let unit = input.unit_of(state);
+    let unit = &input.unit_of(state);
     let moments = shown.iter().map(|distribution| {
         let [mean, std] = [distribution.mean, distribution.std].map(|si| moment(unit, si));
         format!("{mean} ± {} at {}", unit.after(&std), count(distribution.cycles.into()))
@@ -86,9 +84,12 @@ fn distribution_caption(
     )
 }
 
-/// Names of the lines at the thresholds of a limit state, ascending.
-fn threshold_names(state: &LimitState) -> &'static [&'static str] {
-    if state.middle().is_some() { &["lower threshold", "upper threshold"] } else { &["threshold"] }
+/// Lines at the thresholds of a limit state, ascending.
+fn threshold_lines(state: &LimitState, unit: &OutputUnit, line: fn(f64) -> Shape) -> Vec<Series> {
+    let names: &[&str] =
+        if state.middle().is_some() { &["lower threshold", "upper threshold"] } else { &["threshold"] };
+    let thresholds = state.thresholds().into_iter().zip(names);
+    thresholds.map(|(si, name)| Series::new(*name, Ink::Limit, line(unit.to_shown(si)))).collect()
 }
 
 /// Where failure lies, as the beginning of a sentence.
@@ -117,10 +118,11 @@ fn densities(distribution: &CheckpointDistribution, unit: &OutputUnit) -> Vec<(f
 /// digits.
 fn moment(unit: &OutputUnit, value: f64) -> String {
     match unit {
-        OutputUnit::Length | OutputUnit::AngularVelocity | OutputUnit::Angle => {
-            fixed(unit.to_shown(value), 2)
-        }
-        OutputUnit::Force | OutputUnit::Torque => fixed(unit.to_shown(value), 2),
+        OutputUnit::Length
+        | OutputUnit::AngularVelocity
+        | OutputUnit::Angle
+        | OutputUnit::Force
+        | OutputUnit::Torque => fixed(unit.to_shown(value), 2),
         other => three_digits(other.to_shown(value)),
     }
 }
@@ -137,7 +139,7 @@ fn density(unit: &OutputUnit) -> String {
 /// Distributions of a limit state's output at the governing checkpoint and two checkpoints before and after,
 /// the governing one being moved to a multiple of two checkpoints; or the three nearest there are.
 fn three_around_governing<'a>(input: &'a ReportInput, state: &LimitState) -> Vec<&'a CheckpointDistribution> {
-    let name = &input.outputs[state.output].name;
+    let name = &input.scene.outputs[state.output].name;
     let mut shown: Vec<&CheckpointDistribution> =
         input.distributions.iter().filter(|d| d.output == *name && d.edges.len() > 1).collect();
     shown.sort_by_key(|d| d.cycles);
@@ -164,14 +166,13 @@ pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         return Ok(vec![]);
     }
     let axis = LifeAxis::new(&input.summary);
-    let figures = input.limit_states.iter().map(|state| history(input, state, &axis));
+    let figures = input.scene.limit_states.iter().map(|state| history(input, state, &axis));
     figures.filter_map(Result::transpose).collect()
 }
 
 /// The output of one limit state over life; `None` if neither the nominal evaluation nor the population has it.
 fn history(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Result<Option<Figure>, PlotError> {
-    let output = &input.outputs[state.output];
-    let unit = &output.unit;
+    let (output, unit) = (input.output_of(state), &input.unit_of(state));
     let thresholds: Vec<f64> = state.thresholds().into_iter().map(|si| unit.to_shown(si)).collect();
     let nominal: Points = input.nominal.as_ref().map_or(vec![], |nominal| {
         let history = nominal.histories.get(state.output).map_or(&[][..], Vec::as_slice);
@@ -186,9 +187,7 @@ fn history(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Result<O
     let signed = thresholds[0] < 0.0 || nominal.iter().any(|p| p.1 < 0.0);
     let low = if low < 0.5 * high && !signed { 0.0 } else { low - 0.1 * (high - low) };
     let caption = history_caption(input, !bands.is_empty());
-    let lines = thresholds.iter().zip(threshold_names(state));
-    let mut series: Vec<Series> =
-        lines.map(|(threshold, name)| Series::new(*name, Ink::Limit, Shape::Level(*threshold))).collect();
+    let mut series = threshold_lines(state, unit, Shape::Level);
     let ink = ink_of(&input.summary, &state.name);
     // The inner band lies on the outer one.
     let drawn = bands.into_iter().zip([0.16, 0.5]);
@@ -197,14 +196,14 @@ fn history(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Result<O
         series.push(Series::new("nominal", Ink::Ink, Shape::Line(nominal)));
     }
     let name = format!("history-{}", file_name(&state.name));
-    let label = unit.axis(&words(&output.name));
+    let label = unit.axis(&output);
     let plot = Plot {
         figure: &name,
         x: Axis::linear(axis.label, (0.0, last)),
         y: Axis::linear(&label, (low, high + 0.05 * (high - low))),
         series: &series,
     };
-    plot.figure(&capital(&format!("{} over life", words(&output.name))), &caption).map(Some)
+    plot.figure(&capital(&format!("{output} over life")), &caption).map(Some)
 }
 
 fn history_caption(input: &ReportInput, with_bands: bool) -> String {
@@ -227,12 +226,12 @@ const BANDS: [(f64, f64); 2] = [(0.01, 0.99), (0.25, 0.75)];
 /// Bands of quantiles of a limit state's output over life, the widest first, as (label, points); empty if the study
 /// stored no distributions.
 fn spread(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Vec<(String, Band)> {
-    let output = &input.outputs[state.output];
+    let (output, unit) = (&input.scene.outputs[state.output], input.unit_of(state));
     let mut stored: Vec<_> = input.distributions.iter().filter(|d| d.output == output.name).collect();
     stored.sort_by_key(|d| d.cycles);
     let quantile = |d: &CheckpointDistribution, p: f64| {
         let found = d.quantiles.iter().find(|(probability, _)| (probability - p).abs() < 1e-9)?;
-        Some(output.unit.to_shown(found.1)).filter(|value| value.is_finite())
+        Some(unit.to_shown(found.1)).filter(|value| value.is_finite())
     };
     let band = |(low, high): (f64, f64)| {
         let point =
@@ -261,29 +260,29 @@ mod tests {
     #[test]
     fn the_three_checkpoints_straddle_the_governing_one() {
         let input = test_study::report_input();
-        let shown = three_around_governing(&input, &input.limit_states[1]);
+        let shown = three_around_governing(&input, &input.scene.limit_states[1]);
         assert_eq!(shown.iter().map(|d| d.cycles).collect::<Vec<_>>(), [64_000, 66_000, 68_000]);
         let mut few = input.clone();
         few.distributions.retain(|d| d.cycles == 10_000 || d.cycles >= 69_000);
-        let shown = three_around_governing(&few, &few.limit_states[0]);
+        let shown = three_around_governing(&few, &few.scene.limit_states[0]);
         assert_eq!(shown.iter().map(|d| d.cycles).collect::<Vec<_>>(), [69_000, 70_000, 71_000]);
     }
     #[test]
     fn both_thresholds_of_a_two_sided_limit_are_drawn_and_within_the_axes() {
         let mut input = test_study::report_input();
-        let upper = input.limit_states[0].threshold;
-        let mentions = |figures: Vec<Figure>| figures[0].svg.matches("threshold").count();
+        let upper = input.scene.limit_states[0].threshold;
+        let mentions = |figures: Vec<Figure>| figures[0].drawing.content.matches("threshold").count();
         let single = [histories(&input), distributions(&input)].map(|f| mentions(f.expect("drawn")));
-        input.limit_states[0].fails = Fails::Outside { lower: -0.5 * upper };
+        input.scene.limit_states[0].fails = Fails::Outside { lower: -0.5 * upper };
         for (figures, single) in [histories(&input), distributions(&input)].into_iter().zip(single) {
-            let svg = &figures.expect("drawn")[0].svg;
+            let svg = &figures.expect("drawn")[0].drawing.content;
             for name in ["lower threshold", "upper threshold"] {
                 assert!(svg.contains(name), "{name}: {svg}");
             }
             assert!(svg.matches("threshold").count() > single);
         }
         // The axis of the values reaches below the lower threshold, which is negative.
-        let svg = &histories(&input).expect("drawn")[0].svg;
+        let svg = &histories(&input).expect("drawn")[0].drawing.content;
         assert!(svg.contains('\u{2212}'), "no negative value on the axis: {svg}");
     }
 }

@@ -8,7 +8,7 @@ use crate::presentation::report::palette::Ink;
 use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Scale, Series, Shape, tick_label};
 use crate::results::life_summary::LifeCurveRow;
 use crate::results::summary::StudySummary;
-use common::random::{standard_normal_cdf, standard_normal_quantile};
+use common::random::standard_normal_cdf;
 
 /// Shares of failures between which the line is fitted, and drawn points [1].
 const FITTED: (f64, f64) = (0.01, 0.99);
@@ -76,11 +76,7 @@ impl PaperLine {
 
     /// Life by which a share has failed [cycles].
     fn life(&self, failed: f64) -> f64 {
-        let y = match self.paper {
-            Paper::Weibull => Scale::Weibull.of_share(failed),
-            Paper::Lognormal => standard_normal_quantile(failed),
-        };
-        self.centre * (y / self.slope).exp()
+        self.centre * (self.paper.scale().of_share(failed) / self.slope).exp()
     }
 
     /// Parameters and B-lives in words.

@@ -2,15 +2,14 @@
 //! deviations, coloured by the limit state that failed first.
 
 use super::{by_influence, governing_cycles, ink_of, words};
-use crate::presentation::report::bars::shortened;
-use crate::presentation::report::figure::{Figure, csv};
+use crate::presentation::report::bars::{NamedRows, shortened};
+use crate::presentation::report::figure::{Drawing, Figure, csv};
 use crate::presentation::report::format::count;
 use crate::presentation::report::input::{ReportInput, SimulatedSample};
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{LETTERS, PlotError, draw, letters, px, stroke, tick_label};
+use crate::presentation::report::plot::{LETTERS, PlotError, letters, px, stroke};
 use crate::results::csv_table::number;
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Most variables and lines drawn.
 const VARIABLES: usize = 14;
@@ -22,12 +21,6 @@ const REACH: f64 = 4.0;
 /// Height of all variables together where there are few, and limits of the height of one [CSS pixels].
 const HEIGHT: f64 = 240.0;
 const ROW: (f64, f64) = (26.0, 60.0);
-
-/// Height of the axis below [CSS pixels].
-const AXIS: f64 = 48.0;
-
-/// Width of the column of names [CSS pixels].
-const NAMES: f64 = 178.0;
 
 /// The figure; `None` with fewer than ten simulations or two variables.
 ///
@@ -45,12 +38,12 @@ pub fn parallel_coordinates(input: &ReportInput) -> Result<Option<Figure>, PlotE
         .samples
         .iter()
         .step_by(every)
-        .map(|sample| DrawnLine {
-            normals: variables.iter().map(|k| normal(input, sample, *k)).collect(),
-            failed: first_failure(input, sample, cycles),
+        .map(|sample| {
+            let normals = variables.iter().map(|k| normal(input, sample, *k)).collect();
+            (normals, first_failure(input, sample, cycles))
         })
         .collect();
-    let failed = lines.iter().filter(|line| line.failed.is_some()).count();
+    let failed = lines.iter().filter(|(_, failed)| failed.is_some()).count();
     let drawn = lines.len();
     let caption = format!(
         "One line per simulation: values of the {} in standard deviations (of the standard \
@@ -67,9 +60,9 @@ pub fn parallel_coordinates(input: &ReportInput) -> Result<Option<Figure>, PlotE
     let names: Vec<String> = variables.iter().map(|k| input.scene.variables[*k].name.clone()).collect();
     let mut columns = vec!["simulation", "failed first"];
     columns.extend(names.iter().map(String::as_str));
-    let rows = lines.iter().enumerate().map(|(k, line)| {
-        let mut cells = vec![(k * every).to_string(), line.failed.clone().unwrap_or_default()];
-        cells.extend(line.normals.iter().copied().map(number));
+    let rows = lines.iter().enumerate().map(|(k, (normals, failed))| {
+        let mut cells = vec![(k * every).to_string(), failed.clone().unwrap_or_default()];
+        cells.extend(normals.iter().copied().map(number));
         cells
     });
     let csv = csv(&columns, rows);
@@ -77,18 +70,13 @@ pub fn parallel_coordinates(input: &ReportInput) -> Result<Option<Figure>, PlotE
         name: "parallel-coordinates".into(),
         title: "Which combinations fail".into(),
         caption,
-        svg: svg(input, &names, &lines)?,
+        drawing: drawing(input, &names, &lines)?,
         csv,
     }))
 }
 
-/// A simulation as it is drawn.
-struct DrawnLine {
-    /// Standard normals of the variables drawn.
-    normals: Vec<f64>,
-    /// Limit state that failed first, if any has.
-    failed: Option<String>,
-}
+/// A simulation as it is drawn: standard normals of the variables, and the limit state that failed first, if any has.
+type DrawnLine = (Vec<f64>, Option<String>);
 
 /// Standard normal of a variable of a sample, within what is drawn.
 fn normal(input: &ReportInput, sample: &SimulatedSample, k: usize) -> f64 {
@@ -99,64 +87,41 @@ fn normal(input: &ReportInput, sample: &SimulatedSample, k: usize) -> f64 {
 
 /// The limit state that a simulation reached first, up to this life.
 fn first_failure(input: &ReportInput, sample: &SimulatedSample, cycles: u32) -> Option<String> {
-    let reached = input.limit_states.iter().zip(&sample.failed_at);
+    let reached = input.scene.limit_states.iter().zip(&sample.failed_at);
     let reached = reached.filter_map(|(state, at)| Some((at.filter(|at| *at <= cycles)?, state)));
     reached.min_by_key(|(at, _)| *at).map(|(_, state)| state.name.clone())
 }
 
-fn svg(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Result<String, PlotError> {
+fn drawing(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Result<Drawing, PlotError> {
     let count = names.len() as f64;
     let row = (HEIGHT / count).clamp(ROW.0, ROW.1);
     let mut legend: Vec<(String, Ink)> = vec![("works".into(), Ink::Muted)];
-    legend.extend(
-        input
-            .limit_states
-            .iter()
-            .map(|state| (format!("{} first", state.name), ink_of(&input.summary, &state.name))),
-    );
+    let states = input.scene.limit_states.iter().map(|state| &state.name);
+    legend.extend(states.map(|name| (format!("{name} first"), ink_of(&input.summary, name))));
     let per_row = 3;
     let top = 12.0 + 20.0 * legend.len().div_ceil(per_row) as f64;
-    draw("parallel-coordinates", row * count + top + AXIS, |root| {
-        let mut chart = ChartBuilder::on(root)
-            .margin_top(px(top))
-            .margin_right(px(18.0))
-            .margin_left(px(NAMES))
-            .x_label_area_size(px(AXIS))
-            .build_cartesian_2d(-REACH..REACH, 0.0..count)?;
-        chart
-            .configure_mesh()
-            .disable_y_mesh()
-            .disable_y_axis()
-            .x_labels(9)
-            .max_light_lines(0)
-            .bold_line_style(stroke(Ink::Grid, 1.0))
-            .axis_style(stroke(Ink::Muted, 1.0))
-            .label_style(letters(LETTERS, Ink::Muted))
-            .axis_desc_style(letters(LETTERS, Ink::Ink))
-            .set_all_tick_mark_size(px(4.0))
-            .x_label_formatter(&|value| tick_label(*value))
-            .x_desc("standard deviations")
-            .draw()?;
+    let names: Vec<String> = names.iter().map(|name| words(name)).collect();
+    let chart = NamedRows {
+        figure: "parallel-coordinates",
+        names: &names,
+        row,
+        top,
+        axis: "standard deviations",
+        range: -REACH..REACH,
+        ticks: 9,
+    };
+    chart.draw(|root, chart| {
         // Failures lie on top.
-        let (works, fails): (Vec<_>, Vec<_>) = lines.iter().partition(|line| line.failed.is_none());
-        for line in works.into_iter().chain(fails) {
-            let points = line
-                .normals
-                .iter()
-                .enumerate()
-                .map(|(k, u)| (*u, count - k as f64 - 0.5))
-                .collect::<Vec<_>>();
-            let (ink, opacity) = match &line.failed {
+        let (works, fails): (Vec<_>, Vec<_>) = lines.iter().partition(|(_, failed)| failed.is_none());
+        for (normals, failed) in works.into_iter().chain(fails) {
+            let points = normals.iter().enumerate().map(|(k, u)| (*u, count - k as f64 - 0.5));
+            let points: Vec<(f64, f64)> = points.collect();
+            let (ink, opacity) = match failed {
                 None => (Ink::Muted, 0.35),
                 Some(state) => (ink_of(&input.summary, state), 0.75),
             };
             let pen = ink.rgb().mix(opacity).stroke_width(px(0.9) as u32);
             chart.draw_series([PathElement::new(points, pen)])?;
-        }
-        let right = letters(LETTERS, Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
-        for (k, name) in names.iter().enumerate() {
-            let middle = px(top + row * (k as f64 + 0.5));
-            root.draw(&Text::new(shortened(&words(name)), (px(NAMES - 8.0), middle), right.clone()))?;
         }
         for (k, (label, ink)) in legend.iter().enumerate() {
             let (x, y) = (10.0 + 156.0 * (k % per_row) as f64, 15.0 + 20.0 * (k / per_row) as f64);
@@ -190,7 +155,7 @@ mod tests {
         for (k, first) in firsts.iter().enumerate() {
             assert_eq!(*first, if k % 3 == 0 { "asymmetry" } else { "" }, "{k}");
         }
-        let lines = figure.svg.matches("opacity=\"0.75\"").count();
+        let lines = figure.drawing.content.matches("opacity=\"0.75\"").count();
         assert_eq!(lines, firsts.len().div_ceil(3));
         input.samples.truncate(9);
         assert_eq!(parallel_coordinates(&input).unwrap(), None);

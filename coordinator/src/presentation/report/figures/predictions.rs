@@ -1,6 +1,6 @@
 //! Predicted against simulated: every simulation, and what the surrogate of a limit state predicts for it from all others.
 
-use super::{capital, file_name, ink_of, range, words};
+use super::{capital, file_name, ink_of, range};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{count, fixed, percent};
 use crate::presentation::report::input::ReportInput;
@@ -15,20 +15,17 @@ use common::scene::{Fails, LimitState};
 /// # Errors
 /// [`PlotError`].
 pub fn predicted_against_simulated(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
-    input
-        .summary
-        .predictions
-        .iter()
-        .filter(|row| !row.simulated.is_empty())
-        .map(|row| figure(input, row))
-        .collect()
+    let rows = input.summary.predictions.iter().filter(|row| !row.simulated.is_empty());
+    let states = &input.scene.limit_states;
+    let known =
+        rows.filter_map(|row| Some((row, states.iter().find(|state| state.name == row.limit_state)?)));
+    known.map(|(row, state)| figure(input, row, state)).collect()
 }
 
-fn figure(input: &ReportInput, row: &PredictionRow) -> Result<Figure, PlotError> {
-    let state = input.limit_states.iter().find(|state| state.name == row.limit_state);
-    let output = state.map(|state| &input.outputs[state.output]);
+fn figure(input: &ReportInput, row: &PredictionRow, state: &LimitState) -> Result<Figure, PlotError> {
+    let unit = input.unit_of(state);
     // The unit of files and the unit shown differ by a factor.
-    let factor = output.map_or(1.0, |output| output.unit.to_shown(1.0) / output.unit.to_file(1.0));
+    let factor = unit.to_shown(1.0) / unit.to_file(1.0);
     let points: Vec<[f64; 4]> = row
         .simulated
         .iter()
@@ -43,16 +40,10 @@ fn figure(input: &ReportInput, row: &PredictionRow) -> Result<Figure, PlotError>
     let (low, high) = (low - margin, high + margin);
     let mut series =
         vec![Series::new("predicted = simulated", Ink::Muted, Shape::Line(vec![(low, low), (high, high)]))];
-    if let (Some(state), Some(output)) = (state, output) {
-        let threshold = output.unit.to_shown(row_threshold(state));
-        if (low..=high).contains(&threshold) {
-            series.push(Series::new("threshold", Ink::Limit, Shape::Level(threshold)));
-            series.push(Series::unlisted(
-                "threshold of the simulated",
-                Ink::Limit,
-                Shape::Upright(threshold),
-            ));
-        }
+    let threshold = unit.to_shown(row_threshold(state));
+    if (low..=high).contains(&threshold) {
+        series.push(Series::new("threshold", Ink::Limit, Shape::Level(threshold)));
+        series.push(Series::unlisted("threshold of the simulated", Ink::Limit, Shape::Upright(threshold)));
     }
     let within = points.iter().filter(|[x, _, lower, upper]| (lower..=upper).contains(&x)).count();
     let all = points.len();
@@ -61,16 +52,11 @@ fn figure(input: &ReportInput, row: &PredictionRow) -> Result<Figure, PlotError>
         ink_of(&input.summary, &row.limit_state),
         Shape::Measured(points),
     ));
-    let name = output.map_or(row.limit_state.clone(), |output| words(&output.name));
-    let name = match (state.and_then(LimitState::middle), output) {
-        (Some(middle), Some(output)) => {
-            let middle = output.unit.after(&tick_label(output.unit.to_shown(middle)));
-            format!("distance of {name} from {middle}")
-        }
-        _ => name,
-    };
-    let labels = ["simulated", "predicted"]
-        .map(|which| output.map_or(which.to_owned(), |output| output.unit.axis(&format!("{which} {name}"))));
+    let mut name = input.output_of(state);
+    if let Some(middle) = state.middle() {
+        name = format!("distance of {name} from {}", unit.after(&tick_label(unit.to_shown(middle))));
+    }
+    let labels = ["simulated", "predicted"].map(|which| unit.axis(&format!("{which} {name}")));
     let plot = Plot {
         figure: &format!("predicted-{}", file_name(&row.limit_state)),
         x: Axis::linear(&labels[0], (low, high)),
@@ -78,18 +64,13 @@ fn figure(input: &ReportInput, row: &PredictionRow) -> Result<Figure, PlotError>
         series: &series,
     };
     let caption = format!(
-        "Largest {name} up to {} cycles in every simulation, and as the surrogate at the end of the study predicts it from all other \
-         simulations (leave-one-out). Q2 = {}; {} of {all} simulated values lie in the 95 % interval of their prediction ({}).",
+        "{} {name} up to {} cycles in every simulation, and as the surrogate at the end of the study predicts it from all other \
+         simulations (leave-one-out). Q2 = {}; {within} of {all} simulated values lie in the 95 % interval of their prediction ({}).",
+        if state.fails == Fails::Below { "Smallest" } else { "Largest" },
         count(row.cycles.into()),
         fixed(row.q2, 4),
-        within,
         percent(within as f64 / all as f64)
     );
-    let caption = if state.is_some_and(|state| state.fails == Fails::Below) {
-        caption.replacen("Largest", "Smallest", 1)
-    } else {
-        caption
-    };
     plot.figure(&capital(&format!("predicted against simulated {name}")), &caption)
 }
 

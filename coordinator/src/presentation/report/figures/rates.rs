@@ -41,28 +41,19 @@ pub fn failure_rates(summary: &StudySummary) -> Result<Vec<Figure>, PlotError> {
         rate.hazard.map(|h| PER * h)
     };
     let mut figures = vec![
-        over_life(
-            summary,
-            &curves,
-            DrawnRate { name: "failure-density", title: "Failure density", of: density },
-        )?,
-        over_life(summary, &curves, DrawnRate { name: "hazard", title: "Hazard rate", of: hazard })?,
+        over_life(summary, &curves, ["failure-density", "Failure density"], density)?,
+        over_life(summary, &curves, ["hazard", "Hazard rate"], hazard)?,
     ];
     figures.extend(papers(summary, &curves)?);
     Ok(figures)
 }
 
-/// A rate of failures that is drawn over life.
-struct DrawnRate<F> {
-    name: &'static str,
-    title: &'static str,
-    of: F,
-}
-
+/// A rate of failures between two lives of a curve, over life; with the `name` and the `title` of its figure.
 fn over_life(
     summary: &StudySummary,
     curves: &[(&str, &LifeCurveRow)],
-    rate: DrawnRate<impl Fn(&SurvivalCurve, f64, f64) -> Option<f64>>,
+    [figure, title]: [&str; 2],
+    rate: impl Fn(&SurvivalCurve, f64, f64) -> Option<f64>,
 ) -> Result<Figure, PlotError> {
     let axis = LifeAxis::new(summary);
     let rows = rows_that_matter(summary, 1);
@@ -89,7 +80,7 @@ fn over_life(
         });
         let (mut line, mut area): (Points, Band) = (vec![], vec![]);
         for pair in ends.windows(2) {
-            let value = |curve: &SurvivalCurve| (rate.of)(curve, pair[0], pair[1]);
+            let value = |curve: &SurvivalCurve| rate(curve, pair[0], pair[1]);
             let Some(best) = value(&curve) else { continue };
             let [left, right] = [pair[0], pair[1]].map(|time| axis.place_time(time));
             line.extend([(left, best), (right, best)]);
@@ -107,14 +98,14 @@ fn over_life(
         let shape = if *name == "total" { Shape::Dashed(line) } else { Shape::Line(line) };
         series.push(Series::new(*name, ink, shape));
     }
-    let label = format!("{} [1/1000 cycles]", rate.title.to_lowercase());
+    let label = format!("{} [1/1000 cycles]", title.to_lowercase());
     let plot = Plot {
-        figure: rate.name,
+        figure,
         x: Axis::linear(axis.label, span(summary, &axis)),
         y: Axis::linear(&label, (0.0, 1.05 * most.max(1e-12))),
         series: &series,
     };
-    let what = if rate.name == "hazard" {
+    let what = if figure == "hazard" {
         format!(
             "Failures per 1000 cycles of those that still work, −d ln R/dn, as means over the intervals shown; not drawn where \
              fewer than {} survive.",
@@ -124,7 +115,7 @@ fn over_life(
         "Failures per 1000 cycles of all that began, −dR/dn, as means over the intervals shown.".to_owned()
     };
     plot.figure(
-        rate.title,
+        title,
         &format!(
             "{what} Band: 95 % interval of the whole {} with every error that the study states.",
             summary.subject()

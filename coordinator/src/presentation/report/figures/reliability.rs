@@ -62,6 +62,24 @@ pub fn beginning(summary: &StudySummary, rows: &[ReliabilityRow]) -> Option<u32>
     Some(if failed { 0 } else { first.cycles })
 }
 
+/// Bands of all curves, `what` they are in the CSV, and before them the lines; that of the whole system is broken.
+pub fn curves_with_bands(
+    summary: &StudySummary,
+    axis: &LifeAxis,
+    what: &str,
+    band: impl Fn(&str) -> Band,
+) -> Vec<Series> {
+    let bands = summary.curve_names().map(|name| {
+        Series::unlisted(format!("{name}, {what}"), ink_of(summary, name), Shape::Band(band(name)))
+    });
+    let lines = summary.curve_names().map(|name| {
+        let points = curve(summary, name, axis).0;
+        let shape = if name == "total" { Shape::Dashed(points) } else { Shape::Line(points) };
+        Series::new(name, ink_of(summary, name), shape)
+    });
+    bands.chain(lines).collect()
+}
+
 /// Reliability over life per limit state and in total, with 95 % bands; the checkpoints as dots with error bars.
 ///
 /// # Errors
@@ -75,25 +93,19 @@ pub fn reliability(summary: &StudySummary) -> Result<Option<Figure>, PlotError> 
         return Ok(None);
     }
     let axis = LifeAxis::new(summary);
-    let (mut bands, mut lines, mut dots) = (Vec::new(), Vec::new(), Vec::new());
-    for name in summary.curve_names() {
-        let (points, band) = curve(summary, name, &axis);
-        let ink = ink_of(summary, name);
-        bands.push(Series::unlisted(format!("{name}, band"), ink, Shape::Band(band)));
-        let shape = if name == "total" { Shape::Dashed(points) } else { Shape::Line(points) };
-        lines.push(Series::new(name, ink, shape));
-        // Straight lines between checkpoints show these by their corners.
-        if !summary.curves.is_empty() {
-            let measured = checkpoints(rows, name, &axis).into_iter();
-            let measured = measured.map(|((x, r), (_, lower, upper))| [x, r, lower, upper]).collect();
-            dots.push(Series::unlisted(format!("{name}, checkpoints"), ink, Shape::Measured(measured)));
-        }
+    let mut series = curves_with_bands(summary, &axis, "band", |name| curve(summary, name, &axis).1);
+    // Straight lines between checkpoints show these by their corners.
+    for name in summary.curve_names().filter(|_| !summary.curves.is_empty()) {
+        let measured = checkpoints(rows, name, &axis).into_iter();
+        let measured = measured.map(|((x, r), (_, lower, upper))| [x, r, lower, upper]).collect();
+        let (label, ink) = (format!("{name}, checkpoints"), ink_of(summary, name));
+        series.push(Series::unlisted(label, ink, Shape::Measured(measured)));
     }
     let plot = Plot {
         figure: "reliability",
         x: Axis::linear(axis.label, span(summary, &axis)),
         y: Axis::linear("reliability R", (0.0, 1.0)),
-        series: &[bands, lines, dots].concat(),
+        series: &series,
     };
     let caption = format!(
         "Probability of no failure up to this life, per limit state and for the whole {}, which fails with its first limit \

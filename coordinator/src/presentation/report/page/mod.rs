@@ -1,267 +1,171 @@
-//! The page of the report: sections with their figures and tables, one style sheet, one script that animates the
-//! drawing of the mechanism, and one that shows the values of charts at the pointer. Without them the drawing shows its first frame.
+//! A page as a value: a header, and below it text and chapters with their figures. It is written once it is complete: then figures and
+//! tables have numbers, and references to them are links.
 
-mod end;
-mod head;
 pub mod numbered;
 mod parts;
-mod points;
-mod worn_guides;
 
 pub use numbered::FigureFiles;
-pub use parts::{captioned, details, figures, standalone, wrapped};
+pub use parts::{captioned, details, figures, standalone};
 
-use super::animation::{Animation, SCRIPT};
 use super::figure::Figure;
-use super::figures::file_name;
-use super::figures::lives_in_words;
-use super::format::count;
-use super::input::ReportInput;
-use super::life::rows_that_matter;
-use super::{stated, studied, tables};
-use maud::{Markup, PreEscaped, html};
-use parts::{inline, page_of, section};
+use super::palette;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// The script that shows the values of a chart at the pointer.
-const HOVER: &str = include_str!("hover.js");
+const STYLE: &str = include_str!("style.css");
 
-/// Figures by section of the page.
-#[derive(Default)]
-pub struct Sections {
-    pub(super) studied: Vec<Figure>,
-    pub(super) reliability: Vec<Figure>,
-    pub(super) rates: Vec<Figure>,
-    pub(super) outputs: Vec<Figure>,
-    pub(super) inputs: Vec<Figure>,
-    pub(super) combinations: Vec<Figure>,
-    pub(super) sensitivity: Vec<Figure>,
-    pub(super) variance: Vec<Figure>,
-    pub(super) motion: Option<Animation>,
-    pub(super) first_cycle: Vec<Figure>,
-    pub(super) last_cycle: Vec<Figure>,
-    pub(super) bores: Vec<Figure>,
-    pub(super) orbits: Vec<Figure>,
-    pub(super) predictions: Vec<Figure>,
-    pub(super) learning: Vec<Figure>,
-    pub(super) numerical: Vec<Figure>,
+/// Title of the chapter that begins a sheet of its own.
+const APPENDIX: &str = "Appendix";
+
+/// A page in the style of the report.
+#[derive(Debug, Clone)]
+pub struct Page {
+    title: String,
+    header: Markup,
+    /// Content before the list of the chapters, where there is a list.
+    before_contents: Option<Markup>,
+    body: Markup,
+    chapters: Vec<&'static str>,
+    figures: Vec<Figure>,
+    files: FigureFiles,
 }
 
-impl Sections {
-    /// All figures in the order of the page.
-    pub fn into_figures(self) -> Vec<Figure> {
-        [
-            self.studied,
-            self.reliability,
-            self.rates,
-            self.outputs,
-            self.sensitivity,
-            self.variance,
-            self.inputs,
-            self.combinations,
-            self.motion.into_iter().map(|motion| motion.figure).collect(),
-            self.bores,
-            self.orbits,
-            self.first_cycle,
-            self.last_cycle,
-            self.predictions,
-            self.learning,
-            self.numerical,
-        ]
-        .concat()
+/// What the page of a running study has besides.
+pub struct LiveStatus {
+    /// Number of the page, for the script that asks for a newer one.
+    pub revision: u64,
+    /// Further elements of the head.
+    pub head: Markup,
+    /// The line above everything.
+    pub line: Markup,
+    /// The progress of the study, below the header.
+    pub progress: Markup,
+}
+
+impl Page {
+    /// A page with this header, whose figures have such files.
+    pub fn new(title: &str, header: Markup, files: FigureFiles) -> Self {
+        let (title, before_contents) = (title.to_owned(), None);
+        Self { title, header, before_contents, body: html! {}, chapters: vec![], figures: vec![], files }
     }
-}
 
-/// The whole page.
-pub fn html(input: &ReportInput, sections: &Sections, files: FigureFiles) -> String {
-    let convergence = &input.summary.convergence;
-    let stated = stated::sentences(input).join(" ");
-    let body = html! {
-        (head::head(input))
-        (numbered::contents())
-        (studied::chapter(input, &sections.studied))
-        (reliability(input, sections))
-        (section(
-            "Distributions of the outputs",
-            html! {},
-            figures(&sections.outputs, "two"),
-            html! { "The study stored no distributions." },
-        ))
-        (influences(input, sections))
-        (points::simulated(input, &sections.inputs, &sections.combinations))
-        @if input.summary.of_mechanism() { (mechanism(input, sections)) }
-        (section(
-            "Quality of the surrogates",
-            html! {},
-            figures(&sections.predictions, "two"),
-            html! {
-                @if input.summary.is_direct() { "Every sample was simulated; there are no surrogates." }
-                @else { "The study stored no predictions of its surrogates." }
-            },
-        ))
-        (section(
-            "Convergence of the study",
-            html! { @if !convergence.stopped_because.is_empty() { "Stopped because: " (convergence.stopped_because) "." } },
-            figures(&sections.learning, "three"),
-            html! { "The study had no rounds of learning." },
-        ))
-        (section(
-            "Numerical error",
-            html! { (stated) },
-            figures(&sections.numerical, "three"),
-            html! { @if stated.is_empty() { "The simulations state no numerical errors." } @else { (stated) } },
-        ))
-        (stated::errors_over_life(input))
-        (end::effort(input))
-        (appendix(input))
-        @if let Some(motion) = &sections.motion { (animated(motion)) }
-        script { "\n" (PreEscaped(HOVER)) } "\n"
-    };
-    page_of(&input.title, &body, files)
-}
-
-/// Curves, what fails first, and the numbers.
-fn reliability(input: &ReportInput, sections: &Sections) -> Markup {
-    let rows = rows_that_matter(&input.summary, 1);
-    let all = &input.summary.reliability;
-    html! {
-        h2 { "Reliability" }
-        (figures(&[sections.reliability.clone(), sections.rates.clone()].concat(), "two"))
-        (captioned("reliability", "Reliability at the checkpoints that matter, with 95 % intervals", tables::reliability(input, rows)))
-        @if rows.len() < all.len() {
-            p { "All checkpoints: " (numbered::refer_table(CHECKPOINTS)) "; more digits in " code { "reliability.csv" } "." }
-        }
+    /// Adds content to the last chapter.
+    pub fn add(&mut self, content: Markup) {
+        self.body.0 += &content.0;
     }
-}
 
-/// Sensitivities of the failures, and contributions to the variance of the outputs.
-fn influences(input: &ReportInput, sections: &Sections) -> Markup {
-    let tables: Vec<String> = sensitivities(input).into_iter().map(|(name, _)| name).collect();
-    html! {
-        (section(
-            "Sensitivity",
-            html! {},
-            figures(&[sections.sensitivity.clone(), sections.variance.clone()].concat(), "two"),
-            html! { "No sensitivities were computed." },
-        ))
-        @if sections.variance.is_empty() {
-            p.none { "No Sobol indices: the study has no surrogates, or its variables are dependent." }
-        }
-        @if !tables.is_empty() {
-            p {
-                "All variables: "
-                @for (k, name) in tables.iter().enumerate() { @if k > 0 { ", " } (numbered::refer_table(name)) }
-                "."
+    /// Adds the list of all chapters.
+    pub fn add_contents(&mut self) {
+        self.before_contents = Some(std::mem::replace(&mut self.body, html! {}));
+    }
+
+    /// Begins a chapter.
+    pub fn begin(&mut self, title: &'static str) {
+        self.chapters.push(title);
+        let anchor = format!("chapter-{}", self.chapters.len());
+        self.add(html! { a id=(anchor) {} h2 class=[(title == APPENDIX).then_some("appendix")] { (title) } });
+    }
+
+    /// Begins the appendix.
+    pub fn begin_appendix(&mut self) {
+        self.begin(APPENDIX);
+    }
+
+    /// Figures side by side in the columns of a class of the style sheet, as content that is to be added; empty for none.
+    pub fn draw(&mut self, drawn: Vec<Figure>, columns: &str) -> Markup {
+        let content = figures(&drawn, columns);
+        self.figures.extend(drawn);
+        content
+    }
+
+    /// A figure with controls that a script unhides, as content that is to be added.
+    pub fn draw_moving(&mut self, drawn: Figure, controls: Markup) -> Markup {
+        let content = parts::figure(&drawn, Some(controls));
+        self.figures.push(drawn);
+        content
+    }
+
+    /// Adds a chapter of drawn figures with an introduction; of the sentence `otherwise` alone if there are none.
+    pub fn add_chapter(&mut self, title: &'static str, lead: Markup, drawn: Markup, otherwise: Markup) {
+        self.begin(title);
+        self.add(html! {
+            @if drawn.0.is_empty() {
+                p.none { (otherwise) }
+            } @else {
+                @if !lead.0.is_empty() { p { (lead) } }
+                (drawn)
             }
-        }
+        });
     }
-}
 
-/// Name of the table of all checkpoints.
-const CHECKPOINTS: &str = "checkpoints";
-
-/// Tables of the sensitivities by their names.
-fn sensitivities(input: &ReportInput) -> Vec<(String, Markup)> {
-    let of = |name: &str| {
-        let title = format!("Sensitivity of the failure probability by {name}, all variables");
-        let table_name = format!("sensitivity-{}", file_name(name));
-        Some((table_name.clone(), captioned(&table_name, &title, tables::sensitivity(input, name)?)))
-    };
-    input.limit_states.iter().filter_map(|state| of(&state.name)).collect()
-}
-
-/// Long tables, and what is needed to repeat the study.
-fn appendix(input: &ReportInput) -> Markup {
-    let (rows, all) = (rows_that_matter(&input.summary, 1), &input.summary.reliability);
-    html! {
-        div.appendix { h2 { "Appendix" } }
-        (studied::appendix(input))
-        @if rows.len() < all.len() {
-            (captioned(CHECKPOINTS, "Reliability at all checkpoints, with 95 % intervals", tables::reliability(input, all)))
-        }
-        @for (_, table) in sensitivities(input) { (table) }
-        @if !input.summary.convergence.rounds.is_empty() {
-            (captioned("rounds", "Rounds of learning", tables::rounds(input)))
-        }
-        (end::repeat(input))
+    /// The figures in their order.
+    pub fn figures(&self) -> &[Figure] {
+        &self.figures
     }
-}
 
-/// The data of an animation and the script that shows it.
-pub fn animated(motion: &Animation) -> Markup {
-    html! {
-        script type="application/json" id="motion" { (PreEscaped(&motion.data)) } "\n"
-        script { "\n" (PreEscaped(SCRIPT)) } "\n"
-    }
-}
-
-/// The nominal mechanism: its motion, its bores and orbits, its first and its last cycle.
-pub fn mechanism(input: &ReportInput, sections: &Sections) -> Markup {
-    let end = input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(0, |cycles| *cycles);
-    let lives = lives_in_words(input);
-    let no_history = input.nominal.as_ref().is_none_or(|nominal| nominal.worn.is_none());
-    html! {
-        (section(
-            "The mechanism",
-            html! {},
-            sections.motion.as_ref().map_or(html! {}, |motion| moving(&motion.figure)),
-            html! { "The nominal evaluation does not include the motion of every body." },
-        ))
-        (section(
-            "Worn bores",
-            html! {
-                "The nominal mechanism after " (count(end.into())) " cycles"
-                @if no_history {
-                    "; this campaign stores the bores at the end of life only"
-                } @else if !lives.is_empty() {
-                    "; thin lines: after " (lives)
-                }
-                ". The inner circle is the unworn bore. Wear is drawn outward from it, magnified, at one scale for all \
-                 joints; angles are in the frame of the bushing's body."
-            },
-            figures(&sections.bores, "many"),
-            html! { "No bore is worn in a nominal evaluation." },
-        ))
-        (worn_guides::worn_guides(input))
-        (section(
-            "Journal orbits",
-            html! {
-                "Centre of the journal relative to that of the bushing over a cycle, in the frame of the bushing's body, at \
-                 one scale for all joints: "
-                span.first { "first cycle" } ", " span.last { "last cycle" }
-                ". Circle: radial clearance; outer curve: with the wear at the end of life."
-            },
-            figures(&sections.orbits, "many"),
-            html! { "The nominal evaluation does not include the motion of journals and bushings." },
-        ))
-        (section(
-            "First and last cycle",
-            html! {},
-            figures(&[sections.first_cycle.clone(), sections.last_cycle.clone()].concat(), "three"),
-            html! { "The nominal evaluation has no first cycle." },
-        ))
-        @if sections.last_cycle.is_empty() && !sections.first_cycle.is_empty() {
-            p.none { "The nominal evaluation has no last cycle." }
-        }
-    }
-}
-
-/// The drawing of the mechanism with the controls of its animation, which the script unhides.
-fn moving(figure: &Figure) -> Markup {
-    html! {
-        figure id=(figure.name) class="moving" {
-            h3 { (figure.title) (numbered::files(&figure.name)) }
-            (inline(figure))
-            div.controls hidden="" {
-                button type="button" { "Play" }
-                input.instant type="range" min="0" value="0" aria-label="instant of the cycle";
-                select aria-label="cycle" {}
-                span.through hidden="" {
-                    "Life "
-                    input.life type="range" min="0" value="0" aria-label="life of the bores";
-                    " " output {}
+    /// The text of the page; of a running study with its status.
+    pub fn html(&self, live: Option<&LiveStatus>) -> String {
+        let body = html! {
+            (self.header)
+            @if let Some(live) = live { "\n" (live.progress) }
+            @if let Some(lead) = &self.before_contents {
+                (lead)
+                nav aria-label="contents" {
+                    ol { @for (k, title) in self.chapters.iter().enumerate() { li { a href=(format!("#chapter-{}", k + 1)) { (title) } } } }
                 }
             }
-            figcaption { strong { (numbered::figure(&figure.name)) "." } " " (figure.caption) }
+            (self.body)
+        };
+        let body = PreEscaped(numbered::resolve(&body.0, self.files));
+        let page = html! {
+            (DOCTYPE) "\n"
+            html lang="en" data-revision=[live.map(|live| live.revision)] {
+                head {
+                    meta charset="utf-8";
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    title { (self.title) " · Hingewise" }
+                    style { "\n" (PreEscaped(palette::css())) (PreEscaped(STYLE)) (PreEscaped(running_head(&self.title))) }
+                    @if let Some(live) = live { (live.head) "\n" }
+                }
+                body { "\n" @if let Some(live) = live { (live.line) } main { (body) } }
+            }
+            "\n"
+        };
+        page.into_string()
+    }
+}
+
+/// A page in the style of the report around a body.
+pub fn wrapped(title: &str, body: &Markup) -> String {
+    Page::new(title, body.clone(), FigureFiles::Absent).html(None)
+}
+
+/// The style of the running head and the page numbers of a printed page.
+fn running_head(title: &str) -> String {
+    // What could end the string or the style element is left out.
+    let plain: String = title.chars().filter(|c| !"\"\\<>\n".contains(*c)).collect();
+    format!(
+        "@page{{margin:18mm 14mm 16mm;@top-left{{content:\"Hingewise · {plain}\";font-size:8pt;color:#57616D}}\
+         @bottom-right{{content:counter(page) \" / \" counter(pages);font-size:8pt;color:#57616D}}}}\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chapters_have_numbers_that_the_contents_lead_to() {
+        let mut page = Page::new("T", html! { header { "H" } }, FigureFiles::Absent);
+        page.add(html! { p { "before" } });
+        page.add_contents();
+        ["One", "Two"].into_iter().for_each(|title| page.begin(title));
+        let text = page.html(None);
+        for said in [
+            "<p>before</p><nav",
+            "<li><a href=\"#chapter-1\">One</a></li><li><a href=\"#chapter-2\">Two</a></li>",
+            "<a id=\"chapter-2\"></a><h2>Two</h2>",
+        ] {
+            assert!(text.contains(said), "{said} in {text}");
         }
     }
 }

@@ -1,5 +1,6 @@
 //! An axis of a chart, its scale, and the text of its ticks.
 
+use crate::presentation::report::format::plain;
 use common::random::{standard_normal_cdf, standard_normal_quantile};
 
 /// The function of a value that an axis draws.
@@ -74,9 +75,7 @@ impl<'a> Axis<'a> {
 
 /// A number with at most three decimals and no trailing zeros.
 pub fn tick_label(value: f64) -> String {
-    let text = format!("{value:.3}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".into() } else { text.replace('-', "\u{2212}") }
+    plain(value, 3)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The paper of a drawing: sizes, pens and lettering in CSS pixels for plotters' SVG backend.
 
+use crate::presentation::report::figure::Drawing;
 use crate::presentation::report::palette::Ink;
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -28,25 +29,31 @@ pub const LETTERS: f64 = 15.2;
 const PLOTTERS_FONT: f64 = 1.24;
 
 /// Drawing area of a whole figure.
-pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// Error of plotters' SVG backend.
-pub(super) type DrawError = DrawingAreaErrorKind<std::io::Error>;
+pub type DrawError = DrawingAreaErrorKind<std::io::Error>;
 
-/// A drawing of the standard width and this height [CSS pixels] on paper, as an SVG document.
+/// A drawing of the standard width and this height [CSS pixels] on paper.
 pub fn draw(
     figure: &str,
     height: f64,
     paint: impl FnOnce(&Area<'_>) -> Result<(), DrawError>,
-) -> Result<String, PlotError> {
-    let mut svg = String::new();
+) -> Result<Drawing, PlotError> {
+    let (mut svg, [width, height]) = (String::new(), [WIDTH, height].map(|size| px(size) as u32));
     let painted = {
-        let root =
-            SVGBackend::with_string(&mut svg, (px(WIDTH) as u32, px(height) as u32)).into_drawing_area();
+        let root = SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area();
         root.fill(&Ink::Paper.rgb()).and_then(|()| paint(&root)).and_then(|()| root.present())
     };
     painted.map_err(|error| PlotError { figure: figure.into(), reason: error.to_string() })?;
-    Ok(svg)
+    // What plotters writes is a document.
+    let content = svg.split_once('>').map_or("", |(_, content)| content.trim().trim_end_matches("</svg>"));
+    Ok(Drawing {
+        view: format!("0 0 {width} {height}"),
+        letters: None,
+        axes: None,
+        content: content.to_owned(),
+    })
 }
 
 /// CSS pixels in the pixels of the drawing.

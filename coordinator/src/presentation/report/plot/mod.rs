@@ -9,15 +9,15 @@ mod shapes;
 mod ticks;
 
 pub use axis::{Axis, Scale, tick_label};
-pub use canvas::{LETTERS, PlotError, draw, letters, px, stroke};
+pub use canvas::{Area, DrawError, LETTERS, PlotError, draw, letters, px, stroke};
 pub use series::{Band, Points, Series, Shape};
 
-use super::figure::Figure;
+use super::figure::{Drawing, Figure};
 use super::palette::Ink;
-use canvas::{Area, DrawError};
 use legend::{Legend, legend};
 use plotters::prelude::*;
 use shapes::{Frame, draw_series};
+use std::ops::Range;
 use ticks::{TickedAxis, ticks};
 
 /// Height of what is above and below the plot, without the legend [CSS pixels].
@@ -48,30 +48,30 @@ impl Plot<'_> {
             name: self.figure.into(),
             title: title.into(),
             caption: caption.into(),
-            svg: self.svg()?,
+            drawing: self.drawing()?,
             csv: series::csv(self.series, &self.x, &self.y),
         })
     }
 
-    /// The chart as an SVG document. Points that are not finite are left out, as are those outside the range of the
+    /// The chart. Points that are not finite are left out, as are those outside the range of the
     /// horizontal axis; values are clamped to the vertical range.
     ///
     /// # Errors
     /// [`PlotError`].
-    pub fn svg(&self) -> Result<String, PlotError> {
+    pub fn drawing(&self) -> Result<Drawing, PlotError> {
         let legend = legend(self.series);
         let height = self.plot_height() + 20.0 * legend.rows as f64 + AROUND;
-        let mut area = None;
-        let svg = draw(self.figure, height, |root| {
-            area = Some(self.draw_on(root, &legend)?);
+        let mut axes = None;
+        let drawing = draw(self.figure, height, |root| {
+            axes = Some(self.axes(&self.draw_on(root, &legend)?));
             Ok(())
         })?;
-        Ok(area.map_or(svg.clone(), |area| svg.replacen("<svg ", &format!("<svg {} ", self.axes(&area)), 1)))
+        Ok(Drawing { axes, ..drawing })
     }
 
-    /// The attribute by which a script finds the values at a place of the drawing: per axis its label, its scale, and first and last
+    /// What a script needs to find the values at a place of the drawing, JSON: per axis its label, its scale, and first and last
     /// place [drawing units] with the numbers drawn there; and the names of the series by their colours.
-    fn axes(&self, area: &DrawnArea) -> String {
+    fn axes(&self, (across, down): &DrawnArea) -> String {
         let frame = Frame::new(self.x.range, self.y.range);
         let axis = |axis: &Axis<'_>, (from, to): (i32, i32), (first, last): (f64, f64)| {
             serde_json::json!({ "label": axis.label, "scale": axis.scale.name(), "from": from, "to": to, "first": first,
@@ -80,12 +80,11 @@ impl Plot<'_> {
         let names: std::collections::BTreeMap<String, &str> =
             self.series.iter().rev().map(|series| (series.ink.hex(), series.label.as_str())).collect();
         let about = serde_json::json!({
-            "x": axis(&self.x, (area.x.start, area.x.end), frame.x),
-            "y": axis(&self.y, (area.y.end, area.y.start), frame.y),
+            "x": axis(&self.x, (across.start, across.end), frame.x),
+            "y": axis(&self.y, (down.end, down.start), frame.y),
             "names": names,
         });
-        let text = about.to_string().replace('&', "&amp;").replace('"', "&quot;").replace('<', "&lt;");
-        format!("data-axes=\"{text}\"")
+        about.to_string()
     }
 
     /// Height of the plot itself, with room for the label of the vertical axis [CSS pixels].
@@ -127,16 +126,12 @@ impl Plot<'_> {
             draw_series(&mut chart, &frame, series)?;
         }
         legend.draw_on(root)?;
-        let (x, y) = chart.plotting_area().get_pixel_range();
-        Ok(DrawnArea { x, y })
+        Ok(chart.plotting_area().get_pixel_range())
     }
 }
 
-/// Where the curves of a chart are drawn [drawing units].
-struct DrawnArea {
-    x: std::ops::Range<i32>,
-    y: std::ops::Range<i32>,
-}
+/// Where the curves of a chart are drawn: across and downward [drawing units].
+type DrawnArea = (Range<i32>, Range<i32>);
 
 #[cfg(test)]
 mod tests {
@@ -149,8 +144,9 @@ mod tests {
             y: Axis::linear("y & more", (0.0, 1.0)),
             series,
         }
-        .svg()
+        .drawing()
         .unwrap()
+        .document(&maud::html! {})
     }
 
     #[test]
@@ -166,9 +162,8 @@ mod tests {
     fn issue_long_labels_of_the_vertical_axis_ran_into_the_legend() {
         let height = |label: &str| {
             let (x, y) = (Axis::linear("x", (0.0, 1.0)), Axis::linear(label, (0.0, 1.0)));
-            let svg = Plot { figure: "test", x, y, series: &[] }.svg().unwrap();
-            let document = roxmltree::Document::parse(&svg).unwrap();
-            document.root_element().attribute("height").unwrap().parse::<f64>().unwrap() / f64::from(px(1.0))
+            let view = Plot { figure: "test", x, y, series: &[] }.drawing().unwrap().view;
+            view.split(' ').next_back().unwrap().parse::<f64>().unwrap() / f64::from(px(1.0))
         };
         assert_eq!(height("R"), 290.0);
         assert!(height(&"x".repeat(40)) > 40.0 * LETTER_WIDTH + AROUND - 1.0);

@@ -73,37 +73,27 @@ impl Series {
     }
 }
 
-/// One row of the CSV; fields that a shape does not define are empty.
-#[derive(Clone, Copy, Default)]
-struct CsvRow<'a> {
-    label: &'a str,
-    x: Option<f64>,
-    y: Option<f64>,
-    upper: Option<f64>,
-    right: Option<f64>,
-    mark: &'a str,
-}
+/// A row of the CSV: x, y, the upper end of a band, the right end of a bar, where the shape defines them, and a mark.
+type CsvRow<'a> = ([Option<f64>; 4], &'a str);
 
 /// Rows of one series: a row per point, or one row for a level or an upright line.
-fn rows(series: &Series) -> Vec<CsvRow<'_>> {
-    let point =
-        |(x, y): &(f64, f64)| CsvRow { label: &series.label, x: Some(*x), y: Some(*y), ..CsvRow::default() };
-    let line = CsvRow { label: &series.label, ..CsvRow::default() };
-    match &series.shape {
+fn rows(shape: &Shape) -> Vec<CsvRow<'_>> {
+    let point = |(x, y): &(f64, f64)| ([Some(*x), Some(*y), None, None], "");
+    match shape {
         Shape::Line(points) | Shape::Dashed(points) | Shape::Dotted(points) | Shape::Cloud(points) => {
             points.iter().map(point).collect()
         }
         Shape::Measured(points) => points.iter().map(|[x, y, _, _]| point(&(*x, *y))).collect(),
-        Shape::Marked(marks) => marks.iter().map(|(at, mark)| CsvRow { mark, ..point(at) }).collect(),
+        Shape::Marked(marks) => marks.iter().map(|(at, mark)| (point(at).0, mark.as_str())).collect(),
         Shape::Band(points) => {
-            points.iter().map(|(x, low, high)| CsvRow { upper: Some(*high), ..point(&(*x, *low)) }).collect()
+            points.iter().map(|(x, low, high)| ([Some(*x), Some(*low), Some(*high), None], "")).collect()
         }
         Shape::Steps(bars) => bars
             .iter()
-            .map(|(left, right, height)| CsvRow { right: Some(*right), ..point(&(*left, *height)) })
+            .map(|(left, right, height)| ([Some(*left), Some(*height), None, Some(*right)], ""))
             .collect(),
-        Shape::Level(y) => vec![CsvRow { y: Some(*y), ..line }],
-        Shape::Upright(x) => vec![CsvRow { x: Some(*x), ..line }],
+        Shape::Level(y) => vec![([None, Some(*y), None, None], "")],
+        Shape::Upright(x) => vec![([Some(*x), None, None, None], "")],
     }
 }
 
@@ -111,22 +101,23 @@ fn rows(series: &Series) -> Vec<CsvRow<'_>> {
 /// the right ends in `<x label> to`; for labelled points `mark`. Coordinates that a level or an upright line leaves open
 /// and values that are not finite are empty.
 pub(super) fn csv(series: &[Series], x: &Axis<'_>, y: &Axis<'_>) -> String {
-    let rows: Vec<CsvRow<'_>> = series.iter().flat_map(rows).collect();
-    let bands = rows.iter().any(|row| row.upper.is_some());
-    let bars = rows.iter().any(|row| row.right.is_some());
-    let marks = rows.iter().any(|row| !row.mark.is_empty());
-    let mut columns = vec!["series".to_owned(), x.label.to_owned(), y.label.to_owned()];
-    columns.extend(bands.then(|| format!("{} to", y.label)));
-    columns.extend(bars.then(|| format!("{} to", x.label)));
-    columns.extend(marks.then(|| "mark".to_owned()));
-    let mut table = CsvTable::new(&columns);
-    let value =
-        |drawn: Option<f64>, axis: &Axis<'_>| drawn.map_or(String::new(), |v| number(axis.scale.value(v)));
-    for row in rows {
-        let mut cells = vec![row.label.to_owned(), value(row.x, x), value(row.y, y)];
-        cells.extend(bands.then(|| value(row.upper, y)));
-        cells.extend(bars.then(|| value(row.right, x)));
-        cells.extend(marks.then(|| row.mark.to_owned()));
+    let rows: Vec<(&str, CsvRow<'_>)> = series
+        .iter()
+        .flat_map(|series| rows(&series.shape).into_iter().map(|row| (series.label.as_str(), row)))
+        .collect();
+    let columns =
+        [x.label.to_owned(), y.label.to_owned(), format!("{} to", y.label), format!("{} to", x.label)];
+    let is_used = |k: usize| k < 2 || rows.iter().any(|(_, (numbers, _))| numbers[k].is_some());
+    let used: Vec<usize> = (0..4).filter(|k| is_used(*k)).collect();
+    let has_marks = rows.iter().any(|(_, (_, mark))| !mark.is_empty());
+    let mut head = vec!["series"];
+    head.extend(used.iter().map(|k| columns[*k].as_str()).chain(has_marks.then_some("mark")));
+    let mut table = CsvTable::new(&head);
+    let scales = [x, y, y, x].map(|axis| axis.scale);
+    for (label, (numbers, mark)) in rows {
+        let value = |k: &usize| numbers[*k].map_or(String::new(), |drawn| number(scales[*k].value(drawn)));
+        let mut cells = vec![label.to_owned()];
+        cells.extend(used.iter().map(value).chain(has_marks.then(|| mark.to_owned())));
         table.push(&cells);
     }
     table.into_text()

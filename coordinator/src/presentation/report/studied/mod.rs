@@ -23,7 +23,8 @@ use super::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
 use super::figure::Figure;
 use super::format::{UNKNOWN, count};
 use super::input::ReportInput;
-use super::page::{captioned, figures, numbered};
+use super::mechanism::poses;
+use super::page::{captioned, numbered};
 use super::written::WrittenScene;
 use super::{tables, words};
 use crate::results::scene_summary::limit_rows;
@@ -36,27 +37,26 @@ const VARIABLES_IN_CHAPTER: usize = 12;
 /// The drawing of the nominal mechanism; `None` without the motion of every body.
 pub fn figure(input: &ReportInput) -> Option<Figure> {
     let cycle = input.nominal.as_ref()?.first_cycle.as_ref()?;
-    let poses = input.mechanism.poses(cycle)?;
-    let drawn = DrawnMechanism::new(&input.mechanism, &poses, drawing::instant(poses.len(), SHARE_OF_CYCLE))?;
-    Some(drawing::figure(&drawn, &input.mechanism))
+    let poses = poses(&input.scene, cycle)?;
+    let drawn = DrawnMechanism::new(&input.scene, &poses, drawing::instant(poses.len(), SHARE_OF_CYCLE))?;
+    Some(drawing::figure(&drawn, &input.scene))
 }
 
-/// The chapter with the figures in `drawn`; long tables are left to the [`appendix`].
-pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
+/// The chapter with its figure, as it was `drawn`; long tables are left to the [`appendix`].
+pub fn chapter(input: &ReportInput, drawn: &Markup) -> Markup {
     let scene = &input.scene;
     let many = scene.variables.len() > VARIABLES_IN_CHAPTER;
     html! {
-        h2 { "What was studied" }
         p {
             "Every value is nominal and in the scene file " code { "scene.toml" } " next to this page, which is listed in the appendix"
-            @if !drawn.is_empty() { "; the mechanism is drawn in " (numbered::refer(drawing::NAME)) }
+            @if !drawn.0.is_empty() { "; the mechanism is drawn in " (numbered::refer(drawing::NAME)) }
             "."
             @if !input.written.formulas.is_empty() {
                 " Values that follow from parameters, which random variables may set, have their formulas in "
                 (numbered::refer_table("formulas")) "."
             }
         }
-        (figures(drawn, "one"))
+        (drawn)
         @if let Some(simulator) = &scene.simulator {
             p {
                 "Responses are computed by an external simulator, "
@@ -234,7 +234,7 @@ mod tests {
         input.scene = scene.clone();
         input.written = WrittenScene::new(source);
         input.summary.identify(&scene, source, "");
-        let text = (chapter(&input, &[]).0 + &appendix(&input).0).replace('\u{a0}', " ");
+        let text = (chapter(&input, &html! {}).0 + &appendix(&input).0).replace('\u{a0}', " ");
         let names = scene.bodies.iter().map(|body| &body.name);
         let names = names.chain(scene.joints.iter().map(|joint| &joint.name));
         let names = names.chain(scene.variables.iter().map(|variable| &variable.name));

@@ -1,23 +1,30 @@
 //! The head of the page: subject, method and main results of the study.
 
-use super::parts::captioned;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::{FAILED_UNWORN, LEVELS, failure_probability};
+use crate::presentation::report::page::captioned;
 use crate::presentation::report::{tables, words};
 use maud::{Markup, html};
 
-/// Title, the three lives (or the failure probability), and the summary in sentences.
-pub fn head(input: &ReportInput) -> Markup {
+/// Title, and what was studied how.
+pub fn header(input: &ReportInput) -> Markup {
     let summary = &input.summary;
     html! {
         header {
             p.brand { "Hingewise" }
-            h1 { (input.title) }
+            h1 { (input.scene.title) }
             p.meta {
                 "Reliability study of scene " code { (summary.scene) } ", method " (summary.method) ", accuracy "
                 (words::accuracy(summary)) ", seed " (summary.seed)
             }
         }
+    }
+}
+
+/// The three lives (or the failure probability), and the summary in sentences.
+pub fn lead(input: &ReportInput) -> Markup {
+    let summary = &input.summary;
+    html! {
         div.tiles {
             @if summary.is_static() {
                 div.tile {

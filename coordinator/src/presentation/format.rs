@@ -1,5 +1,7 @@
 //! Numbers as text for people; a value that is not finite is a dash.
 
+use common::scene::OutputUnit;
+
 /// Text of an unknown value.
 pub const UNKNOWN: &str = "–";
 
@@ -50,8 +52,7 @@ pub fn with_width(value: f64, width: f64) -> String {
         return format!("{} ± {}", fixed(value, decimals), fixed(width, decimals));
     }
     let decimals = (size.log10().floor() as i32 - last).max(0) as usize;
-    let text = format!("{value:.decimals$e} ± {width:.1e}");
-    text.replace('-', "\u{2212}")
+    format!("{} ± {}", power(value, decimals), power(width, 1))
 }
 
 /// A change with its sign and two digits of the half-width of its interval, e.g. `+1.97e−4 ± 6.2e−5`; `0` without either.
@@ -76,13 +77,13 @@ pub fn reliability(r: f64, lower: f64, upper: f64) -> String {
         let (distance, decimals) = limit(1.0 - lower);
         // More than six nines are not read but counted.
         if distance < 1e-6 {
-            return format!("> 1 \u{2212} {distance:.1e}").replace("e-", "e\u{2212}");
+            return format!("> 1 \u{2212} {}", power(distance, 1));
         }
         format!("> {}", fixed(1.0 - distance, decimals))
     } else if r <= 0.0 && upper > 0.0 {
         let (distance, decimals) = limit(upper);
         if distance < 1e-6 {
-            return format!("< {distance:.1e}").replace("e-", "e\u{2212}");
+            return format!("< {}", power(distance, 1));
         }
         format!("< {}", fixed(distance, decimals))
     } else {
@@ -102,7 +103,7 @@ pub fn share(value: f64, lower: f64, upper: f64) -> String {
         0.0 => "0".to_owned(),
         1.0 => "1".to_owned(),
         x if upper >= 1e-3 && last >= -6 => fixed(x, (-last).max(0) as usize),
-        x => format!("{x:.1e}").replace('-', "\u{2212}"),
+        x => power(x, 1),
     };
     format!("{} ({} to {})", text(value), text(lower), text(upper))
 }
@@ -117,6 +118,17 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     text.replace('-', if is_zero { "" } else { "\u{2212}" })
 }
 
+/// A number with at most this many decimals and no trailing zeros.
+pub fn plain(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// A number in powers of ten with this many decimals, e.g. `1.97e−4`.
+pub fn power(value: f64, decimals: usize) -> String {
+    format!("{value:.decimals$e}").replace('-', "\u{2212}")
+}
+
 /// A number with three significant digits, in powers of ten where it is far from one.
 pub fn three_digits(value: f64) -> String {
     let size = value.abs();
@@ -127,8 +139,13 @@ pub fn three_digits(value: f64) -> String {
     } else if (1e-3..1e5).contains(&size) {
         fixed(value, (2 - size.log10().floor() as i32).max(0) as usize)
     } else {
-        format!("{value:.2e}").replace('-', "\u{2212}")
+        power(value, 2)
     }
+}
+
+/// A value [SI] in the unit that people read, with three significant digits.
+pub fn with_unit(unit: &OutputUnit, value: f64) -> String {
+    unit.after(&three_digits(unit.to_shown(value)))
 }
 
 /// A value of a scene with seven digits, e.g. `40.0549`, `1.293e−13`.
@@ -198,6 +215,22 @@ pub fn short_percent(share: f64) -> String {
     let text = format!("{percent:.decimals$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     format!("{text} %")
+}
+
+/// A name of a scene as part of a file's name.
+pub fn file_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '-' }).collect()
+}
+
+/// An identifier as words.
+pub fn words(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// With a capital first letter.
+pub fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 #[cfg(test)]

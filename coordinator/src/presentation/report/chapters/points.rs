@@ -1,32 +1,40 @@
 //! The chapter of the simulations: histograms of the random variables, combinations that fail, most probable failures.
 
-use super::parts::{captioned, figures};
-use crate::presentation::report::figure::Figure;
-use crate::presentation::report::figures::{MOST_HISTOGRAMS, capital};
+use crate::presentation::report::figures::{
+    MOST_HISTOGRAMS, capital, input_histograms, parallel_coordinates,
+};
 use crate::presentation::report::format::{
     UNKNOWN, fixed, number_of_cycles, percent, seven_digits, three_digits,
 };
 use crate::presentation::report::input::ReportInput;
+use crate::presentation::report::page::{Page, captioned};
+use crate::presentation::report::plot::PlotError;
 use crate::presentation::report::tables::table;
 use crate::results::point_summary::{CoordinateRow, FailurePointRow};
 use common::random::RandomVariable;
 use common::scene::expression::read_unit;
 use maud::{Markup, Render, html};
 
-/// The chapter with these figures.
-pub fn simulated(input: &ReportInput, histograms: &[Figure], combinations: &[Figure]) -> Markup {
+/// Adds the chapter.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn simulated(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
     let variables = input.scene.variables.len();
-    html! {
-        h2 { "Simulations and failure points" }
-        @if histograms.is_empty() {
+    page.begin("Simulations and failure points");
+    let histograms = page.draw(input_histograms(input)?, "three");
+    let combinations = page.draw(parallel_coordinates(input)?.into_iter().collect(), "two");
+    page.add(html! {
+        @if histograms.0.is_empty() {
             p.none { "With fewer than ten simulations there is no histogram." }
         } @else if variables > MOST_HISTOGRAMS {
             p { "Of the " (variables) " random variables the " (MOST_HISTOGRAMS) " with the largest effect on failures." }
         }
-        (figures(histograms, "three"))
-        (figures(combinations, "two"))
+        (histograms)
+        (combinations)
         (failure_points(input))
-    }
+    });
+    Ok(())
 }
 
 /// The most probable failures of all limit states: one pair of columns each, one row per variable.

@@ -1,9 +1,8 @@
 //! The end of the page: computing effort, failed simulations, and what is needed to repeat the study.
 
-use super::numbered;
-use super::parts::{captioned, details};
 use crate::presentation::report::format::{UNKNOWN, count, percent};
 use crate::presentation::report::input::ReportInput;
+use crate::presentation::report::page::{Page, captioned, details, numbered};
 use crate::presentation::report::tables;
 use maud::{Markup, html};
 
@@ -35,10 +34,10 @@ fn surrogates(input: &ReportInput) -> Markup {
 }
 
 /// Work, times, repairs and failed simulations.
-pub fn effort(input: &ReportInput) -> Markup {
+pub fn effort(page: &mut Page, input: &ReportInput) {
     let repairs: usize = input.summary.convergence.rounds.iter().map(|round| round.repairs).sum();
-    html! {
-        h2 { "Computing effort and failed simulations" }
+    page.begin("Computing effort and failed simulations");
+    page.add(html! {
         div.pair {
             div {
                 @if input.summary.of_mechanism() {
@@ -57,7 +56,7 @@ pub fn effort(input: &ReportInput) -> Markup {
         } @else {
             (failures(input))
         }
-    }
+    });
 }
 
 /// Evaluations without a result.
@@ -79,7 +78,7 @@ fn failures(input: &ReportInput) -> Markup {
         }
         (details("Failed evaluations", tables::table_of_text(
             &["evaluation", "reason of the failure"],
-            listed.map(|run| vec![html! { (run.id) }, html! { (run.failure) }]),
+            listed.map(|(id, reason)| vec![html! { (id) }, html! { (reason) }]),
         )))
     }
 }

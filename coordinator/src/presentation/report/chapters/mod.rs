@@ -1,0 +1,237 @@
+//! The page of the report: chapters with their figures and tables, one script that animates the drawing of the mechanism, and one that shows
+//! the values of charts at the pointer. Without them the drawing shows its first frame.
+
+mod end;
+mod head;
+mod points;
+mod worn_guides;
+
+pub use head::header;
+
+use super::animation::{SCRIPT, animation};
+use super::figures::{self, file_name};
+use super::format::count;
+use super::input::ReportInput;
+use super::life::rows_that_matter;
+use super::page::{FigureFiles, Page, captioned, numbered};
+use super::plot::PlotError;
+use super::{stated, studied, tables};
+use maud::{Markup, PreEscaped, html};
+
+/// The script that shows the values of a chart at the pointer.
+const HOVER: &str = include_str!("hover.js");
+
+/// The whole page.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn page(input: &ReportInput, files: FigureFiles) -> Result<Page, PlotError> {
+    let mut page = Page::new(&input.scene.title, head::header(input), files);
+    page.add(head::lead(input));
+    page.add_contents();
+    page.begin("What was studied");
+    let drawing = page.draw(studied::figure(input).into_iter().collect(), "one");
+    page.add(studied::chapter(input, &drawing));
+    reliability(&mut page, input)?;
+    let drawn = page.draw([figures::distributions(input)?, figures::histories(input)?].concat(), "two");
+    page.add_chapter(
+        "Distributions of the outputs",
+        html! {},
+        drawn,
+        html! { "The study stored no distributions." },
+    );
+    influences(&mut page, input)?;
+    points::simulated(&mut page, input)?;
+    let scripts = if input.summary.of_mechanism() {
+        mechanism(&mut page, input)?
+    } else {
+        html! {}
+    };
+    quality(&mut page, input)?;
+    end::effort(&mut page, input);
+    appendix(&mut page, input);
+    page.add(html! { (scripts) script { "\n" (PreEscaped(HOVER)) } "\n" });
+    Ok(page)
+}
+
+/// Curves, what fails first, and the numbers.
+fn reliability(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
+    let curves = [figures::reliability(&input.summary)?, figures::first_failure(input)?];
+    let drawn = curves.into_iter().flatten().chain(figures::failure_rates(&input.summary)?).collect();
+    let (rows, all) = (rows_that_matter(&input.summary, 1), &input.summary.reliability);
+    page.begin("Reliability");
+    let drawn = page.draw(drawn, "two");
+    page.add(html! {
+        (drawn)
+        (captioned("reliability", "Reliability at the checkpoints that matter, with 95 % intervals", tables::reliability(input, rows)))
+        @if rows.len() < all.len() {
+            p { "All checkpoints: " (numbered::refer_table(CHECKPOINTS)) "; more digits in " code { "reliability.csv" } "." }
+        }
+    });
+    Ok(())
+}
+
+/// Sensitivities of the failures, and contributions to the variance of the outputs.
+fn influences(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
+    let (sensitivity, variance) = (figures::sensitivities(input)?, figures::variance_contributions(input)?);
+    let has_indices = !variance.is_empty();
+    let drawn = page.draw([sensitivity, variance].concat(), "two");
+    page.add_chapter("Sensitivity", html! {}, drawn, html! { "No sensitivities were computed." });
+    let tables: Vec<String> = sensitivities(input).into_iter().map(|(name, _)| name).collect();
+    page.add(html! {
+        @if !has_indices {
+            p.none { "No Sobol indices: the study has no surrogates, or its variables are dependent." }
+        }
+        @if !tables.is_empty() {
+            p {
+                "All variables: "
+                @for (k, name) in tables.iter().enumerate() { @if k > 0 { ", " } (numbered::refer_table(name)) }
+                "."
+            }
+        }
+    });
+    Ok(())
+}
+
+/// Name of the table of all checkpoints.
+const CHECKPOINTS: &str = "checkpoints";
+
+/// Tables of the sensitivities by their names.
+fn sensitivities(input: &ReportInput) -> Vec<(String, Markup)> {
+    let of = |name: &str| {
+        let title = format!("Sensitivity of the failure probability by {name}, all variables");
+        let table_name = format!("sensitivity-{}", file_name(name));
+        Some((table_name.clone(), captioned(&table_name, &title, tables::sensitivity(input, name)?)))
+    };
+    input.scene.limit_states.iter().filter_map(|state| of(&state.name)).collect()
+}
+
+/// Quality of the surrogates, convergence, and numerical error.
+fn quality(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
+    let stopped = &input.summary.convergence.stopped_because;
+    let stated = stated::sentences(input).join(" ");
+    let drawn = page.draw(figures::predicted_against_simulated(input)?, "two");
+    page.add_chapter(
+        "Quality of the surrogates",
+        html! {},
+        drawn,
+        html! {
+            @if input.summary.is_direct() { "Every sample was simulated; there are no surrogates." }
+            @else { "The study stored no predictions of its surrogates." }
+        },
+    );
+    let drawn = page.draw(figures::learning(input)?, "three");
+    page.add_chapter(
+        "Convergence of the study",
+        html! { @if !stopped.is_empty() { "Stopped because: " (stopped) "." } },
+        drawn,
+        html! { "The study had no rounds of learning." },
+    );
+    let drawn = page.draw(figures::numerical(input)?, "three");
+    page.add_chapter(
+        "Numerical error",
+        html! { (stated) },
+        drawn,
+        html! { @if stated.is_empty() { "The simulations state no numerical errors." } @else { (stated) } },
+    );
+    page.add(stated::errors_over_life(input));
+    Ok(())
+}
+
+/// Long tables, and what is needed to repeat the study.
+fn appendix(page: &mut Page, input: &ReportInput) {
+    let (rows, all) = (rows_that_matter(&input.summary, 1), &input.summary.reliability);
+    page.begin_appendix();
+    page.add(html! {
+        (studied::appendix(input))
+        @if rows.len() < all.len() {
+            (captioned(CHECKPOINTS, "Reliability at all checkpoints, with 95 % intervals", tables::reliability(input, all)))
+        }
+        @for (_, table) in sensitivities(input) { (table) }
+        @if !input.summary.convergence.rounds.is_empty() {
+            (captioned("rounds", "Rounds of learning", tables::rounds(input)))
+        }
+        (end::repeat(input))
+    });
+}
+
+/// Adds the nominal mechanism: its motion, its bores and orbits, its first and its last cycle. Returns the data of the animation and its
+/// script, for the end of the page.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn mechanism(page: &mut Page, input: &ReportInput) -> Result<Markup, PlotError> {
+    let end = input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(0, |cycles| *cycles);
+    let lives = figures::lives_in_words(input);
+    let no_history = input.nominal.as_ref().is_none_or(|nominal| nominal.worn.is_none());
+    let (mut moving, mut scripts) = (html! {}, html! {});
+    if let Some(motion) = animation(input) {
+        moving = page.draw_moving(motion.figure, controls());
+        scripts = html! {
+            script type="application/json" id="motion" { (PreEscaped(motion.data)) } "\n"
+            script { "\n" (PreEscaped(SCRIPT)) } "\n"
+        };
+    }
+    page.add_chapter(
+        "The mechanism",
+        html! {},
+        moving,
+        html! { "The nominal evaluation does not include the motion of every body." },
+    );
+    let drawn = page.draw(figures::bores(input), "many");
+    page.add_chapter(
+        "Worn bores",
+        html! {
+            "The nominal mechanism after " (count(end.into())) " cycles"
+            @if no_history {
+                "; this campaign stores the bores at the end of life only"
+            } @else if !lives.is_empty() {
+                "; thin lines: after " (lives)
+            }
+            ". The inner circle is the unworn bore. Wear is drawn outward from it, magnified, at one scale for all \
+             joints; angles are in the frame of the bushing's body."
+        },
+        drawn,
+        html! { "No bore is worn in a nominal evaluation." },
+    );
+    page.add(worn_guides::worn_guides(input));
+    let drawn = page.draw(figures::orbits(input), "many");
+    page.add_chapter(
+        "Journal orbits",
+        html! {
+            "Centre of the journal relative to that of the bushing over a cycle, in the frame of the bushing's body, at \
+             one scale for all joints: "
+            span.first { "first cycle" } ", " span.last { "last cycle" }
+            ". Circle: radial clearance; outer curve: with the wear at the end of life."
+        },
+        drawn,
+        html! { "The nominal evaluation does not include the motion of journals and bushings." },
+    );
+    let [first, last] = [figures::first_cycle(input)?, figures::last_cycle(input)?];
+    let lacks_last = last.is_empty() && !first.is_empty();
+    let drawn = page.draw([first, last].concat(), "three");
+    page.add_chapter(
+        "First and last cycle",
+        html! {},
+        drawn,
+        html! { "The nominal evaluation has no first cycle." },
+    );
+    if lacks_last {
+        page.add(html! { p.none { "The nominal evaluation has no last cycle." } });
+    }
+    Ok(scripts)
+}
+
+/// The controls of the animation, which its script unhides.
+fn controls() -> Markup {
+    html! {
+        button type="button" { "Play" }
+        input.instant type="range" min="0" value="0" aria-label="instant of the cycle";
+        select aria-label="cycle" {}
+        span.through hidden="" {
+            "Life "
+            input.life type="range" min="0" value="0" aria-label="life of the bores";
+            " " output {}
+        }
+    }
+}
