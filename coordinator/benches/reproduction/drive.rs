@@ -54,7 +54,8 @@ pub fn number_row(row: &Number, ours: Option<f64>) -> Vec<String> {
     let goal = match row.goal {
         Goal::None => String::new(),
         Goal::Absolute(most) => {
-            format!("{}, {}", format!("{most} {}", row.unit).trim_end(), within(off <= most))
+            let most_shown = format!("{most} {}", row.unit);
+            format!("{}, {}", most_shown.trim_end(), within(off <= most))
         }
         Goal::Relative(most) => format!("{} %, {}", 100.0 * most, within(off <= most * row.published.abs())),
     };
