@@ -44,7 +44,7 @@ impl Accuracy {
 
     /// The preset for a first impression. For the flapping-wing drive at 201 points, `coordinator tradeoff` found errors of at most 0.04 %
     /// of the limit for the wear and 5.2 % for the asymmetry, which displaces the life it ends by up to 630 of 66 000 cycles, in 0.55 of
-    /// the time of `balanced` (`coordinator/doc/tradeoff/stated-errors.md`).
+    /// the time of `balanced` (`coordinator/doc/accuracy.md`).
     pub const fn draft() -> Self {
         Accuracy {
             step_tolerance: 2e-3,
@@ -66,7 +66,7 @@ impl Accuracy {
             // (`coordinator extremes`).
             steps_bound: 400_000,
             // The wear needs no more than 50, since intervals end also where the contact has turned. The asymmetry of the drive, once its
-            // vibration has set in, is higher by 0.6 r/min with 100 than with 1000, by 0.2 with 200 (`coordinator/doc/tradeoff.md`).
+            // vibration has set in, is higher by 0.6 r/min with 100 than with 1000, by 0.2 with 200 (`coordinator/doc/accuracy.md`).
             wear_samples: 200,
             cycle_jump: 4000,
             wear_tolerance: 2e-2,

@@ -131,7 +131,7 @@ fn stated_errors_hold_for_an_erratic_output() {
 }
 
 #[test]
-#[ignore = "some minutes; prints the tables of theory/integration.md"]
+#[ignore = "some minutes; prints the table validation/erratic-outputs.csv"]
 fn stated_errors_of_erratic_outputs_hold_for_neighbouring_inputs() {
     let chosen = [
         (0.5, 1.0, 4000),

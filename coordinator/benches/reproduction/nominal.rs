@@ -64,14 +64,14 @@ const fn rebuilt(name: &'static str, values: &'static [&'static str], law: Conta
 
 /// Reconstructions in which the asymmetry was meant to be kinematic.
 pub const KINEMATIC: [Variant; 3] = [
-    rebuilt("`local-hertz`", &UPWARDS, ContactLaw::LocalHertz),
-    rebuilt("`foundation`", &UPWARDS, ContactLaw::Foundation),
-    rebuilt("`foundation`, three times the wear coefficient", &UPWARDS_WORN, ContactLaw::Foundation),
+    rebuilt("local-hertz", &UPWARDS, ContactLaw::LocalHertz),
+    rebuilt("foundation", &UPWARDS, ContactLaw::Foundation),
+    rebuilt("foundation, three times the wear coefficient", &UPWARDS_WORN, ContactLaw::Foundation),
 ];
 
 /// What the table shows.
 pub const VARIANTS: [Variant; 17] = [
-    changed("contact law `foundation`", Change::Hinges(|hinge| hinge.contact_law = ContactLaw::Foundation)),
+    changed("contact law foundation", Change::Hinges(|hinge| hinge.contact_law = ContactLaw::Foundation)),
     changed("72 control points", Change::Points(72)),
     changed("144 control points", Change::Points(144)),
     changed("film damping 5 % less", Change::Hinges(|hinge| hinge.film_damping *= 0.95)),
@@ -81,21 +81,14 @@ pub const VARIANTS: [Variant; 17] = [
     changed("friction 20 % less", Change::Hinges(|hinge| hinge.friction *= 0.8)),
     changed("friction 20 % more", Change::Hinges(|hinge| hinge.friction *= 1.2)),
     EXPERIMENT,
-    computed("`draft`", "draft"),
-    computed("`balanced`", "balanced"),
-    computed("`balanced`, blocks of 1000 cycles", "balanced+jump-1000"),
+    computed("draft", "draft"),
+    computed("balanced", "balanced"),
+    computed("balanced, blocks of 1000 cycles", "balanced+jump-1000"),
     computed("as it stands, time steps 0.5 times as long", "balanced+jump-2000+step-x0.5"),
     computed("as it stands, time steps 0.25 times as long", "balanced+jump-2000+step-x0.25"),
     computed("as it stands, 1200 instants of wear a cycle", "balanced+jump-2000+samples-1200"),
-    computed("`reference`", "reference"),
+    computed("reference", "reference"),
 ];
-
-impl Variant {
-    /// Number of control points, if that is what is changed.
-    pub fn points(&self) -> Option<usize> {
-        if let Change::Points(points) = self.change { Some(points) } else { None }
-    }
-}
 
 /// Changes every joint with clearance.
 fn hinges(scene: &mut Scene, change: impl Fn(&mut Clearance)) {
@@ -146,14 +139,15 @@ impl Run {
         self.evaluation.histories[output][column]
     }
 
-    /// Life at which an output first passes `limit` [SI], on a straight line between two checkpoints, to a hundred cycles.
-    pub fn life_to(&self, output: usize, limit: f64) -> f64 {
+    /// Life at which an output first passes `limit` [SI], on a straight line between two checkpoints, to a hundred cycles; none if it
+    /// does not within the life.
+    pub fn life_to(&self, output: usize, limit: f64) -> Option<f64> {
         let Evaluation { cycles, histories, .. } = &self.evaluation;
         let values = &histories[output];
-        let k = values.iter().position(|value| *value > limit).expect("passed within the life");
+        let k = values.iter().position(|value| *value > limit)?;
         let [from, to] = [k - 1, k].map(|k| f64::from(cycles[k]));
         let life = from + (to - from) * (limit - values[k - 1]) / (values[k] - values[k - 1]);
-        (life / 100.0).round() * 100.0
+        Some((life / 100.0).round() * 100.0)
     }
 
     /// Largest force peak of these joints in the unworn mechanism [N].

@@ -62,12 +62,6 @@ pub struct Row {
     pub ours: fn(&Ours) -> Option<f64>,
 }
 
-/// Rows under one heading.
-pub struct Section {
-    pub title: &'static str,
-    pub rows: Vec<Row>,
-}
-
 const MM: f64 = 1e3;
 const DECELERATES: &str = "wear slows down as the bore grows around the journal: 0.37 um a thousand cycles here, 0.62 published, which \
     no set of parameters tried gave";
@@ -98,14 +92,9 @@ fn published(name: &str, unit: &str) -> f64 {
     read_unit(unit).map_or(si, |unit| si * unit.divide / unit.multiply)
 }
 
-/// Everything that is a number.
-pub fn sections() -> Vec<Section> {
-    vec![
-        Section { title: "The unworn mechanism", rows: unworn() },
-        Section { title: "Wear", rows: wear() },
-        Section { title: "Asymmetry", rows: asymmetry() },
-        Section { title: "Both", rows: both() },
-    ]
+/// Everything that is a number of the drive of the simulations.
+pub fn rows() -> Vec<Row> {
+    [unworn(), wear(), asymmetry(), both()].into_iter().flatten().collect()
 }
 
 fn unworn() -> Vec<Row> {
@@ -171,25 +160,35 @@ fn wear() -> Vec<Row> {
             DECELERATES,
             |ours| Some(MM * ours.study.moment("wear_mean_m", 64_000)?),
         ),
-        row("at 66 000", ("wear_mean_66000", "mm", 4), mean, Fitted, "", |ours| {
-            Some(MM * ours.study.moment("wear_mean_m", 66_000)?)
-        }),
-        row("at 68 000", ("wear_mean_68000", "mm", 4), mean, Fitted, DECELERATES, |ours| {
-            Some(MM * ours.study.moment("wear_mean_m", 68_000)?)
-        }),
+        row(
+            "mean of the largest wear, 66 000 cycles",
+            ("wear_mean_66000", "mm", 4),
+            mean,
+            Fitted,
+            "",
+            |ours| Some(MM * ours.study.moment("wear_mean_m", 66_000)?),
+        ),
+        row(
+            "mean of the largest wear, 68 000 cycles",
+            ("wear_mean_68000", "mm", 4),
+            mean,
+            Fitted,
+            DECELERATES,
+            |ours| Some(MM * ours.study.moment("wear_mean_m", 68_000)?),
+        ),
         row("R of wear, 63 000 cycles", ("wear_reliability_63000", "", 4), r, Free, "", |ours| {
             ours.study.reliability("wear", 63_000)
         }),
-        row("64 000", ("wear_reliability_64000", "", 4), r, Fitted, "", |ours| {
+        row("R of wear, 64 000 cycles", ("wear_reliability_64000", "", 4), r, Fitted, "", |ours| {
             ours.study.reliability("wear", 64_000)
         }),
-        row("66 000", ("wear_reliability_66000", "", 4), r, Fitted, "", |ours| {
+        row("R of wear, 66 000 cycles", ("wear_reliability_66000", "", 4), r, Fitted, "", |ours| {
             ours.study.reliability("wear", 66_000)
         }),
-        row("68 000", ("wear_reliability_68000", "", 4), r, Fitted, "", |ours| {
+        row("R of wear, 68 000 cycles", ("wear_reliability_68000", "", 4), r, Fitted, "", |ours| {
             ours.study.reliability("wear", 68_000)
         }),
-        row("70 000", ("wear_reliability_70000", "", 4), r, Free, "", |ours| {
+        row("R of wear, 70 000 cycles", ("wear_reliability_70000", "", 4), r, Free, "", |ours| {
             ours.study.reliability("wear", 70_000)
         }),
     ]
@@ -208,15 +207,34 @@ fn asymmetry() -> Vec<Row> {
             FLUTTER,
             |ours| rpm(ours, 64_000),
         ),
-        row("66 000", ("asymmetry_mean_66000", "r/min", 2), mean, Fitted, "", |ours| rpm(ours, 66_000)),
-        row("68 000", ("asymmetry_mean_68000", "r/min", 2), mean, Fitted, FLUTTER, |ours| rpm(ours, 68_000)),
+        row(
+            "mean angular-velocity difference, 66 000 cycles",
+            ("asymmetry_mean_66000", "r/min", 2),
+            mean,
+            Fitted,
+            "",
+            |ours| rpm(ours, 66_000),
+        ),
+        row(
+            "mean angular-velocity difference, 68 000 cycles",
+            ("asymmetry_mean_68000", "r/min", 2),
+            mean,
+            Fitted,
+            FLUTTER,
+            |ours| rpm(ours, 68_000),
+        ),
         row("R of asymmetry, 64 000 cycles", ("asymmetry_reliability_64000", "", 4), r, Fitted, "", |ours| {
             ours.study.reliability("asymmetry", 64_000)
         }),
-        row("66 000", ("asymmetry_reliability_66000", "", 4), r, Fitted, STEEP, |ours| {
-            ours.study.reliability("asymmetry", 66_000)
-        }),
-        row("68 000", ("asymmetry_reliability_68000", "", 4), r, Fitted, "", |ours| {
+        row(
+            "R of asymmetry, 66 000 cycles",
+            ("asymmetry_reliability_66000", "", 4),
+            r,
+            Fitted,
+            STEEP,
+            |ours| ours.study.reliability("asymmetry", 66_000),
+        ),
+        row("R of asymmetry, 68 000 cycles", ("asymmetry_reliability_68000", "", 4), r, Fitted, "", |ours| {
             ours.study.reliability("asymmetry", 68_000)
         }),
     ]

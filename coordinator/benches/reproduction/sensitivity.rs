@@ -1,8 +1,9 @@
 //! Signs and order of the sensitivities.
 
 use super::study::Finished;
+use super::tables::{Tables, head};
 use coordinator::results::summary::SensitivityRow;
-use std::fmt::Write;
+use std::error::Error;
 
 /// A figure of the publication: which variables mattered, and which way failure goes when their mean or their spread grows.
 struct Figure {
@@ -11,7 +12,6 @@ struct Figure {
     scaled: fn(&SensitivityRow) -> f64,
     error: fn(&SensitivityRow) -> f64,
     signs: &'static [(&'static str, f64)],
-    why: &'static str,
 }
 
 const FIGURES: [Figure; 4] = [
@@ -28,9 +28,6 @@ const FIGURES: [Figure; 4] = [
             ("journal_modulus_12", -1.0),
             ("rocker_front_length", -1.0),
         ],
-        why: "The largest wear is determined by the wear coefficient, the width and the load of joints 1 and \
-              2; that wear coefficient has the \
-              spread that the published curve of R asks for, so all other effects are small in comparison. The width is not among the published six.",
     },
     Figure {
         limit_state: "wear",
@@ -45,9 +42,6 @@ const FIGURES: [Figure; 4] = [
             ("journal_modulus_12", -1.0),
             ("rocker_front_length", -1.0),
         ],
-        why: "A wider spread lowers the failure probability where R is below a half and raises it above: the \
-              sign belongs to the life, not to the \
-              variable. The rest is no larger than the random scatter of thirty estimates around zero.",
     },
     Figure {
         limit_state: "asymmetry",
@@ -62,10 +56,6 @@ const FIGURES: [Figure; 4] = [
             ("rocker_front_length", 1.0),
             ("rod_length", -1.0),
         ],
-        why: "The asymmetry of this reconstruction is a vibration of the left rocker that grows in joint 4: its \
-              bore, the load and the friction decide when, and the lengths hardly matter. The published order is \
-              that of the kinematic difference between the two sides, which exists from the first cycle. This is \
-              the largest difference between the two models ([more](#could-the-asymmetry-be-kinematic)).",
     },
     Figure {
         limit_state: "asymmetry",
@@ -73,60 +63,63 @@ const FIGURES: [Figure; 4] = [
         scaled: |row| row.scaled.d_pf_d_std,
         error: |row| row.standard_error.d_pf_d_std / row.d_pf_d_std,
         signs: &[("bushing_radius_5", -1.0), ("bushing_radius_6", -1.0), ("rod_length", -1.0)],
-        why: "As above, the sign belongs to the life: more spread means more failures where R is above one half, and fewer where it is below.",
     },
 ];
 
 /// Twice its standard error from zero.
 const CLEAR: f64 = 2.0;
 
-/// The section.
-pub fn write(out: &mut String, study: &Finished) -> std::fmt::Result {
-    writeln!(out, "## Sensitivity\n")?;
-    writeln!(
-        out,
-        "Change of the failure probability if the mean grows by one standard deviation, or if the standard \
-         deviation doubles (both linearised), at the life where R of the mode is nearest to one half, and \
-         rank among the thirty variables. The publication lists six variables (three for the standard \
-         deviations of the asymmetry) as the strongest, with their signs, without the life. Differences below two standard errors have no sign.\n"
-    )?;
+/// Variables of ours that are shown whether they are published or not.
+const STRONGEST: usize = 6;
+
+/// Change of the failure probability if the mean grows by one standard deviation, or if the standard deviation doubles (both
+/// linearised), at the life where R of the mode is nearest to one half: of the published variables and of our six strongest.
+pub fn write(tables: &Tables, study: &Finished) -> Result<(), Box<dyn Error>> {
+    let mut table = Vec::new();
     for figure in &FIGURES {
         let cycles = study.half_life(figure.limit_state);
         let rows = study.ranking(figure.limit_state, cycles, figure.scaled);
-        writeln!(out, "### {}, {}, at {cycles} cycles\n", capital(figure.limit_state), figure.parameter)?;
-        writeln!(
-            out,
-            "| variable | published sign | ours | standard error | place | |\n|---|---|---|---|---|---|"
-        )?;
-        for (variable, sign) in figure.signs {
-            let place = rows.iter().position(|row| row.variable == *variable).ok_or(std::fmt::Error)?;
-            let value = (figure.scaled)(rows[place]);
-            let error = (value * (figure.error)(rows[place])).abs();
-            let verdict = if value.abs() < CLEAR * error {
-                "no sign"
-            } else if value * sign > 0.0 {
-                "same sign"
-            } else {
-                "OTHER SIGN"
+        for (place, row) in rows.iter().enumerate() {
+            let published = figure.signs.iter().find(|(variable, _)| row.variable == *variable);
+            if published.is_none() && place >= STRONGEST {
+                continue;
+            }
+            let value = (figure.scaled)(row);
+            let error = (value * (figure.error)(row)).abs();
+            let (sign, verdict) = match published {
+                None => ("", ""),
+                Some((_, sign)) if value.abs() < CLEAR * error => (written(*sign), "no sign"),
+                Some((_, sign)) if value * sign > 0.0 => (written(*sign), "same sign"),
+                Some((_, sign)) => (written(*sign), "OTHER SIGN"),
             };
-            let sign = if *sign > 0.0 { "+" } else { "-" };
-            writeln!(
-                out,
-                "| `{variable}` | {sign} | {value:+.4} | {error:.4} | {} | {verdict} |",
-                place + 1
-            )?;
+            table.push(vec![
+                figure.limit_state.to_owned(),
+                figure.parameter.to_owned(),
+                cycles.to_string(),
+                row.variable.clone(),
+                sign.to_owned(),
+                format!("{value:+.4}"),
+                format!("{error:.4}"),
+                (place + 1).to_string(),
+                verdict.to_owned(),
+            ]);
         }
-        let strongest: Vec<String> = rows
-            .iter()
-            .take(6)
-            .map(|row| format!("`{}` ({:+.3})", row.variable, (figure.scaled)(row)))
-            .collect();
-        writeln!(out, "\nOurs in order: {}. {}\n", strongest.join(", "), figure.why)?;
     }
-    Ok(())
+    let heads = [
+        "limit state",
+        "parameter",
+        "cycles",
+        "variable",
+        "published sign",
+        "ours",
+        "standard error",
+        "place",
+        "verdict",
+    ];
+    tables.write("sensitivity", &head(heads), &table)
 }
 
-fn capital(word: &str) -> String {
-    let mut letters = word.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+/// A sign as written.
+pub fn written(sign: f64) -> &'static str {
+    if sign > 0.0 { "+" } else { "-" }
 }

@@ -1,6 +1,6 @@
 """Maximum likelihood fit and prediction by scikit-learn's GaussianProcessRegressor and by Hingewise on the same data.
 
-Prints the table of README.md. Called by run.sh with the path of the program `surrogate_hingewise`.
+Prints the table of which coordinator/doc/validation.md states the numbers. Called by run.sh with the path of the program `surrogate_hingewise`.
 """
 
 import json

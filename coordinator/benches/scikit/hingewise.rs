@@ -1,5 +1,5 @@
 //! Hingewise's part of the comparison with scikit-learn, and measurements without a counterpart; see
-//! README.md in this folder.
+//! `coordinator/doc/validation.md`.
 //!
 //! `surrogate_hingewise write DIR`       writes the data of the comparison
 //! `surrogate_hingewise fit DIR`         fits them; prints JSON

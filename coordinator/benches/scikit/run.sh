@@ -1,5 +1,5 @@
 #!/bin/bash
-# Hingewise's surrogate against scikit-learn's GaussianProcessRegressor on the same data. Prints the tables of README.md.
+# Hingewise's surrogate against scikit-learn's GaussianProcessRegressor on the same data. Prints the numbers of coordinator/doc/validation.md.
 # Needs Python 3 with venv, the Rust toolchain and, once, a package index of Python.
 set -euo pipefail
 cd "$(dirname "$0")"

@@ -28,8 +28,8 @@ fn the_front_page_opens_with_its_two_commands_and_ci_runs_the_second() {
 
 #[test]
 fn the_seed_paper_is_cited_wherever_its_results_are_used() {
-    let reproduction = "coordinator/doc/reproduction.md";
-    for file in ["README.md", "common/scenes/flapping-wing.toml", reproduction] {
+    let validation = "coordinator/doc/validation.md";
+    for file in ["README.md", "common/scenes/flapping-wing.toml", validation] {
         assert!(read(file).contains(SEED_PAPER), "{file} does not cite {SEED_PAPER}");
     }
 }

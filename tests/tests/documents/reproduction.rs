@@ -1,17 +1,26 @@
-//! The page that sets published numbers beside ours says what the targets, the scene, the kept study and a simulation say now.
+//! The tables that set published numbers beside ours say what the targets, the scene, the kept study and a simulation say now, and the
+//! page of the validation says what they say.
 
+use crate::markdown::{read, table_rows};
 use common::accuracy::Accuracy;
 use common::scene::{SceneSource, published_results};
-use std::path::Path;
 use worker::simulate::{SimulateOptions, simulate};
 
-fn read(path: &str) -> String {
-    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)).unwrap()
+/// Rows of a table of the folder, cells between commas; cells with commas are in quotes.
+fn table(name: &str) -> Vec<Vec<String>> {
+    let text = read(&format!("coordinator/doc/reproduction/{name}.csv"));
+    let cells = |line: &str| {
+        let quoted = line.split('"').enumerate();
+        let marked =
+            quoted.map(|(k, part)| if k % 2 == 0 { part.replace(',', "\n") } else { part.to_owned() });
+        marked.collect::<String>().split('\n').map(str::to_owned).collect()
+    };
+    text.lines().skip(1).map(cells).collect()
 }
 
-fn page() -> Vec<Vec<String>> {
-    let cells = |line: &str| line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect();
-    read("coordinator/doc/reproduction.md").lines().filter(|line| line.starts_with('|')).map(cells).collect()
+/// Published numbers of the drive beside ours.
+fn drive() -> Vec<Vec<String>> {
+    table("drive")
 }
 
 /// The number a cell begins with.
@@ -19,14 +28,14 @@ fn number(cell: &str) -> Option<f64> {
     cell.split_whitespace().next()?.parse().ok()
 }
 
-/// Rows that begin with this, of those with a published number beside ours.
-fn rows_of<'a>(page: &'a [Vec<String>], what: &str) -> impl Iterator<Item = &'a Vec<String>> {
-    page.iter().filter(move |row| row.len() == 7 && row[0].starts_with(what) && number(&row[1]).is_some())
+/// The row of a quantity.
+fn row_of<'a>(table: &'a [Vec<String>], what: &str) -> &'a Vec<String> {
+    table.iter().find(|row| row[0] == what).unwrap_or_else(|| panic!("no row {what}"))
 }
 
 #[test]
-fn every_target_of_the_calibration_is_on_the_page_as_fitted() {
-    let page = page();
+fn every_target_of_the_calibration_is_in_the_table_as_fitted() {
+    let drive = drive();
     let targets: toml::Table = toml::from_str(&read("common/scenes/flapping-wing.targets.toml")).unwrap();
     let targets = targets["targets"].as_array().unwrap();
     let reference: toml::Table = toml::from_str(&read("common/scenes/flapping-wing.reference.toml")).unwrap();
@@ -37,67 +46,92 @@ fn every_target_of_the_calibration_is_on_the_page_as_fitted() {
             toml::Value::String(text) => number(text).unwrap(),
             other => other.as_float().unwrap(),
         };
-        let met = |row: &&Vec<String>| number(&row[1]) == Some(value) && row[5] == "fitted";
-        assert!(rows_of(&page, "").any(|row| met(&row)), "{value} is not there as fitted");
+        let met = |row: &&Vec<String>| number(&row[1]) == Some(value) && row[6] == "fitted";
+        assert!(drive.iter().any(|row| met(&row)), "{value} is not there as fitted");
     }
 }
 
 #[test]
 fn reliabilities_are_those_of_the_kept_study() {
-    let page = page();
+    let drive = drive();
     let csv = read("coordinator/doc/reliability.csv");
     let columns: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
     let rows = [
-        ("wear", "R of wear, 63 000", 63_000),
-        ("wear", "64 000", 64_000),
-        ("wear", "66 000", 66_000),
-        ("wear", "68 000", 68_000),
-        ("wear", "70 000", 70_000),
-        ("asymmetry", "R of asymmetry, 64 000", 64_000),
-        ("asymmetry", "66 000", 66_000),
-        ("asymmetry", "68 000", 68_000),
+        ("wear", 63),
+        ("wear", 64),
+        ("wear", 66),
+        ("wear", 68),
+        ("wear", 70),
+        ("asymmetry", 64),
+        ("asymmetry", 66),
+        ("asymmetry", 68),
     ];
     let results = published_results("flapping-wing").unwrap();
-    for (limit, what, cycles) in rows {
+    for (limit, thousands) in rows {
+        let cycles = 1000 * thousands;
         let published = results[&format!("{limit}_reliability_{cycles}")];
         let column = format!("R_{limit}");
         let column = columns.iter().position(|name| *name == column).unwrap();
         let line = csv.lines().find(|line| line.starts_with(&format!("{cycles},"))).unwrap();
         let kept: f64 = line.split(',').nth(column).unwrap().parse().unwrap();
-        let row = rows_of(&page, what).find(|row| number(&row[1]) == Some(published)).unwrap();
+        let row = row_of(&drive, &format!("R of {limit}, {thousands} 000 cycles"));
+        assert_eq!(number(&row[1]), Some(published));
         let shown = number(&row[2]).unwrap();
-        assert!((shown - kept).abs() < 1e-4, "{what}: {shown} on the page, {kept} in the study");
+        assert!((shown - kept).abs() < 1e-4, "{row:?}, {kept} in the study");
     }
 }
 
-/// Goals that are missed are named in `coordinator/doc/reproduction.md`; none is added unseen.
+/// Goals that are missed are named in `coordinator/doc/validation.md`; none is added unseen.
 #[test]
 fn no_goal_is_missed_but_those_that_are_known() {
-    let page = page();
+    let drive = drive();
     let missed: Vec<&str> =
-        rows_of(&page, "").filter(|row| row[4].ends_with("MISSED")).map(|row| row[0].as_str()).collect();
+        drive.iter().filter(|row| row[5].ends_with("MISSED")).map(|row| row[0].as_str()).collect();
     assert_eq!(missed, KNOWN);
-    assert!(rows_of(&page, "").filter(|row| row[4].ends_with("met")).count() >= 14);
+    let tables = [drive, table("experiment")].concat();
+    assert!(tables.iter().filter(|row| row[5].ends_with("met")).count() >= 14);
 }
 
 /// Two means, and R of the asymmetry at 66 000 cycles.
-const KNOWN: [&str; 3] = ["mean angular-velocity difference, 64 000 cycles", "68 000", "66 000"];
+const KNOWN: [&str; 3] = [
+    "mean angular-velocity difference, 64 000 cycles",
+    "mean angular-velocity difference, 68 000 cycles",
+    "R of asymmetry, 66 000 cycles",
+];
 
-/// What the last bits of the input move of the difference [r/min], three times their root mean square (`reliability.md`).
+/// Every number of the drive that the page shows beside a published one is that of the table.
+#[test]
+fn the_page_shows_the_numbers_of_the_table() {
+    let page = read("coordinator/doc/validation.md");
+    let drive = drive();
+    let shown: Vec<Vec<&str>> = table_rows(&page)
+        .into_iter()
+        .filter(|row| row.len() == 5 && ["fitted", "free"].contains(&row[4]))
+        .collect();
+    assert!(shown.len() >= 18, "{shown:?}");
+    for row in shown {
+        let kept = row_of(&drive, row[0]);
+        let same = (1..3).all(|k| number(row[k]) == number(&kept[k]));
+        assert!(same && row[3] == kept[5] && row[4] == kept[6], "{row:?} on the page, {kept:?} in the table");
+    }
+}
+
+/// What the last bits of the input move of the difference [r/min], three times their root mean square.
 const NOISE: f64 = 0.33;
 
 #[test]
-fn the_nominal_drive_is_simulated_as_the_page_says() {
-    let page = page();
+fn the_nominal_drive_is_simulated_as_the_tables_say() {
+    let (drive, choices, kinematics) = (drive(), table("choices"), table("kinematics"));
     let source = SceneSource::builtin("flapping-wing").unwrap();
     let scene = source.nominal();
     let evaluation = simulate(scene, &scene.accuracy.accuracy, SimulateOptions::WITH_FIRST_CYCLE).unwrap();
     let shown = |what: &str, column: usize| {
-        let row = page.iter().find(|row| row[0] == what).unwrap_or_else(|| panic!("no row {what}"));
+        let mut tables = [&drive, &choices, &kinematics].into_iter().flatten();
+        let row = tables.find(|row| row[0] == what).unwrap_or_else(|| panic!("no row {what}"));
         number(&row[column]).unwrap()
     };
     let close = |shown: f64, now: f64, tolerance: f64| {
-        assert!((shown - now).abs() <= tolerance, "{shown} on the page, {now} now");
+        assert!((shown - now).abs() <= tolerance, "{shown} in the table, {now} now");
     };
     let peak = |joints: &[usize]| {
         joints.iter().map(|joint| evaluation.joints[*joint].peak_force).fold(0.0, f64::max)
@@ -119,10 +153,10 @@ fn the_nominal_drive_is_simulated_as_the_page_says() {
     }
 }
 
-/// The bore of the drive in the wind tunnel has the two published depths, opposite each other, and the page says so.
+/// The bore of the drive in the wind tunnel has the two published depths, opposite each other, and the table says so.
 #[test]
-fn the_bore_of_the_experiment_is_simulated_as_the_page_says() {
-    let page = page();
+fn the_bore_of_the_experiment_is_simulated_as_the_table_says() {
+    let experiment = table("experiment");
     let mut scene = SceneSource::builtin("flapping-wing-experiment").unwrap().nominal().clone();
     scene.life.cycles = 72_000;
     let evaluation = simulate(&scene, &Accuracy::draft(), SimulateOptions::default()).unwrap();
@@ -132,7 +166,7 @@ fn the_bore_of_the_experiment_is_simulated_as_the_page_says() {
     for (what, found) in [("first", first), ("second", second)] {
         let wanted = published[&format!("specimen_{what}_peak")];
         assert!((found - wanted).abs() < 0.03 * wanted, "{what}: {found} m, published {wanted} m");
-        let row = page.iter().find(|row| row[0] == format!("depth of the {what} place")).unwrap();
+        let row = row_of(&experiment, &format!("depth of the {what} place"));
         assert!((number(&row[2]).unwrap() - 1e3 * found).abs() < 2e-4, "{row:?}, {found} m now");
     }
     let deepest = |range: std::ops::Range<usize>| range.max_by(|a, b| bore[*a].total_cmp(&bore[*b])).unwrap();

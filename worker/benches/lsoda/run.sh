@@ -1,6 +1,6 @@
 #!/bin/bash
 # Hingewise against solve_ivp(LSODA) with a numba right-hand side, on one life of a one-joint slider-crank. Prints the
-# table of README.md. Needs Python 3.11 with venv, the Rust toolchain and, once, a package index of Python.
+# tables of coordinator/doc/validation/lsoda*.csv. Needs Python 3.11 with venv, the Rust toolchain and, once, a package index of Python.
 set -euo pipefail
 cd "$(dirname "$0")"
 root=$(cd ../../.. && pwd)

@@ -23,7 +23,7 @@ pub struct ContactArc {
 
 impl ContactArc {
     /// Control points per arc with which the largest wear is within about a per cent [1]: 36 points are 1.6 to 1.8 per arc in the drive and the
-    /// four-bar and leave 0.1 to 1.0 %, 18 points up to 3.3 % (`worker/benches/README.md`).
+    /// four-bar and leave 0.1 to 1.0 %, 18 points up to 3.3 % (`coordinator/doc/validation.md`).
     pub const ENOUGH: f64 = 1.5;
 
     /// Control points with which the arc has [`Self::ENOUGH`] of them.

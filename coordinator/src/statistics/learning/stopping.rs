@@ -23,7 +23,7 @@
 //! Stops by an estimated error: Wang, Shafieezadeh (2019), ESC: an efficient error-based stopping criterion
 //! for kriging-based reliability analysis methods, Structural and Multidisciplinary Optimization 59. The
 //! guards and the numbers are this project's own, from the published problems of
-//! `coordinator/doc/reliability.md`.
+//! `coordinator/doc/validation.md`.
 
 /// Surrogate error, and change of a curve between rounds, over the shift by steps, below which they add nothing to an interval that
 /// contains the steps [1].
