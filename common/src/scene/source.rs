@@ -277,7 +277,7 @@ impl SceneSource {
     /// An unknown key, or values that give an invalid scene.
     pub fn variables_with(&self, keys: &[(String, f64)]) -> Result<Vec<RandomVariable>, Faults> {
         if let Some((key, _)) = keys.iter().find(|(key, _)| !self.seen.contains_key(key)) {
-            return Err(self.unknown(key));
+            return Err(Faults::one(&self.origin, "", self.unknown_setting(key)));
         }
         if keys.is_empty() {
             return Ok(self.variables().to_vec());
@@ -294,13 +294,12 @@ impl SceneSource {
     pub fn sample_with(&self, settings: &[(String, f64)]) -> Result<Vec<f64>, Faults> {
         let mut sample = self.means();
         for (name, value) in settings {
-            sample[self.variable(name).ok_or_else(|| self.unknown(name))?] = *value;
+            let names = self.variables().iter().map(|variable| variable.name.as_str());
+            let unknown = || FaultKind::unknown_reference("variable", name, names);
+            let place = self.variable(name).ok_or_else(|| Faults::one(&self.origin, "", unknown()))?;
+            sample[place] = *value;
         }
         Ok(sample)
-    }
-
-    fn unknown(&self, name: &str) -> Faults {
-        Faults::one(&self.origin, "", self.unknown_setting(name))
     }
 
     fn resolve_overridden(&self, overrides: &Overrides) -> Result<Scene, Faults> {
