@@ -20,6 +20,7 @@ const SCRIPTS: [&str; 8] = [
     "slurm/workers.sbatch",
     "../tests/examples/real/rootfs.sh",
     "../tests/examples/real/slurm.sh",
+    "../tests/examples/real/slurm_scale.sh",
     "../tests/examples/real/systemd.sh",
     "../tests/examples/real/zenohd.sh",
 ];
