@@ -235,6 +235,7 @@ impl<R: Real> IslandLanes<R> {
     /// Joints and loads of the islands at the state last set, the space that their forces take, and what takes the place of a linearisation
     /// where none is computed.
     #[inline(always)]
+    #[expect(clippy::type_complexity, reason = "parts of one value, taken apart where they are used")]
     fn acting(&mut self) -> (Acting<'_, R, JointLanes<R>, Guide<R>>, &mut JointSpace<R>, &mut Linearised<R>) {
         let IslandLanes { joints, guides, loads, weight, frames, jets, .. } = self;
         let acting = Acting { joints, guides, loads, weight, frames, jets };

@@ -77,9 +77,9 @@ impl LanePool {
             let waiting = 1 + queue.count(|span| same_topology(&first.span.state.island, &span.state.island));
             // Empty groups of other topologies make room.
             self.groups.retain(|open| open.group.occupied() > 0);
-            match self.width.for_waiting(waiting).open(first) {
-                Ok(group) => self.groups.push(OpenGroup { group, passed_over: 0 }),
-                Err(first) => {
+            match self.width.for_waiting(waiting).vectors() {
+                Some(vectors) => self.groups.push(OpenGroup { group: vectors.open(first), passed_over: 0 }),
+                None => {
                     integrate_alone(first);
                     alone += 1;
                 }

@@ -23,7 +23,7 @@ pub enum LaneWidth {
 }
 
 /// Vectors of this processor.
-enum Vectors {
+pub(super) enum Vectors {
     #[cfg(target_arch = "aarch64")]
     Two(Neon),
     #[cfg(target_arch = "x86_64")]
@@ -32,29 +32,29 @@ enum Vectors {
     Eight(V4),
 }
 
+impl Vectors {
+    /// Opens a group in these vectors with its first island.
+    pub(super) fn open(self, first: PendingSpan) -> Box<dyn Group> {
+        match self {
+            #[cfg(target_arch = "aarch64")]
+            Vectors::Two(simd) => Box::new(LaneGroup::new(simd, first)),
+            #[cfg(target_arch = "x86_64")]
+            Vectors::Four(simd) => Box::new(LaneGroup::new(simd, first)),
+            #[cfg(all(target_arch = "x86_64", not(test)))]
+            Vectors::Eight(simd) => Box::new(LaneGroup::new(simd, first)),
+        }
+    }
+}
+
 impl LaneWidth {
     /// The width of a group for this number of islands that wait.
     pub(super) fn for_waiting(self, islands: usize) -> Self {
         if self == LaneWidth::Fitting { LaneWidth::Holding(islands) } else { self }
     }
 
-    /// Opens a group of this width with its first island. Returns the island where it is to be integrated by itself: as the only one, or on a
-    /// processor without vectors.
-    pub(super) fn open(self, first: PendingSpan) -> Result<Box<dyn Group>, PendingSpan> {
-        match self.vectors() {
-            #[cfg(target_arch = "aarch64")]
-            Some(Vectors::Two(simd)) => Ok(Box::new(LaneGroup::new(simd, first))),
-            #[cfg(target_arch = "x86_64")]
-            Some(Vectors::Four(simd)) => Ok(Box::new(LaneGroup::new(simd, first))),
-            #[cfg(all(target_arch = "x86_64", not(test)))]
-            Some(Vectors::Eight(simd)) => Ok(Box::new(LaneGroup::new(simd, first))),
-            None => Err(first),
-        }
-    }
-
-    /// The vectors of this width that this processor has. Unit tests leave out AVX-512, which is a third of their compilation; the tests of
-    /// whole evaluations have it.
-    fn vectors(self) -> Option<Vectors> {
+    /// The vectors of this width that this processor has; `None` where islands are integrated by themselves: one alone, or on a processor
+    /// without vectors. Unit tests leave out AVX-512, which is a third of their compilation; the tests of whole evaluations have it.
+    pub(super) fn vectors(self) -> Option<Vectors> {
         if matches!(self, LaneWidth::Holding(..=1)) {
             return None;
         }
