@@ -13,7 +13,7 @@ use tests::deployed::{
 use tests::{in_time, program};
 
 /// Scripts of `deploy/`, and those that run the real services.
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 9] = [
     "certificates.sh",
     "ssh-workers.sh",
     "slurm/coordinator.sbatch",
