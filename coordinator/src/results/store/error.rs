@@ -1,5 +1,6 @@
 //! Errors of the campaign file.
 
+use super::exact::OutcomeFault;
 use crate::farm::evaluate::EvaluateError;
 use rusqlite::ErrorCode;
 use std::path::PathBuf;
@@ -72,8 +73,8 @@ pub enum StoreError {
         id: i64,
         /// Version of the program that started the study.
         program: String,
-        /// Message of the decoder.
-        reason: String,
+        /// What is wrong with its bytes.
+        reason: OutcomeFault,
     },
     /// The folder cannot be created or locked.
     #[error("output folder {}: {source}", dir.display())]

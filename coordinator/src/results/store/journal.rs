@@ -1,5 +1,6 @@
 //! Writing of a campaign file: the journal of the study, and the results at its end.
 
+use super::exact::OutcomeFault;
 use super::read::{COLUMNS, RawEvaluation};
 use super::value_tables::{insert_statement, states_errors, write_rows, write_stated_errors};
 use super::{CampaignFile, StoreError, exact};
@@ -18,7 +19,16 @@ const LOG_EVERY: Duration = Duration::from_secs(60);
 
 impl Journal for CampaignFile {
     fn finished(&mut self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
-        Ok(self.recall(request)?)
+        match self.recall(request) {
+            Err(StoreError::Outcome { id, reason: reason @ OutcomeFault::Damaged, .. }) => {
+                tracing::warn!(
+                    "outcome of evaluation {id}: {reason}; it is set aside, and the sample is evaluated again"
+                );
+                self.set_misfit_aside(id, &reason.to_string())?;
+                Ok(None)
+            }
+            found => Ok(found?),
+        }
     }
 
     fn record(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError> {

@@ -98,6 +98,26 @@ fn evaluations_of_a_worker_are_set_aside_and_made_again() {
 }
 
 #[test]
+fn issue_a_damaged_outcome_was_believed() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    record(&mut file, 0..2);
+    let bytes: Vec<u8> = file
+        .connection
+        .query_row("SELECT outcome FROM evaluation WHERE id = 1", [], |row| row.get(0))
+        .unwrap();
+    // The last digit of a recorded value.
+    let value = file.finished(&request(1)).unwrap().unwrap().outcome.unwrap().histories[0][0].to_be_bytes();
+    let place = bytes.windows(8).position(|window| window == value).expect("CBOR holds it");
+    let mut changed = bytes;
+    changed[place + 7] ^= 1;
+    file.connection.execute("UPDATE evaluation SET outcome = ?1 WHERE id = 1", [changed]).unwrap();
+    assert!(file.finished(&request(1)).unwrap().is_none(), "set aside, to be evaluated again");
+    assert!(file.finished(&request(0)).unwrap().is_some());
+    assert_eq!((file.count().unwrap(), numbers(&file).len()), (1, 2));
+}
+
+#[test]
 fn a_file_of_the_second_layout_gets_its_first_leg() {
     let dir = tempfile::tempdir().unwrap();
     let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
