@@ -12,7 +12,7 @@ use crate::outputs::{
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (9, 0x08ad_f365_d30f_35fb);
+const LAYOUT: (u16, u64) = (10, 0x0fed_6b8c_e1ea_d905);
 
 fn accuracy() -> Accuracy {
     Accuracy {

@@ -1,7 +1,7 @@
 //! The mechanism of the fixture: a rod that turns with the crank on six pins, its motion and its bores in closed form.
 
 use common::outputs::{BodyMotion, BodyTrace, CycleHistory, WornLife};
-use common::scene::{Attachment, Motion, Scene};
+use common::scene::{Attachment, Motion, OutputKind, Scene};
 use std::f64::consts::TAU;
 
 /// Duration of a cycle [s].
@@ -27,6 +27,11 @@ pub fn rod_on_pins(scene: &mut Scene) {
     for (joint, position) in scene.joints.iter_mut().zip(PINS) {
         joint.journal = Attachment { body: 1, position };
         joint.bushing = Attachment { body: 2, position };
+    }
+    for output in &mut scene.outputs {
+        if let OutputKind::AngularVelocityDifference { a, b } = &mut output.kind {
+            (a.body, b.body) = (1, 2);
+        }
     }
 }
 

@@ -235,11 +235,11 @@ mod tests {
         Jobs::new(settings, "tcp/127.0.0.1:1".into(), "hingewise-1".into())
     }
 
-    /// Observes without workers until a job has ended.
-    fn until_one_ended(jobs: &mut Jobs, workers: &[(&str, u32)]) {
-        let (begun, before) = (Instant::now(), jobs.jobs.len());
-        while jobs.jobs.len() == before {
-            assert!(begun.elapsed() < Duration::from_secs(20), "no job has ended");
+    /// Observes these workers until all jobs have ended.
+    fn until_ended(jobs: &mut Jobs, workers: &[(&str, u32)]) {
+        let begun = Instant::now();
+        while !jobs.jobs.is_empty() {
+            assert!(begun.elapsed() < Duration::from_secs(20), "a job has not ended");
             jobs.observe(Instant::now(), workers.iter().copied());
             std::thread::sleep(Duration::from_millis(5));
         }
@@ -268,8 +268,7 @@ mod tests {
         let mut jobs = jobs("echo 'no such partition' >&2; exit 1", 5);
         let mut now = Instant::now();
         jobs.ask(now, 2);
-        until_one_ended(&mut jobs, &[]);
-        until_one_ended(&mut jobs, &[]);
+        until_ended(&mut jobs, &[]);
         assert_eq!((jobs.failed, jobs.last_failure.as_str()), (2, "no such partition"));
         jobs.ask(now, 2);
         assert_eq!(jobs.jobs.len(), 0, "not at once");
@@ -277,7 +276,7 @@ mod tests {
             now = Instant::now() + Duration::from_secs(pause);
             jobs.ask(now, 2);
             assert_eq!(jobs.jobs.len(), 1, "one at a time");
-            until_one_ended(&mut jobs, &[]);
+            until_ended(&mut jobs, &[]);
         }
         jobs.close();
     }
@@ -287,7 +286,7 @@ mod tests {
         let mut jobs = jobs("exec sleep 0.3", 1);
         jobs.ask(Instant::now(), 1);
         jobs.observe(Instant::now(), [("job-1", 2)].into_iter());
-        until_one_ended(&mut jobs, &[("job-1", 2)]);
+        until_ended(&mut jobs, &[("job-1", 2)]);
         jobs.observe(Instant::now(), std::iter::empty());
         jobs.ask(Instant::now(), 1);
         assert_eq!((jobs.asked, jobs.failed), (2, 0));
