@@ -15,7 +15,7 @@ pub enum Allowed {
     Everything,
     /// Distributions, correlations and thresholds.
     Distributions,
-    /// The same of a finished study, whose simulations do not show the influence of its constants.
+    /// Distributions, correlations and thresholds of a finished study, whose simulations do not show the influence of its constants.
     Studied,
 }
 
@@ -32,7 +32,7 @@ pub enum Place {
     Correlation([usize; 2]),
 }
 
-/// One setting.
+/// A value given to one quantity or distribution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
     /// What it changes.

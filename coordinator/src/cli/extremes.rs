@@ -7,7 +7,7 @@ use super::shared::{DEFAULT_SCENE, Verbosity};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::scene::{Scene, SceneSource};
-use coordinator::presentation::report::answer::{Answer, Part, Table};
+use coordinator::presentation::report::answer::{Answer, AnswerPart, Table};
 use serde::Serialize;
 use std::path::PathBuf;
 use worker::extremes::{Outcome, Row, cases, run_all};
@@ -68,7 +68,7 @@ pub fn extremes(arguments: &ExtremesArguments, verbosity: Verbosity) -> Result<(
     let answer = Answer {
         name: "extremes",
         title: format!("Extreme cases of {}", scene.name),
-        parts: vec![Part::Table(table(&printed))],
+        parts: vec![AnswerPart::Table(table(&printed))],
         prints_markdown: true,
         ..Answer::default()
     };

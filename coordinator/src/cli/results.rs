@@ -6,7 +6,7 @@ use super::pdf::print_page;
 use super::stored_study::{not_finished, scene_of, summary_of};
 use clap::Args;
 use coordinator::presentation::report;
-use coordinator::presentation::report::answer::{Answer, Part, Table};
+use coordinator::presentation::report::answer::{Answer, AnswerPart, Table};
 use coordinator::presentation::report::format::{number_of_cycles, signed_with_width};
 use coordinator::results::store::CampaignFile;
 use coordinator::results::summary::{SensitivityRow, SobolRow, StudySummary};
@@ -98,7 +98,7 @@ pub fn sensitivity(dir: &Path, as_json: bool) -> Result<(), CommandError> {
         return print(&to_json(&rows_with_sobol(&summary))?);
     }
     let states = summary.limit_states.iter().map(String::as_str).chain(["total"]);
-    let parts: Vec<Part> = states.flat_map(|state| of_state(&summary, state)).collect();
+    let parts: Vec<AnswerPart> = states.flat_map(|state| of_state(&summary, state)).collect();
     let title = format!("Sensitivities of the failure probabilities of {}", summary.scene);
     print(&Answer { title, parts, ..Answer::default() }.text())
 }
@@ -128,10 +128,10 @@ fn sobol_of<'a>(summary: &'a StudySummary, row: &SensitivityRow) -> Option<&'a S
 }
 
 /// The sensitivities of a limit state, or of the system as `total`, where its reliability is nearest one half.
-fn of_state(summary: &StudySummary, state: &str) -> Vec<Part> {
+fn of_state(summary: &StudySummary, state: &str) -> Vec<AnswerPart> {
     let Some(cycles) = checkpoint_nearest_one_half(summary, state) else {
         let none = format!("{state}: no sensitivity, the failure probability is 0 or 1 at every checkpoint");
-        return vec![Part::Text(none)];
+        return vec![AnswerPart::Text(none)];
     };
     let bounded = summary.variables.iter().any(|row| row.lower.is_some() || row.upper.is_some());
     let mut meaning = format!(
@@ -149,7 +149,7 @@ fn of_state(summary: &StudySummary, state: &str) -> Vec<Part> {
     let note = format!("({SHOWN} of {} variables, those of the largest changes; --json has all)", rows.len());
     let shown = (rows.len() > SHOWN).then(|| ((0..SHOWN).collect(), note));
     let table = Table::new("", head, rows.into_iter().map(|row| cells(summary, row)));
-    vec![Part::Text(meaning), Part::Table(Table { shown, ..table })]
+    vec![AnswerPart::Text(meaning), AnswerPart::Table(Table { shown, ..table })]
 }
 
 fn cells(summary: &StudySummary, row: &SensitivityRow) -> Vec<String> {

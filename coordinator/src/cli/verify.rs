@@ -8,7 +8,7 @@ use super::stored_study::{StoredStudy, ended_without_result};
 use super::study_options::LearnerArguments;
 use clap::Args;
 use coordinator::analyses::replay::{Replayed, replay};
-use coordinator::presentation::report::answer::{Answer, Part, Table};
+use coordinator::presentation::report::answer::{Answer, AnswerPart, Table};
 use coordinator::statistics::reliability::REACH;
 use coordinator::study::{
     Method, Settings, SimulatedPoint, StudyError, Verification, verify as refit, verify_study,
@@ -171,7 +171,12 @@ fn verification(found: &Verification) -> Answer {
             "surrogates fitted to {} simulations, compared with {} others",
             found.learned_from, found.points
         ),
-        parts: vec![Part::Table(surrogates), Part::Text(meaning), Part::Table(curves), Part::Text(largest)],
+        parts: vec![
+            AnswerPart::Table(surrogates),
+            AnswerPart::Text(meaning),
+            AnswerPart::Table(curves),
+            AnswerPart::Text(largest),
+        ],
         ..Answer::default()
     }
 }
@@ -196,7 +201,7 @@ fn replayed(found: &Replayed) -> Answer {
     let end = format!("stopped by {}, {:.1} s of learning", found.stopped_by, found.seconds);
     Answer {
         title: format!("learning again, with the {} simulated samples as the population", found.population),
-        parts: vec![Part::Text(meaning.to_owned()), Part::Table(table), Part::Text(end)],
+        parts: vec![AnswerPart::Text(meaning.to_owned()), AnswerPart::Table(table), AnswerPart::Text(end)],
         ..Answer::default()
     }
 }

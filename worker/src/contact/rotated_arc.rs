@@ -40,7 +40,7 @@ pub struct RotatedArc<'a> {
 pub struct Pair<'a> {
     /// The tables of both.
     pub turned: RotatedArc<'a>,
-    /// The journal.
+    /// The journal whose depth is in the table.
     pub journal: &'a Journal,
 }
 

@@ -12,11 +12,11 @@ impl Dynamics for Island {
     }
 
     fn force(&mut self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
-        fused(AtState { island: self, t, q, v, wanted: Wanted::Force(f) });
+        fused(AtState { island: self, t, q, v, into: Evaluated::Force(f) });
     }
 
     fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
-        fused(AtState { island: self, t, q, v, wanted: Wanted::Linearisation(at) });
+        fused(AtState { island: self, t, q, v, into: Evaluated::Linearisation(at) });
         self.begin_step(t, q, v);
     }
 }
@@ -28,13 +28,13 @@ struct AtState<'a> {
     t: f64,
     q: &'a [f64],
     v: &'a [f64],
-    wanted: Wanted<'a>,
+    into: Evaluated<'a>,
 }
 
-enum Wanted<'a> {
+enum Evaluated<'a> {
     /// Generalised forces with the reactions of ideal joints `(n,)` [N, N m].
     Force(&'a mut [f64]),
-    /// The same and their derivatives.
+    /// These forces with their derivatives to positions, velocities and time.
     Linearisation(&'a mut Linearised),
 }
 
@@ -43,11 +43,11 @@ impl Vectorised for AtState<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let AtState { island, t, q, v, wanted } = self;
+        let AtState { island, t, q, v, into } = self;
         island.set_state(t, q, v);
-        match wanted {
-            Wanted::Force(f) => island.add_forces(t, f),
-            Wanted::Linearisation(at) => island.add_derivatives(t, at),
+        match into {
+            Evaluated::Force(f) => island.add_forces(t, f),
+            Evaluated::Linearisation(at) => island.add_derivatives(t, at),
         }
     }
 }

@@ -107,7 +107,7 @@ impl Island {
             let is_regular = if is_crossing {
                 passage.joints.largest_gap(at, self.size) <= CLOSED * self.size
             } else {
-                !passage.has_minimum_between(at, self.size, &smaller)
+                !passage.finds_minimum_between(at, self.size, &smaller)
             };
             if !is_regular {
                 return Passing::Unclear;

@@ -272,7 +272,7 @@ impl Passage {
     }
 
     /// Whether a row that is small at both ends is smaller in the state `at` between them: call after [`Self::compare`].
-    pub(super) fn has_minimum_between(&mut self, at: Placed, size: f64, ends: &[f64]) -> bool {
+    pub(super) fn finds_minimum_between(&mut self, at: Placed, size: f64, ends: &[f64]) -> bool {
         if !self.factor(at, size) {
             return true;
         }

@@ -4,7 +4,7 @@ use super::least_squares::{Fit, LeastSquares};
 use super::responses::ResponseSurrogates;
 use super::space::{FreeParameter, Space};
 use super::targets::Target;
-use crate::presentation::report::answer::{Answer, Part, Table};
+use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::significant;
 use serde::Serialize;
 
@@ -180,15 +180,15 @@ pub fn answer(found: &CalibrationResult, scene: &str) -> Answer {
     );
     let caution = "Free parameters: fitted to the targets below, so results that follow from them alone are not predictions.";
     let mut parts = vec![
-        Part::Text(counts),
-        Part::Text(caution.to_owned()),
-        Part::Table(parameters(&found.parameters)),
-        Part::Table(targets_table(&found.targets)),
+        AnswerPart::Text(counts),
+        AnswerPart::Text(caution.to_owned()),
+        AnswerPart::Table(parameters(&found.parameters)),
+        AnswerPart::Table(targets_table(&found.targets)),
     ];
     if found.parameters.len() > 1 {
-        parts.push(Part::Notes("Correlations of the parameters' uncertainties", correlations(found)));
+        parts.push(AnswerPart::Notes("Correlations of the parameters' uncertainties", correlations(found)));
     }
-    parts.extend(found.conflicts.iter().map(|conflict| Part::Text(conflict_in_words(conflict))));
+    parts.extend(found.conflicts.iter().map(|conflict| AnswerPart::Text(conflict_in_words(conflict))));
     Answer {
         name: "calibration",
         title: format!("Calibration of {scene}"),

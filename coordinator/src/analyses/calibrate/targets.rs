@@ -6,9 +6,9 @@ use crate::analyses::quantity::ShownUnit;
 /// Statistic of an output over the random variables.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OutputStatistic {
-    /// Its mean.
+    /// Mean over the random variables.
     Mean,
-    /// Its standard deviation.
+    /// Standard deviation over the random variables.
     Std,
     /// Its value at the means of the random variables.
     Nominal,

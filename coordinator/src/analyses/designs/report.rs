@@ -7,7 +7,7 @@ use super::refinement::Refined;
 use super::space::DesignSpace;
 use crate::analyses::paired_results::curve_names;
 use crate::presentation::report::PlotError;
-use crate::presentation::report::answer::{Answer, Part, Table};
+use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::{count, percent, rounded_cycles, three_digits};
 use crate::presentation::report::life::{
     Included, LEVELS, LifeAt, life_and_limits, life_at, reliability, states_numerical_errors, unresolved_fall,
@@ -105,8 +105,12 @@ pub fn answer(report: &DesignReport<'_>) -> Result<Answer, PlotError> {
     drawn.dedup();
     let curve =
         |i: usize| -> (String, StudySummary) { (report.in_words(i), report.answers[i].summary.clone()) };
-    let best = report.best.as_ref().map(|best| Part::Text(best_in_words(report, best)));
-    let rest = [Part::Figures, Part::Table(table(report)), Part::Notes("Errors", sentences(report))];
+    let best = report.best.as_ref().map(|best| AnswerPart::Text(best_in_words(report, best)));
+    let rest = [
+        AnswerPart::Figures,
+        AnswerPart::Table(table(report)),
+        AnswerPart::Notes("Errors", sentences(report)),
+    ];
     Ok(Answer {
         name: "designs",
         title: "Designs".to_owned(),

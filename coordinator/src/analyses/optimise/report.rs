@@ -3,7 +3,7 @@
 use super::result::{
     Advice, Bound, FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, TargetState,
 };
-use crate::presentation::report::answer::{Answer, Part, Table};
+use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::{shortest, significant};
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::{Axis, Figure, Plot, PlotError, Scale, Series, Shape};
@@ -20,13 +20,13 @@ pub fn answer(
     scene: &str,
     curves: Vec<(String, StudySummary)>,
 ) -> Result<Answer, PlotError> {
-    let tables = tables(result).into_iter().map(Part::Table);
-    let notes = Part::Notes("Errors and prices", notes(result));
+    let tables = tables(result).into_iter().map(AnswerPart::Table);
+    let notes = AnswerPart::Notes("Errors and prices", notes(result));
     Ok(Answer {
         name: "optimum",
         title: "Optimum".to_owned(),
         subtitle: format!("Scene: {scene}"),
-        parts: [Part::Text(verdict(result)), Part::Figures]
+        parts: [AnswerPart::Text(verdict(result)), AnswerPart::Figures]
             .into_iter()
             .chain(tables)
             .chain([notes])

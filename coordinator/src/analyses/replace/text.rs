@@ -1,7 +1,7 @@
 //! The answer of `coordinator replace` with its tables.
 
 use super::{InspectionRow, RateRow, ReplacementReport, Stated};
-use crate::presentation::report::answer::{Answer, Part, Table};
+use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::short_percent;
 use crate::results::life_summary::LifeRow;
 use common::scene::Scene;
@@ -14,7 +14,7 @@ pub fn answer(report: &ReplacementReport, scene: &Scene) -> Answer {
     let ReplacementReport { planned_cost, failure_cost, .. } = report;
     let subject = if report.curve == "total" { "the whole system" } else { &report.curve };
     let numbers = Table { left: &[0, 1], ..Table::new("", [""; 0], numbers(report)) };
-    let mut parts = vec![Part::Table(numbers), rates(&report.rates)];
+    let mut parts = vec![AnswerPart::Table(numbers), rates(&report.rates)];
     parts.extend(inspections(report, scene));
     Answer {
         name: "replace",
@@ -118,13 +118,13 @@ fn life_text(row: &LifeRow, end: f64) -> String {
 }
 
 /// Density and hazard where units fail, on a terminal at most [`ROWS`] rows.
-fn rates(rates: &[RateRow]) -> Part {
+fn rates(rates: &[RateRow]) -> AnswerPart {
     let short =
         |stated: &Stated| format!("{:.2e} ({:.2e} to {:.2e})", stated.value, stated.lower, stated.upper);
     let failing: Vec<&RateRow> = rates.iter().filter(|row| row.density.value > 0.0).collect();
     if failing.is_empty() {
         let none = "No failure was found up to the end of the study: no density and no hazard.";
-        return Part::Text(none.to_owned());
+        return AnswerPart::Text(none.to_owned());
     }
     let step = failing.len().div_ceil(ROWS);
     let shown = (0..failing.len()).step_by(step).collect();
@@ -134,11 +134,15 @@ fn rates(rates: &[RateRow]) -> Part {
         vec![format!("{:.0} to {:.0}", row.from, row.to), short(&row.density), hazard]
     });
     let head = ["cycles", "failure density [1/cycle] (95 %)", "hazard [1/cycle] (95 %)"];
-    Part::Table(Table { left: &[], shown: (step > 1).then_some((shown, note)), ..Table::new("", head, rows) })
+    AnswerPart::Table(Table {
+        left: &[],
+        shown: (step > 1).then_some((shown, note)),
+        ..Table::new("", head, rows)
+    })
 }
 
 /// Replacement above a measured level, if it was asked for.
-fn inspections(report: &ReplacementReport, scene: &Scene) -> Vec<Part> {
+fn inspections(report: &ReplacementReport, scene: &Scene) -> Vec<AnswerPart> {
     let Some(first) = report.inspections.first() else { return vec![] };
     let output = scene.outputs.iter().find(|output| output.name == first.output);
     let unit = output.map(|output| output.kind.unit());
@@ -174,7 +178,7 @@ fn inspections(report: &ReplacementReport, scene: &Scene) -> Vec<Part> {
         saved.abs(),
         if saved >= 0.0 { "less" } else { "more" }
     );
-    vec![Part::Text(meaning), Part::Table(table), Part::Text(best)]
+    vec![AnswerPart::Text(meaning), AnswerPart::Table(table), AnswerPart::Text(best)]
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::compare::{OutputError, SettingComparison};
 use super::csv::csv;
 use super::lives::{LEVELS, LifeChange};
 use super::stated::{REQUIRED_SHARE, StatedErrorCheck, TIMES};
-use crate::presentation::report::answer::{Answer, Part, Table};
+use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::{Axis, Figure, Plot, PlotError, Scale, Series, Shape, standalone};
 use common::scene::Scene;
@@ -27,32 +27,32 @@ pub fn answer(
          life at which the limit is reached. A star marks the Pareto front of time and error. The last row is the \
          reference with its own stated error. All have the control points of the scene: what more of them change is not in these errors.";
     let mut parts = vec![
-        Part::Figures,
-        Part::Text(errors.to_owned()),
-        Part::Table(cost_and_error(scene, &with_reference)),
+        AnswerPart::Figures,
+        AnswerPart::Text(errors.to_owned()),
+        AnswerPart::Table(cost_and_error(scene, &with_reference)),
     ];
     let failed = rows.iter().chain([reference]).filter(|row| row.failures > 0);
     let failed: Vec<String> = failed.map(|row| format!("{} at {}", row.setting.name, row.failures)).collect();
     if !failed.is_empty() {
         let text = format!("Without a result, and excluded there: {} of {points} points.", failed.join(", "));
-        parts.push(Part::Text(text));
+        parts.push(AnswerPart::Text(text));
     }
-    parts.push(Part::Text(format!(
+    parts.push(AnswerPart::Text(format!(
         "Stated errors: share of the values whose true error is within the stated one, and within {TIMES} times the stated \
          one, which must hold for {:.0} %; median and 95 % quantile of true over stated error; number of values beyond \
          {TIMES} times the stated error in the first, second and last third of life, and number of points with such \
          values; the worst of them.",
         100.0 * REQUIRED_SHARE
     )));
-    parts.push(Part::Table(stated(scene, &sorted)));
+    parts.push(AnswerPart::Table(stated(scene, &sorted)));
     if let Some(first) = rows.iter().find_map(|row| row.lives.first()) {
-        parts.push(Part::Text(format!(
+        parts.push(AnswerPart::Text(format!(
             "Reliability: share of the {} random points that fail at another checkpoint than with the reference, and reliability \
              R of these points minus that of the reference: where it differs most, and where R of the reference is nearest \
              {}, {} and {}.",
             first.points, LEVELS[0], LEVELS[1], LEVELS[2]
         )));
-        parts.push(Part::Table(reliability(&sorted)));
+        parts.push(AnswerPart::Table(reliability(&sorted)));
     }
     let figures = figures(scene, rows)?;
     let drawings = figures.iter().map(|figure| (format!("{}.svg", figure.name), standalone(figure)));

@@ -1,7 +1,7 @@
 //! Updated units with their tables and figures, and as CSV.
 
 use super::result::{FleetReport, RemainingLife, UnitReport, UpdatedVariable};
-use crate::presentation::report::answer::{Answer, Part, Table};
+use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::palette::{Ink, SERIES};
 use crate::presentation::report::{Axis, Figure, Plot, PlotError, Points, Series, Shape};
 use crate::results::csv_table::{CsvTable, number};
@@ -28,9 +28,9 @@ pub fn answer(report: &FleetReport) -> Result<Answer, PlotError> {
          contain the errors of measurement and surrogates. The numerical error of the simulations widens the likelihood of a \
          measurement but does not shift the lives. Sample size: effective number of points of the population.";
     let mut parts = vec![
-        Part::Figures,
-        Part::Table(Table::new("", head, rows).with_left(&[0, 7])),
-        Part::Text(meaning.to_owned()),
+        AnswerPart::Figures,
+        AnswerPart::Table(Table::new("", head, rows).with_left(&[0, 7])),
+        AnswerPart::Text(meaning.to_owned()),
     ];
     if units.len() <= DETAILED {
         parts.extend(units.iter().filter(|unit| !unit.variables.is_empty()).map(variables));
@@ -40,7 +40,7 @@ pub fn answer(report: &FleetReport) -> Result<Answer, PlotError> {
     };
     let warnings: Vec<String> = units.iter().filter_map(warning).collect();
     if !warnings.is_empty() {
-        parts.push(Part::Notes("To be checked", warnings));
+        parts.push(AnswerPart::Notes("To be checked", warnings));
     }
     Ok(Answer {
         name: "update",
@@ -85,7 +85,7 @@ fn unit_row(unit: &UnitReport, end: f64) -> Vec<String> {
 }
 
 /// The variables of which the observations say most.
-fn variables(unit: &UnitReport) -> Part {
+fn variables(unit: &UnitReport) -> AnswerPart {
     let change = |v: &UpdatedVariable| {
         if v.prior_std > 0.0 {
             ((v.mean - v.prior_mean).abs() / v.prior_std).max((v.std / v.prior_std - 1.0).abs())
@@ -96,7 +96,7 @@ fn variables(unit: &UnitReport) -> Part {
     let mut changed: Vec<&UpdatedVariable> = unit.variables.iter().filter(|v| change(v) > CHANGED).collect();
     changed.sort_by(|a, b| change(b).total_cmp(&change(a)));
     if changed.is_empty() {
-        return Part::Text(format!(
+        return AnswerPart::Text(format!(
             "{}: no variable's mean or standard deviation changes by more than {CHANGED} standard deviations",
             unit.unit
         ));
@@ -106,7 +106,7 @@ fn variables(unit: &UnitReport) -> Part {
         let (mean, std) = ((v.mean - v.prior_mean) / v.prior_std, v.std / v.prior_std);
         vec![v.name.clone(), format!("{mean:+.2}"), format!("{std:.2}")]
     });
-    Part::Table(Table::new(heading, ["variable", "change of mean", "standard deviation"], rows))
+    AnswerPart::Table(Table::new(heading, ["variable", "change of mean", "standard deviation"], rows))
 }
 
 /// One row per unit: `unit, observed_until, R, R_standard_error, remaining_5, remaining_50, remaining_95, effective_size,

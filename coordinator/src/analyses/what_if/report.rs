@@ -3,7 +3,7 @@
 use super::answer::{Agreement, WhatIf};
 use super::changes::{ChangedVariable, LawParameters};
 use crate::analyses::paired_results::{ChangeOfLife, curve_names};
-use crate::presentation::report::answer::{Answer, Part, Table};
+use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::{count, percent, shortest, signed_with_width, three_digits};
 use crate::presentation::report::life::{
     Included, LEVELS, life_and_limits, life_at, reliability, rows_that_matter, states_numerical_errors,
@@ -62,13 +62,13 @@ pub fn answer(found: &WhatIf, settings: &[String], added: usize, scene: &Scene, 
     let changes = Table::new("Changes", ["", "before", "after"], changes(found, scene)).with_left(&[0, 1, 2]);
     let changes = Some(changes).filter(|changes| !changes.rows.is_empty());
     let tables = [changes, reliability_table(found), lives_table(found), first_failure_table(found)];
-    let tables = tables.into_iter().flatten().map(Part::Table);
-    let notes = Part::Notes("Errors", sentences(found, added, command));
+    let tables = tables.into_iter().flatten().map(AnswerPart::Table);
+    let notes = AnswerPart::Notes("Errors", sentences(found, added, command));
     Answer {
         name: "what-if",
         title: format!("What if: {typed}"),
         subtitle: format!("Scene: {}", found.after.scene),
-        parts: std::iter::once(Part::Figures).chain(tables).chain([notes]).collect(),
+        parts: std::iter::once(AnswerPart::Figures).chain(tables).chain([notes]).collect(),
         curves: vec![("before".to_owned(), found.before.clone()), ("after".to_owned(), found.after.clone())],
         ..Answer::default()
     }

@@ -1,6 +1,6 @@
 //! The jobs asked for, as processes of ours that live as long as the jobs do.
 
-use super::ScaleSettings;
+use super::batch_system::BatchSystem;
 use common::wire::ScaleStatus;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::io::{BufRead, BufReader, Write};
@@ -22,7 +22,18 @@ pub(super) fn is_job(worker: &str) -> bool {
     worker.starts_with(NAME)
 }
 
-/// One job.
+/// How workers are asked for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ScaleSettings {
+    /// The batch system that is asked.
+    pub system: BatchSystem,
+    /// Most jobs at once.
+    pub most: usize,
+    /// Time after which a worker without tasks leaves.
+    pub idle: Duration,
+}
+
+/// A job and its process.
 #[derive(Debug)]
 struct Job {
     worker: String,
@@ -226,7 +237,6 @@ impl Jobs {
 
 #[cfg(test)]
 mod tests {
-    use super::super::BatchSystem;
     use super::*;
 
     fn jobs(command: &str, most: usize) -> Jobs {

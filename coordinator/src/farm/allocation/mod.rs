@@ -8,10 +8,11 @@ mod demand;
 mod jobs;
 
 pub use batch_system::BatchSystem;
+pub use jobs::ScaleSettings;
 
 use super::dispatch::{StatusBoard, StatusHandle};
 use common::wire::{ScaleStatus, Status};
-use demand::Backlog;
+use demand::Demand;
 use jobs::Jobs;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
@@ -19,17 +20,6 @@ use std::time::{Duration, Instant};
 
 /// Interval at which the backlog is looked at.
 const TICK: Duration = Duration::from_secs(1);
-
-/// How workers are asked for.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ScaleSettings {
-    /// Where.
-    pub system: BatchSystem,
-    /// Most jobs at once.
-    pub most: usize,
-    /// Time after which a worker without tasks leaves.
-    pub idle: Duration,
-}
 
 /// Asks for jobs on a thread of its own until it is closed.
 #[derive(Debug)]
@@ -80,11 +70,11 @@ fn ask_until_stopped(mut jobs: Jobs, stopped: &Receiver<()>, status: &StatusHand
 }
 
 /// The backlog of a study in this status, some of whose tasks have been under way since `under_way`.
-fn backlog(status: &Status, jobs: &Jobs, now: Instant, under_way: Option<Instant>) -> Backlog {
+fn backlog(status: &Status, jobs: &Jobs, now: Instant, under_way: Option<Instant>) -> Demand {
     let simulated = status.study.done.saturating_sub(status.study.recalled);
     let mean = (simulated > 0).then(|| Duration::from_secs_f64(status.study.simulation / simulated as f64));
     let others = status.farm.workers.iter().filter(|worker| !jobs::is_job(&worker.name));
-    Backlog {
+    Demand {
         open: status.farm.queued + status.farm.under_way,
         duration: mean.or(under_way.map(|since| now - since)),
         other_slots: others.map(|worker| u64::from(worker.slots)).sum(),

@@ -22,7 +22,7 @@ pub struct Answer {
     /// Line below the title of the page.
     pub subtitle: String,
     /// Its parts in their order.
-    pub parts: Vec<Part>,
+    pub parts: Vec<AnswerPart>,
     /// Figures of the page before those of the curves.
     pub figures: Vec<Figure>,
     /// Alternatives whose curves are drawn, with their names: two or more of the same limit states and checkpoints.
@@ -35,7 +35,7 @@ pub struct Answer {
 
 /// A part of an answer.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Part {
+pub enum AnswerPart {
     /// A paragraph; `**` begins and ends what is important.
     Text(String),
     /// A table with its heading.
@@ -121,11 +121,11 @@ impl Answer {
         if self.prints_markdown {
             return self.markdown();
         }
-        let part = |part: &Part| match part {
-            Part::Text(text) => Some(format!("{}\n", text.replace("**", ""))),
-            Part::Table(table) => Some(table.in_columns()),
-            Part::Notes(_, notes) => Some(notes.iter().map(|note| format!("{note}\n")).collect()),
-            Part::Figures => None,
+        let part = |part: &AnswerPart| match part {
+            AnswerPart::Text(text) => Some(format!("{}\n", text.replace("**", ""))),
+            AnswerPart::Table(table) => Some(table.in_columns()),
+            AnswerPart::Notes(_, notes) => Some(notes.iter().map(|note| format!("{note}\n")).collect()),
+            AnswerPart::Figures => None,
         };
         let title = format!("{}\n", self.title);
         let parts: Vec<String> = std::iter::once(title).chain(self.parts.iter().filter_map(part)).collect();
@@ -134,14 +134,14 @@ impl Answer {
 
     /// The answer as Markdown.
     pub fn markdown(&self) -> String {
-        let part = |part: &Part| match part {
-            Part::Text(text) => Some(format!("{text}\n")),
-            Part::Table(table) => Some(table.in_markdown()),
-            Part::Notes(heading, notes) => {
+        let part = |part: &AnswerPart| match part {
+            AnswerPart::Text(text) => Some(format!("{text}\n")),
+            AnswerPart::Table(table) => Some(table.in_markdown()),
+            AnswerPart::Notes(heading, notes) => {
                 let notes: String = notes.iter().map(|note| format!("- {note}\n")).collect();
                 Some(format!("## {heading}\n\n{notes}"))
             }
-            Part::Figures => None,
+            AnswerPart::Figures => None,
         };
         let title = format!("# {}\n", self.title);
         let parts: Vec<String> = std::iter::once(title).chain(self.parts.iter().filter_map(part)).collect();
@@ -168,10 +168,10 @@ impl Answer {
             header { p.brand { "Hingewise" } h1 { (self.title) } p.meta { (self.subtitle) } }
             @for part in &self.parts {
                 @match part {
-                    Part::Text(text) => p { (text.replace("**", "")) },
-                    Part::Table(table) => (table.html()),
-                    Part::Notes(heading, notes) => { h2 { (heading) } @for note in notes { p { (note) } } },
-                    Part::Figures => (page::figures(drawn, "three")),
+                    AnswerPart::Text(text) => p { (text.replace("**", "")) },
+                    AnswerPart::Table(table) => (table.html()),
+                    AnswerPart::Notes(heading, notes) => { h2 { (heading) } @for note in notes { p { (note) } } },
+                    AnswerPart::Figures => (page::figures(drawn, "three")),
                 }
             }
         };
@@ -216,11 +216,11 @@ mod tests {
             name: "what-if",
             title: "What if: a < b".to_owned(),
             parts: vec![
-                Part::Text("**First** this.".to_owned()),
-                Part::Figures,
-                Part::Table(table("Lives", 1)),
-                Part::Table(short),
-                Part::Notes("Errors", vec!["It is so.".to_owned()]),
+                AnswerPart::Text("**First** this.".to_owned()),
+                AnswerPart::Figures,
+                AnswerPart::Table(table("Lives", 1)),
+                AnswerPart::Table(short),
+                AnswerPart::Notes("Errors", vec!["It is so.".to_owned()]),
             ],
             curves: vec![("before".to_owned(), summary.clone()), ("after".to_owned(), summary)],
             files: vec![("more.csv".to_owned(), "a\n".to_owned())],

@@ -1,6 +1,6 @@
 //! Runs evaluations side by side on one thread: polls each as far as it comes without motion, then runs the lanes.
 
-use super::lanes::LanePool;
+use super::pool::LanePool;
 use super::queue::{CpuTime, LaneQueue};
 use super::width::LaneWidth;
 use std::future::Future;

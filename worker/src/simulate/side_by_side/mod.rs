@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `queue.rs` | spans waiting for a lane, and their results |
 //! | `lanes.rs` | integrates queued islands, one per lane |
+//! | `pool.rs` | the groups of lanes of a thread |
 //! | `executor.rs` | polls the evaluations and runs the lanes |
 //! | `width.rs` | how many numbers a lane group holds |
 //! | `join.rs` | several stages of one evaluation at the same time |
@@ -16,6 +17,7 @@
 mod executor;
 mod join;
 mod lanes;
+mod pool;
 mod queue;
 mod width;
 
