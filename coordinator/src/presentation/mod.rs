@@ -5,7 +5,7 @@
 //! | [`report`] | the report of a finished study, and the comparison of several |
 //! | [`monitor`] | status, metrics and live report of a running study |
 //! | [`control_points`] | outputs that depend on the number of control points |
-//! | [`format`] | numbers as text for people |
+//! | [`mod@format`] | numbers as text for people |
 //! | [`motion_cautions`] | cautions about energy and settling of the simulated motion |
 //! | [`nominal_life`] | one mechanism against the limits of its scene |
 //! | [`progress`] | progress of a study, and the time that it still takes |

@@ -161,7 +161,7 @@ impl Island {
         })
     }
 
-    /// Storage for [`Dynamics::linearise`].
+    /// Storage for [`Linearised`].
     pub fn linearised(&self) -> Linearised {
         Linearised {
             lambda: vec![0.0; self.ideal.rows()],
