@@ -7,7 +7,7 @@ const HORIZON: Duration = Duration::from_secs(60);
 
 /// What waits, and what is there to do it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Demand {
+pub struct JobDemand {
     /// Evaluations that have not ended.
     pub open: u64,
     /// Mean time of an evaluation, or the time since tasks are under way without any that ended; `None` without either.
@@ -20,7 +20,7 @@ pub struct Demand {
     pub queueing: Duration,
 }
 
-impl Demand {
+impl JobDemand {
     /// Number of jobs wanted, at most `most`.
     ///
     /// One job for each whole [`HORIZON`] of work on its slots that is left beyond the work of the other workers within it, at least one and
@@ -45,35 +45,35 @@ impl Demand {
 mod tests {
     use super::*;
 
-    const START: Demand =
-        Demand { open: 36, duration: None, other_slots: 0, slots_per_job: None, queueing: Duration::ZERO };
+    const START: JobDemand =
+        JobDemand { open: 36, duration: None, other_slots: 0, slots_per_job: None, queueing: Duration::ZERO };
 
     #[test]
     fn the_first_job_shows_how_many_are_worth_their_while() {
         assert_eq!(START.jobs(20), 1);
-        assert_eq!(Demand { open: 0, ..START }.jobs(20), 0);
-        let started = Demand { slots_per_job: Some(16), ..START };
-        let of = |seconds| Demand { duration: Some(Duration::from_secs_f64(seconds)), ..started };
+        assert_eq!(JobDemand { open: 0, ..START }.jobs(20), 0);
+        let started = JobDemand { slots_per_job: Some(16), ..START };
+        let of = |seconds| JobDemand { duration: Some(Duration::from_secs_f64(seconds)), ..started };
         // 36 evaluations of 0.2 s are no work for a second job; of two minutes they are five times a minute on 16 slots, but 36 tasks fill
         // three jobs.
         assert_eq!((of(0.2).jobs(20), of(120.0).jobs(20)), (1, 3));
-        assert_eq!(Demand { open: 200, ..of(120.0) }.jobs(20), 13);
-        assert_eq!(Demand { open: 100_000, ..of(120.0) }.jobs(20), 20);
+        assert_eq!(JobDemand { open: 200, ..of(120.0) }.jobs(20), 13);
+        assert_eq!(JobDemand { open: 100_000, ..of(120.0) }.jobs(20), 20);
     }
 
     #[test]
     fn a_job_that_queues_for_long_is_not_waited_for_alone() {
-        let queueing = |seconds| Demand { queueing: Duration::from_secs(seconds), ..START };
+        let queueing = |seconds| JobDemand { queueing: Duration::from_secs(seconds), ..START };
         assert_eq!((queueing(59).jobs(20), queueing(61).jobs(20)), (1, 20));
     }
 
     #[test]
     fn other_workers_do_what_they_can() {
-        let local = Demand { other_slots: 2, duration: Some(Duration::from_secs(1)), ..START };
+        let local = JobDemand { other_slots: 2, duration: Some(Duration::from_secs(1)), ..START };
         assert_eq!(local.jobs(20), 0);
         // 600 s of work beyond the 120 s of two slots within a minute: ten jobs of one slot.
-        assert_eq!(Demand { open: 720, ..local }.jobs(20), 10);
+        assert_eq!(JobDemand { open: 720, ..local }.jobs(20), 10);
         // Before the first evaluation has ended nothing says that they are not enough.
-        assert_eq!(Demand { duration: None, ..local }.jobs(20), 0);
+        assert_eq!(JobDemand { duration: None, ..local }.jobs(20), 0);
     }
 }

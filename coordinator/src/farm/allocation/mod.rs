@@ -12,7 +12,7 @@ pub use jobs::ScaleSettings;
 
 use super::dispatch::{StatusBoard, StatusHandle};
 use common::wire::{ScaleStatus, Status};
-use demand::Demand;
+use demand::JobDemand;
 use jobs::Jobs;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
@@ -70,11 +70,11 @@ fn ask_until_stopped(mut jobs: Jobs, stopped: &Receiver<()>, status: &StatusHand
 }
 
 /// The backlog of a study in this status, some of whose tasks have been under way since `under_way`.
-fn backlog(status: &Status, jobs: &Jobs, now: Instant, under_way: Option<Instant>) -> Demand {
+fn backlog(status: &Status, jobs: &Jobs, now: Instant, under_way: Option<Instant>) -> JobDemand {
     let simulated = status.study.done.saturating_sub(status.study.recalled);
     let mean = (simulated > 0).then(|| Duration::from_secs_f64(status.study.simulation / simulated as f64));
     let others = status.farm.workers.iter().filter(|worker| !jobs::is_job(&worker.name));
-    Demand {
+    JobDemand {
         open: status.farm.queued + status.farm.under_way,
         duration: mean.or(under_way.map(|since| now - since)),
         other_slots: others.map(|worker| u64::from(worker.slots)).sum(),
