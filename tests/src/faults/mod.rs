@@ -1,5 +1,5 @@
 //! Faults of a farm, injected into real processes during a small study. Each function returns a [`Report`]: the study must
-//! end with the answer of an undisturbed one and every evaluation recorded once. `tests/tests/faults.rs` asserts this in
+//! end with the answer of an undisturbed one and every evaluation recorded once. `tests/tests/farm/faults.rs` asserts this in
 //! short runs, `tests/examples/faults.rs` in long ones.
 
 mod coordinators;

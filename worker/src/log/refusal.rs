@@ -1,6 +1,6 @@
 //! Explains failed and refused connections by reading Zenoh's log messages. **Check this file at each update of Zenoh**:
 //! the phrases in `CAUSES` and `REFUSALS` are those of the version pinned by the workspace, and the tests in
-//! `tests/tests/refusals.rs` provoke each of them.
+//! `tests/tests/farm/refusals.rs` provoke each of them.
 //!
 //! Zenoh's error for a failed connection is only "unable to connect", and a listener gets no error at all; the reason
 //! appears in the log alone. `RefusalLayer` reads that log, independently of the level shown to the user:
