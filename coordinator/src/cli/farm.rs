@@ -245,7 +245,7 @@ impl WorkerFarm {
     /// Disconnects the workers and waits for the local ones to end.
     pub fn close(self) {
         self.evaluator.finish();
-        self.scaling.into_iter().for_each(Scaling::close);
+        drop(self.scaling);
         if let Some(Err(error)) = self.local.map(WorkerHandle::join) {
             // The command has its results; the end of a local worker only matters for diagnosis.
             tracing::warn!("local worker: {error}");

@@ -158,7 +158,8 @@ impl Jobs {
 
     fn submit(&mut self, now: Instant) -> std::io::Result<()> {
         self.asked += 1;
-        let worker = format!("{NAME}{}", self.asked);
+        // Workers of an earlier coordinator may still be connected: their names are those of another process.
+        let worker = format!("{NAME}{}-{}", std::process::id(), self.asked);
         let mut process = self
             .shell(self.settings.system.submit())
             .env("WORKER_NAME", &worker)
@@ -262,7 +263,8 @@ mod tests {
         jobs.ask(now, 50);
         jobs.ask(now, 50);
         let ids: Vec<u32> = jobs.jobs.iter().map(|job| job.process.id()).collect();
-        jobs.observe(now, [("job-1", 16), ("job-9", 4), ("host", 8)].into_iter());
+        let first = jobs.jobs[0].worker.clone();
+        jobs.observe(now, [(first.as_str(), 16), ("job-9", 4), ("host", 8)].into_iter());
         let ScaleStatus { asked, waiting, running, failed, .. } = jobs.status();
         // One of them runs, as does one that an earlier coordinator asked for, which takes the place of another.
         assert_eq!((asked, waiting, running, failed, jobs.slots_per_job()), (3, 2, 2, 0, Some(16)));
@@ -295,8 +297,9 @@ mod tests {
     fn jobs_that_are_cancelled_are_replaced() {
         let mut jobs = jobs("exec sleep 0.3", 1);
         jobs.ask(Instant::now(), 1);
-        jobs.observe(Instant::now(), [("job-1", 2)].into_iter());
-        until_ended(&mut jobs, &[("job-1", 2)]);
+        let first = jobs.jobs[0].worker.clone();
+        jobs.observe(Instant::now(), [(first.as_str(), 2)].into_iter());
+        until_ended(&mut jobs, &[(first.as_str(), 2)]);
         jobs.observe(Instant::now(), std::iter::empty());
         jobs.ask(Instant::now(), 1);
         assert_eq!((jobs.asked, jobs.failed), (2, 0));

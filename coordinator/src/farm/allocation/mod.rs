@@ -21,12 +21,10 @@ use std::time::{Duration, Instant};
 /// Interval at which the backlog is looked at.
 const TICK: Duration = Duration::from_secs(1);
 
-/// Asks for jobs on a thread of its own until it is closed.
+/// Asks for jobs on a thread of its own until it is dropped, also where a study is interrupted: then the jobs that still wait are withdrawn,
+/// and the processes of the others end; their workers have left or give up.
 #[derive(Debug)]
-pub struct Scaling {
-    stop: Sender<()>,
-    thread: JoinHandle<()>,
-}
+pub struct Scaling(Option<(Sender<()>, JoinHandle<()>)>);
 
 impl Scaling {
     /// Starts to ask for jobs whose workers connect to `endpoint`, for the campaign with this number; what it asked for is posted on the
@@ -44,14 +42,17 @@ impl Scaling {
         let jobs = Jobs::new(settings, endpoint, format!("hingewise-{campaign:08x}"));
         let run = move || ask_until_stopped(jobs, &stopped, &status, &board);
         let thread = std::thread::Builder::new().name("coordinator-scale".into()).spawn(run)?;
-        Ok(Scaling { stop, thread })
+        Ok(Scaling(Some((stop, thread))))
     }
+}
 
-    /// Withdraws the jobs that still wait, and ends the processes of the others; their workers have left or give up.
-    pub fn close(self) {
-        drop(self.stop);
-        // A panic there has ended the process.
-        let _ = self.thread.join();
+impl Drop for Scaling {
+    fn drop(&mut self) {
+        if let Some((stop, thread)) = self.0.take() {
+            drop(stop);
+            // A panic there has ended the process.
+            let _ = thread.join();
+        }
     }
 }
 
