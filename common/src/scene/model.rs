@@ -345,13 +345,13 @@ pub struct StudySettings {
 impl StudySettings {
     /// The settings of a scene of `variables` random variables without `[study]`.
     ///
-    /// The initial design has 12 simulations and 3/2 per variable from the ninth on: learning places the others
-    /// better. A batch is as small as two machines allow, four, and grows by two for every eight variables, as
+    /// The initial design has 6 simulations and 4 per variable, 12 to 30, and 3/2 per variable from the 21st on: learning places the
+    /// others better, but only once the surrogates see every variable. A batch is as small as two machines allow, four, and grows by two for every eight variables, as
     /// more directions have to be tried.
     pub fn for_variables(variables: usize) -> Self {
         StudySettings {
             population: 100_000,
-            initial: (3 * variables / 2).max(12),
+            initial: (6 + 4 * variables).clamp(12, 30).max(3 * variables / 2),
             batch: 2 * (2 + variables / 8),
             max_evaluations: (10 * variables).max(600),
             seed: 1,

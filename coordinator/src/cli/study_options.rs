@@ -157,7 +157,7 @@ pub struct LearnerArguments {
     /// result, so it does not follow the number of workers
     #[arg(long, value_name = "N", value_parser = positive)]
     pub batch: Option<usize>,
-    /// Learning function: the expected gain over all points, or U, EFF or H of one point (ak) [default: gain]
+    /// Learning function: the expected gain over all points, U of one point, or U weighted by dominance (ak) [default: gain]
     #[arg(long, value_parser = word::<LearningFunction>(LearningFunction::NAMES))]
     pub learning: Option<LearningFunction>,
     /// Surrogate error of any R(n) at which learning may stop (ak) [default: 0.006, and 2 % of P_f in proportion]

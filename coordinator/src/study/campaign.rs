@@ -20,7 +20,7 @@ use super::round::{Assessment, RoundInput, assess};
 use super::step::{CampaignError, Step, StopReason};
 use super::surrogates::SurrogateState;
 use crate::results::summary::Round;
-use crate::statistics::design::{Population, choose_by_latin_hypercube};
+use crate::statistics::design::{Population, choose_by_latin_hypercube, latin_hypercube};
 use crate::statistics::learning::{Rule, Stopping};
 use crate::statistics::surrogate::Effort;
 
@@ -172,12 +172,18 @@ impl Campaign {
         self.requests.begin(vec![PendingSample::nominal(&self.problem.inputs)])
     }
 
-    /// Requests the rest of the initial design: the points of the population nearest to a Latin hypercube.
+    /// Requests the rest of the initial design: a Latin hypercube; its nearest points of the population if that is all there is.
     fn request_initial_design(&mut self) -> Step {
         let count = self.plan.settings.initial.saturating_sub(1).min(self.budget_left());
         let (population, seed) = (&self.classified.population, self.plan.settings.seed);
-        let chosen = choose_by_latin_hypercube(population, count, seed);
-        let chunk = chosen.into_iter().map(|j| self.requests.take(&self.classified, j)).collect();
+        let chunk = if self.plan.largest_population <= population.len() {
+            let chosen = choose_by_latin_hypercube(population, count, seed);
+            chosen.into_iter().map(|j| self.requests.take(&self.classified, j)).collect()
+        } else {
+            let inputs = &self.problem.inputs;
+            let design = latin_hypercube(inputs, count, seed);
+            design.chunks_exact(inputs.dimension()).map(|z| PendingSample::at(z.to_vec(), inputs)).collect()
+        };
         self.requests.begin(chunk)
     }
 

@@ -77,13 +77,14 @@ impl Campaign {
         campaign
     }
 
-    /// Takes these surrogates of the same results in the same coordinates, e.g. those of another population, instead of
-    /// fitting new ones from several starts. With other `thresholds` than those of their fit, their lengths are fitted
+    /// Takes these surrogates, e.g. those of another population, instead of fitting new ones from several starts, if they are
+    /// of the same results in the same coordinates. With other `thresholds` than those of their fit, their lengths are fitted
     /// again from the present ones.
     #[must_use]
     pub fn with_surrogates(mut self, surrogates: &[Surrogate], thresholds: Thresholds) -> Self {
         let n = self.data.observations.len();
-        if surrogates.iter().all(|surrogate| surrogate.model.points() == n) {
+        let points = self.data.observations.points();
+        if surrogates.iter().all(|surrogate| surrogate.model.is_at(points.as_ref())) {
             self.surrogates.models = surrogates.to_vec();
             self.surrogates.record_fit(Effort::MultiStart, n);
             if thresholds == Thresholds::Others {

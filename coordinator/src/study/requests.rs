@@ -14,7 +14,7 @@ pub(super) struct PendingSample {
     pub z: Vec<f64>,
     /// The point in the variables' own units `(d,)` [SI].
     pub sample: Vec<f64>,
-    /// Index in the population; the nominal point and points of the rim have none.
+    /// Index in the population; the nominal point, the initial design and points of the rim have none.
     pub member: Option<usize>,
     /// True for the repetition of a failed simulation.
     pub stricter: bool,
@@ -27,8 +27,12 @@ impl PendingSample {
     /// The nominal point: every variable at its mean.
     pub fn nominal(inputs: &InputModel) -> Self {
         let sample = inputs.means();
-        let z = inputs.standardise(&sample);
-        Self { z, sample, member: None, stricter: false, exploring: false }
+        Self { sample: sample.clone(), ..Self::at(inputs.standardise(&sample), inputs) }
+    }
+
+    /// The standardised point `z` `(d,)` [1], which is none of the population.
+    pub fn at(z: Vec<f64>, inputs: &InputModel) -> Self {
+        Self { sample: inputs.to_physical(&z), z, member: None, stricter: false, exploring: false }
     }
 }
 

@@ -9,13 +9,15 @@ use super::surrogates::{FitOptions, GRID, Surrogate, fit_surrogates};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
-    Classification, ClassifiedMode, Coupled, CurveErrors, Exploration, Figures, JointPool, SURROGATE_SAFETY,
-    Selection, SelectionOptions, UNCERTAIN, choose_pool, classify_cached, coupled_criterion, curves,
-    dominance, estimate_errors, explore, farthest, noise_shifts, with_system,
+    Classification, ClassifiedMode, Coupled, CurveErrors, EARLY, Exploration, Figures, JointPool, Place,
+    SURROGATE_SAFETY, Selection, SelectionOptions, UNCERTAIN, choose_pool, classify_cached,
+    coupled_criterion, curves, dominance, estimate_errors, explore, farthest, noise_shifts, sample_of_open,
+    widest_gap, with_system,
 };
 use crate::statistics::reliability::governing_checkpoint;
 use crate::statistics::surrogate::{Effort, Kriging, PredictionCache};
 use faer::{Mat, MatRef};
+use rand::Rng;
 use std::borrow::Cow;
 
 /// Least size of the pool per point of a batch.
@@ -70,23 +72,42 @@ impl Assessment {
         with_system(self.modes.iter().map(|mode| mode.first_failure.clone()).collect())
     }
 
-    /// Returns `count` points of the population with the largest predicted variance, as indices, and removes
-    /// them from the selection. `requested` `(N,)` marks the points requested before, `known` holds the
-    /// standardised points `(d,)` that were explored before and are in no surrogate.
+    /// Returns the point of the population with the largest predicted variance, as an index, and removes it from the
+    /// selection. `requested` `(N,)` marks the points requested before, `known` holds the standardised points `(d,)` that
+    /// were explored before and are in no surrogate.
     pub(super) fn explore(
         &mut self,
         population: &Population,
         requested: &[bool],
         known: &[Vec<f64>],
-        count: usize,
-    ) -> Vec<usize> {
+    ) -> Option<usize> {
         let models: Vec<&Kriging> = self.surrogates.iter().map(|surrogate| &surrogate.model).collect();
         let closed = &closed(requested, &self.settled);
         let exploration = Exploration { models: &models, modes: &self.modes, population, closed, known };
         let feasible = |points: MatRef<'_, f64>| self.feasibility.probability(points);
-        let chosen = explore(&exploration, feasible, count);
-        chosen.iter().for_each(|point| self.selection.believe_point(*point));
-        chosen
+        let chosen = explore(&exploration, feasible, 1).pop()?;
+        self.selection.believe_point(chosen);
+        Some(chosen)
+    }
+
+    /// Returns the point of the population in the widest gap at `place`, as an index, and removes it from the selection. `known`
+    /// are all simulated points `(d,)` with factors on squared distances [1].
+    pub(super) fn fill_gap<'a>(
+        &mut self,
+        population: &Population,
+        requested: &[bool],
+        known: impl Iterator<Item = (&'a [f64], f64)>,
+        place: Place,
+        rng: &mut impl Rng,
+    ) -> Option<usize> {
+        let sample = sample_of_open(population, &closed(requested, &self.settled), rng);
+        let points =
+            Mat::from_fn(population.dimension(), sample.len(), |k, i| population.standardised(sample[i])[k]);
+        let feasible = self.feasibility.open_probability(points.as_ref());
+        let limits = (&self.modes[..], nearest(&self.grid, self.governing));
+        let chosen = widest_gap(population, (&sample, &feasible), known, place, limits)?;
+        self.selection.believe_point(chosen);
+        Some(chosen)
     }
 
     /// Returns `count` of the standardised points `rim` `(c)(d,)` farthest from the points `known` `(d,)`, which have
@@ -123,15 +144,28 @@ impl Assessment {
         }
     }
 
-    /// Stated error [1] per curve, with the checkpoints of the grid: root sum of squares of [`SURROGATE_SAFETY`] times the
-    /// surrogate error and of the simulator's noise.
+    /// Stated error [1] per curve at the checkpoints of the grid: root sum of squares of [`SURROGATE_SAFETY`] times the surrogate
+    /// error and of the simulator's noise. Beyond the grid, where the share goes on towards 0 or 1, the error has the same ratio to
+    /// it (or to its distance from 1) as at the end of the grid.
     pub(super) fn combined_errors(&self) -> Vec<Vec<(usize, f64)>> {
-        let curves = self.errors.by_curve.iter().zip(&self.noise_shift);
+        let curves = self.errors.by_curve.iter().zip(&self.noise_shift).zip(&self.curves);
         curves
-            .map(|(errors, noise)| {
-                let combined =
-                    errors.iter().zip(noise).map(|(error, noise)| (SURROGATE_SAFETY * error).hypot(*noise));
-                self.grid.iter().copied().zip(combined).collect()
+            .map(|((errors, noise), shares)| {
+                let combined: Vec<f64> = errors
+                    .iter()
+                    .zip(noise)
+                    .map(|(error, noise)| (SURROGATE_SAFETY * error).hypot(*noise))
+                    .collect();
+                let (first, last) = (self.grid[0], self.grid[self.grid.len() - 1]);
+                let in_proportion =
+                    |error: f64, share: f64, at_end: f64| error * (share / at_end.max(share)).min(1.0);
+                let before = (0..first).filter(|n| shares[*n] > 0.0);
+                let before = before.map(|n| (n, in_proportion(combined[0], shares[n], shares[first])));
+                let after = (last + 1..shares.len()).filter(|n| shares[*n] < 1.0);
+                let end = combined[combined.len() - 1];
+                let after = after.map(|n| (n, in_proportion(end, 1.0 - shares[n], 1.0 - shares[last])));
+                let on_grid = self.grid.iter().copied().zip(combined.iter().copied());
+                before.chain(on_grid).chain(after).collect()
             })
             .collect()
     }
@@ -189,7 +223,8 @@ pub(super) fn assess(
     let governing = governing_checkpoint(&curves[curves.len() - 1]);
     let on_grid = nearest(&grid, governing);
     let has_steps = surrogates.iter().any(|surrogate| surrogate.threshold.coarse.is_some());
-    let mut figures = figures_of_round(input, &curves, (&coupled, &closed), &errors, (governing, on_grid));
+    let mut figures =
+        figures_of_round(input, (&grid, &curves), (&coupled, &closed), &errors, (governing, on_grid));
     if has_steps {
         figures.steps = noise_shift[curves.len() - 1][on_grid];
     }
@@ -280,7 +315,7 @@ fn joint_pool(
 /// The figures of the stopping rules; `governing` is the governing checkpoint and its place on the grid.
 fn figures_of_round(
     input: &RoundInput<'_>,
-    curves: &[Vec<f64>],
+    (grid, curves): (&[usize], &[Vec<f64>]),
     (coupled, closed): (&[Coupled], &[bool]),
     errors: &CurveErrors,
     (governing, on_grid): (usize, usize),
@@ -294,8 +329,19 @@ fn figures_of_round(
         error: errors.largest(),
         governing_error: errors.by_curve[system][on_grid],
         governing_share: failed.min(1.0 - failed),
+        early_error: early_error(grid, curves, errors),
         steps: 0.0,
     }
+}
+
+/// Largest surrogate error of a failure share over the share itself, at early lives [1].
+fn early_error(grid: &[usize], curves: &[Vec<f64>], errors: &CurveErrors) -> f64 {
+    let of_curve = |(curve, errors): (&Vec<f64>, &Vec<f64>)| {
+        let pairs = grid.iter().map(|n| curve[*n]).zip(errors);
+        let early = pairs.filter(|(share, _)| (EARLY.0..EARLY.1).contains(share));
+        early.map(|(share, error)| error / share).fold(0.0, f64::max)
+    };
+    curves.iter().zip(&errors.by_curve).map(of_curve).fold(0.0, f64::max)
 }
 
 /// The points of the population that are not requested any more `(N,)`: those requested before and those where it is `settled`

@@ -4,14 +4,16 @@
 //! - independent standard normals v `(d,)` [1];
 //! - physical values x `(d,)` [SI]: u = L v are normals with the correlation matrix L L' of the copula, and
 //!   x_k = F_k^-1(Phi(u_k)) with F_k the distribution function of variable k;
-//! - standardised values z `(d,)` [1], z_k = (x_k - location_k) / scale_k, the inputs of the surrogates. Location and
-//!   scale are those of the variables, or of another model of the same variables ([`InputModel::standardised_as`]).
+//! - standardised values z `(d,)` [1], the inputs of the surrogates: z_k = (x_k - location_k) / scale_k, or the same of ln x_k
+//!   where a positive variable scatters over a factor. Location and scale are those of the variables, or of another model
+//!   of the same variables ([`InputModel::standardised_as`]).
 //!
 //! # Source
 //! Gaussian copula (Nataf transformation): Liu, Der Kiureghian (1986), Multivariate distribution models with
 //! prescribed marginals and covariances, Probabilistic Engineering Mechanics 1(2).
 
-use common::random::{Distribution, GaussianCopula, LocationScale, standard_normal_quantile};
+use super::coordinate::Coordinate;
+use common::random::{Distribution, GaussianCopula, standard_normal_quantile};
 use common::scene::Scene;
 
 /// Distributions and dependence of d random variables.
@@ -19,32 +21,27 @@ use common::scene::Scene;
 pub struct InputModel {
     variables: Vec<Distribution>,
     copula: GaussianCopula,
-    /// Location and scale by which each variable is standardised `(d,)` [SI].
-    standards: Vec<LocationScale>,
+    /// Coordinate by which each variable is standardised `(d,)`.
+    coordinates: Vec<Coordinate>,
 }
 
 impl InputModel {
     /// Variables with the dependence of a copula of the same dimension.
     pub fn new(variables: Vec<Distribution>, copula: GaussianCopula) -> Self {
         assert_eq!(variables.len(), copula.dimension(), "a copula has the dimension of its variables");
-        let standard = |variable: &Distribution| LocationScale {
-            location: variable.parent_mean(),
-            scale: variable.parent_std(),
-        };
-        let standards = variables.iter().map(standard).collect();
-        Self { variables, copula, standards }
+        let coordinates = variables.iter().map(Coordinate::of).collect();
+        Self { variables, copula, coordinates }
     }
 
-    /// The same variables, standardised by location and scale of those of `other`, a model of the same dimension: a point
-    /// then has the same coordinates under both models, whatever their distributions. A variable that is constant in
-    /// `other` keeps its own scale.
+    /// The same variables, standardised as those of `other`, a model of the same dimension: a point then has the same
+    /// coordinates under both models, whatever their distributions. A variable that is constant in `other` keeps its own
+    /// scale, and one that may become negative where `other` has its logarithm its own coordinate.
     pub fn standardised_as(mut self, other: &Self) -> Self {
         assert_eq!(self.dimension(), other.dimension(), "both models have the same variables");
-        for ((own, standard), variable) in
-            self.standards.iter_mut().zip(&other.standards).zip(&other.variables)
-        {
-            if !variable.is_constant() {
-                *own = *standard;
+        for (k, own) in self.coordinates.iter_mut().enumerate() {
+            let before = other.coordinates[k];
+            if !other.variables[k].is_constant() && before.fits(&self.variables[k]) {
+                *own = before;
             }
         }
         self
@@ -119,22 +116,20 @@ impl InputModel {
         x.iter().enumerate().map(|(k, x)| self.standardised_value(k, *x)).collect()
     }
 
-    /// x = location + scale z `(d,)` [SI], clamped to the bounds against rounding.
+    /// x `(d,)` [SI] from z `(d,)` [1], clamped to the bounds against rounding.
     pub fn to_physical(&self, z: &[f64]) -> Vec<f64> {
         z.iter().enumerate().map(|(k, z)| self.physical_value(k, *z)).collect()
     }
 
     /// z of the value x of variable `k` [SI].
     pub fn standardised_value(&self, k: usize, x: f64) -> f64 {
-        let LocationScale { location, scale } = self.standards[k];
-        (x - location) / scale
+        self.coordinates[k].of_value(x)
     }
 
-    /// location + scale z of variable `k` [SI], clamped to its bounds against rounding.
+    /// The value of variable `k` at z [SI], clamped to its bounds against rounding.
     pub fn physical_value(&self, k: usize, z: f64) -> f64 {
         let (lower, upper) = self.variables[k].support();
-        let LocationScale { location, scale } = self.standards[k];
-        (location + scale * z).clamp(lower, upper)
+        self.coordinates[k].value(z).clamp(lower, upper)
     }
 }
 

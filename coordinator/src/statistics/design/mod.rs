@@ -5,6 +5,7 @@
 //! # Source
 //! The generator is ChaCha with 12 rounds: Bernstein (2008), ChaCha, a variant of Salsa20.
 
+mod coordinate;
 mod deviation;
 mod initial_design;
 mod input_model;
@@ -38,6 +39,8 @@ pub enum Stream {
     Subset(u32),
     /// Directions in which the rim is explored; a stream per round.
     Rim(u32),
+    /// Sample of the population whose gaps are explored; a stream per round.
+    Gaps(u32),
     /// Updating of a unit by its measurements; a stream per unit.
     Unit(u32),
     /// Realisations of a curve of reliability, and errors of inspections.
@@ -53,6 +56,7 @@ pub fn open_stream(seed: u64, stream: Stream) -> ChaCha12Rng {
         Stream::Realisations(round) => (2 << 32) + u64::from(round),
         Stream::Subset(draw) => (3 << 32) + u64::from(draw),
         Stream::Rim(round) => (4 << 32) + u64::from(round),
+        Stream::Gaps(round) => (5 << 32) + u64::from(round),
         Stream::Unit(unit) => (9 << 32) + u64::from(unit),
         Stream::Curve => 10 << 32,
     };

@@ -16,8 +16,7 @@ use std::ops::Range;
 
 /// Monte Carlo samples of random variables.
 ///
-/// Points are stored as z = (x - location) / scale (for truncated normals with the parameters of the parent),
-/// `(n, d)` row-major; prediction reads them as `(d, n)` column-major blocks without a copy.
+/// Points are stored in standardised coordinates z (see [`InputModel`]), `(n, d)` row-major; prediction reads them as `(d, n)` column-major blocks without a copy.
 #[derive(Debug, Clone)]
 pub struct Population {
     inputs: InputModel,
@@ -206,8 +205,7 @@ mod tests {
         for j in 0..50 {
             for (k, variable) in variables().iter().enumerate() {
                 let x = variable.quantile(rng.random::<f64>());
-                let z = (x - variable.parent_mean()) / variable.parent_std();
-                assert_eq!(population.standardised(j)[k], z);
+                assert_eq!(population.standardised(j)[k], population.inputs().standardised_value(k, x));
                 assert_eq!(population.physical_value(j, k), population.physical(j)[k]);
             }
         }

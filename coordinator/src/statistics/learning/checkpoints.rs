@@ -3,9 +3,8 @@
 //! # Source
 //! This project's own choice; the bounds on the share are below the error target of the curves.
 
-/// Failure share below which (or above one minus which) a mode counts as settled: a sixth of the error target
-/// of the curves, and three standard deviations of a normal response.
-const SETTLED: f64 = 1e-3;
+/// Failure share below which (or above one minus which) a mode counts as settled: a hundredth of that of a life at R = 0.99.
+const SETTLED: f64 = 1e-4;
 
 /// True if a failure share [1] is so near to 0 or 1 that its checkpoint does not matter.
 pub fn is_settled(share: f64) -> bool {
@@ -16,7 +15,7 @@ pub fn is_settled(share: f64) -> bool {
 ///
 /// A checkpoint matters if the failure share of the initial design (`sample_share` `(m,)` [1]) lies strictly
 /// between 0 and 1, or that of the surrogate over the population (`predicted_share` `(m,)` [1], `None` before
-/// the first fit) between 0.001 and 0.999; one more checkpoint on either side is a margin. If no checkpoint
+/// the first fit) between 0.0001 and 0.9999; one more checkpoint on either side is a margin. If no checkpoint
 /// matters, those around the jump from safe to failed are taken, or the last two if nothing fails. More than
 /// `most` checkpoints (at least 2) are thinned evenly to `most`: failure shares are counted at every
 /// checkpoint anyway, learning only needs a dense enough grid.
@@ -52,7 +51,7 @@ mod tests {
     fn the_transition_and_a_margin_matter() {
         let share = [0.0, 0.0, 0.0, 0.1, 0.6, 1.0, 1.0, 1.0];
         assert_eq!(checkpoints_that_matter(&share, None, 24), vec![2, 3, 4, 5]);
-        let predicted = [0.0, 0.0, 0.002, 0.1, 0.6, 0.99, 0.9999, 1.0];
+        let predicted = [0.0, 0.0, 0.0002, 0.1, 0.6, 0.99, 0.99999, 1.0];
         assert_eq!(checkpoints_that_matter(&share, Some(&predicted), 24), vec![1, 2, 3, 4, 5, 6]);
     }
 

@@ -12,10 +12,11 @@
 //! | `checkpoints` | the checkpoints that matter |
 //! | `classification` | predicted first failures, and failure shares |
 //! | `coupled_criterion` | U_c, the learning function U over competing modes |
-//! | `function` | learning functions of one point: U, EFF, H |
 //! | `pool` | the uncertain points with their joint posterior |
 //! | `selection` | the next samples, chosen by a learning function |
 //! | `exploration` | samples at the largest predicted variance, or far from all others |
+//! | `gaps` | samples in the widest gaps of the population |
+//! | `function` | names of the learning functions |
 //! | `error` | surrogate error of the failure shares |
 //! | `noise` | effect of the simulator's noise on the failure shares |
 //! | `steps` | threshold of the surrogate of an output with steps |
@@ -34,6 +35,7 @@ mod coupled_criterion;
 mod error;
 mod exploration;
 mod function;
+mod gaps;
 mod noise;
 mod pool;
 mod selection;
@@ -46,11 +48,12 @@ pub use coupled_criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
 pub use error::{CurveErrors, SURROGATE_SAFETY, estimate_errors};
 pub use exploration::{Exploration, draw_rim, explore, farthest};
 pub use function::LearningFunction;
+pub use gaps::{Place, sample_of_open, widest_gap};
 pub use noise::noise_shifts;
 pub use pool::{JointPool, Pool, choose_pool};
 pub use selection::{Selection, SelectionOptions};
 pub use steps::{LearnedThreshold, learned_threshold};
-pub use stopping::{Figures, Rule, Stopping, StoppingTargets};
+pub use stopping::{EARLY, Figures, Rule, Stopping, StoppingTargets};
 
 /// One limit state: failure when `output` has reached `threshold` from below.
 #[derive(Debug, Clone, Copy, PartialEq)]

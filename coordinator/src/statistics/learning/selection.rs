@@ -10,12 +10,12 @@
 //!   earlier choices of the batch have left. Without this factor a point on the limit, whose Phi(-U) is 1/2
 //!   however well it is known, would be chosen again and again together with its neighbours.
 //!
-//! With U, EFF and H the largest weighted score over modes and checkpoints decides.
+//! With U the smallest U over modes and checkpoints decides, with the coupled learning function the smallest U_s / w_s.
 //!
 //! After each choice the posterior covariances of all modes are reduced as if the result were the predicted
-//! mean. The weight w_s of a mode at a point is its share by dominance (two modes: 2/3 for the first and 1/3
-//! for the second if abs(k) > 0.5, the reverse elsewhere; otherwise equal shares), times 0.2 at checkpoints
-//! by which another mode has certainly failed, because those affect the curve of the single mode only.
+//! mean. The weights w_s of the modes are equal, with the coupled learning function and two modes 2/3 for the first and 1/3
+//! for the second where their dominance abs(k) > 0.5, the reverse elsewhere; times 0.2 at checkpoints by which another
+//! mode has certainly failed, because those affect the curve of the single mode only.
 //!
 //! # Source
 //! Targeted variance: Picheny et al. (2010), Adaptive designs of experiments for accurate approximation of a
@@ -63,7 +63,8 @@ impl Selection {
     /// A selection from the members of a pool; the samples under way are believed, not chosen.
     pub fn new(modes: &[Classification], pool: JointPool, options: SelectionOptions) -> Self {
         let SelectionOptions { feasible, governing, function } = options;
-        let weights = Weights::new(modes, pool.members(), governing);
+        let at = (function == LearningFunction::Coupled).then_some(governing);
+        let weights = Weights::new(modes, pool.members(), at);
         let free = vec![true; pool.members().len()];
         let under_way = pool.under_way();
         let mut selection = Self { pool, weights, feasible, function, free, chosen: 0 };
@@ -102,13 +103,14 @@ impl Selection {
         let mut score = match self.function {
             LearningFunction::Gain if self.chosen.is_multiple_of(2) => gains(&self.pool, &near),
             LearningFunction::Gain => near.risk.clone(),
-            function => self.scores(modes, function),
+            LearningFunction::U => self.scores(modes, |_| 1.0),
+            LearningFunction::Coupled => self.scores(modes, |(s, place)| self.weights.0[s][place]),
         };
         // Scores of U are negative: an unlikely result must make them more so.
         let weigh = |s: f64, p: f64| if s >= 0.0 { s * p } else { s / p.max(1e-6) };
         score.iter_mut().zip(&self.feasible).for_each(|(s, p)| *s = weigh(*s, *p));
         let found =
-            best(&score, &self.free).filter(|i| score[*i] > 0.0 || self.function == LearningFunction::U);
+            best(&score, &self.free).filter(|i| score[*i] > 0.0 || self.function != LearningFunction::Gain);
         // A score of zero everywhere (all U large): the largest variance of any mode decides.
         found.filter(|i| score[*i].is_finite()).or_else(|| {
             let variance = |i| self.pool.posteriors().iter().map(|p| p.variance(i)).fold(0.0, f64::max);
@@ -117,25 +119,20 @@ impl Selection {
         })
     }
 
-    /// Largest weighted score of each member over modes and checkpoints `(p,)`.
-    fn scores(&self, modes: &[Classification], function: LearningFunction) -> Vec<f64> {
+    /// - U of each member `(p,)` [1], the smallest over modes and checkpoints of U over the weight of mode s at
+    /// place `member * a + n`; minus infinity where a point is known.
+    fn scores(&self, modes: &[Classification], weight: impl Fn((usize, usize)) -> f64) -> Vec<f64> {
         let a = modes[0].grid();
         let score_of = |(i, j): (usize, &usize)| {
-            let mut largest = f64::NEG_INFINITY;
+            let mut smallest = f64::INFINITY;
             for (s, mode) in modes.iter().enumerate() {
                 let deviation = self.pool.posteriors()[s].variance(i).sqrt();
                 for (n, mean) in mode.means_of(*j).iter().enumerate() {
-                    let scale = mode.sigma[n];
-                    if scale <= 0.0 {
-                        continue;
-                    }
-                    let u = (mean - mode.threshold) / (scale * deviation);
-                    let score = function.score(u, deviation).unwrap_or(f64::NEG_INFINITY);
-                    let weight = self.weights.0[s][i * a + n];
-                    largest = largest.max(if score >= 0.0 { score * weight } else { score / weight });
+                    let u = distance_over_std(mean - mode.threshold, mode.sigma[n] * deviation);
+                    smallest = smallest.min(u / weight((s, i * a + n)));
                 }
             }
-            largest
+            -smallest
         };
         self.pool.members().iter().enumerate().map(score_of).collect()
     }
@@ -151,12 +148,13 @@ fn best(score: &[f64], free: &[bool]) -> Option<usize> {
 struct Weights(Vec<Vec<f64>>);
 
 impl Weights {
-    fn new(modes: &[Classification], members: &[usize], governing: usize) -> Self {
+    /// The weights; by dominance at grid checkpoint `governing` if that is given.
+    fn new(modes: &[Classification], members: &[usize], governing: Option<usize>) -> Self {
         let a = modes[0].grid();
         let of_mode = |s: usize| {
             let mut weights = Vec::with_capacity(members.len() * a);
             for j in members {
-                let share = match dominance(modes, *j, governing) {
+                let share = match governing.and_then(|n| dominance(modes, *j, n)) {
                     Some(k) if (k.abs() > DOMINANT) == (s == 0) => FAVOURED,
                     Some(_) => 1.0 - FAVOURED,
                     None => 1.0 / modes.len() as f64,
@@ -266,9 +264,7 @@ mod tests {
         let places = [0.0, 0.01, 0.02, 50.0, 50.01];
         let n = places.len();
         let modes = [mode(&vec![1.1; n], &vec![1.3; n], 1.0)];
-        for function in
-            [LearningFunction::Gain, LearningFunction::U, LearningFunction::Eff, LearningFunction::H]
-        {
+        for function in LearningFunction::ALL {
             let chosen = selection(&modes, &places, &vec![1.0; n], 0..0, function).choose(&modes, 2);
             assert!(chosen[0] < 3 && chosen[1] >= 3, "{function:?} {chosen:?}");
             // The first cluster is being simulated already: the other one remains.

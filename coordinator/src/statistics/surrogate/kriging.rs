@@ -200,6 +200,11 @@ impl Kriging {
         self.norms.len()
     }
 
+    /// True if the model is conditioned on values at exactly these points `(d, n)` [1].
+    pub fn is_at(&self, points: MatRef<'_, f64>) -> bool {
+        points.ncols() == self.points() && self.correlation.scale(points) == self.scaled
+    }
+
     /// Process variances `(m,)` [unit of the output squared].
     pub fn sigma2(&self) -> &[f64] {
         &self.sigma2
