@@ -57,14 +57,16 @@ fn likelihood_of_937_points(bencher: Bencher, (kernel, trend): (Kernel, Trend)) 
 #[divan::bench(args = [30, 60, 120], sample_count = 3, sample_size = 1)]
 fn fit_of_one_form(bencher: Bencher, n: usize) {
     let (points, values) = data(11, n, 24);
-    let training = TrainingSet { points: points.as_ref(), values: values.as_ref(), noise: None };
+    let training =
+        TrainingSet { points: points.as_ref(), values: values.as_ref(), noise: None, is_exact: false };
     bencher.bench_local(|| fit_correlation(black_box(training), Form::default(), None, Effort::MultiStart));
 }
 
 #[divan::bench(args = [30, 60, 120], sample_count = 3, sample_size = 1)]
 fn choice_of_the_form(bencher: Bencher, n: usize) {
     let (points, values) = data(11, n, 24);
-    let training = TrainingSet { points: points.as_ref(), values: values.as_ref(), noise: None };
+    let training =
+        TrainingSet { points: points.as_ref(), values: values.as_ref(), noise: None, is_exact: false };
     let settings = FormSettings::default();
     bencher.bench_local(|| fit_surrogate(black_box(training), settings, None, Effort::MultiStart));
 }

@@ -21,6 +21,7 @@
 //! # Ok::<(), common::scene::Faults>(())
 //! ```
 
+mod as_published;
 mod campaign;
 mod campaign_data;
 mod campaign_result;
@@ -60,6 +61,8 @@ mod campaign_tests;
 mod from_results_tests;
 #[cfg(test)]
 mod interval_tests;
+#[cfg(test)]
+mod learning_tests;
 #[cfg(test)]
 mod life_tests;
 #[cfg(test)]
@@ -117,7 +120,7 @@ pub fn run(
     let stricter = settings.stricter(scene);
     let mut dispatcher = Dispatcher::new(scene, stricter, settings.budget(), evaluator, journal, observer);
     let findings = match settings.method {
-        Method::ActiveLearning => {
+        Method::ActiveLearning | Method::AkMcs => {
             let mut campaign = Campaign::new(problem, Plan::new(settings, scene));
             dispatcher.run(&mut campaign)?;
             dispatcher.notice(&Progress::Ending);
@@ -134,7 +137,7 @@ pub fn run(
     dispatcher.end()?;
     let result = findings.result(scene, dispatcher.timing(), dispatcher.shares());
     let failures = result.summary.reliability.iter().any(|row| row.reliability["total"] < 1.0);
-    if settings.method == Method::ActiveLearning && !failures {
+    if settings.method.learns() && !failures {
         dispatcher.notice(&Progress::Warning(format!(
             "no failure was found among {} points of the population",
             result.summary.population

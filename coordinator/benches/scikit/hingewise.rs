@@ -88,7 +88,8 @@ fn write_data(folder: &Path) -> std::io::Result<()> {
 fn fit(folder: &Path) -> Result<String, Box<dyn std::error::Error>> {
     let (points, test) = data();
     let values = values_at(points.as_ref());
-    let training = TrainingSet { points: points.as_ref(), values: values.as_ref(), noise: None };
+    let training =
+        TrainingSet { points: points.as_ref(), values: values.as_ref(), noise: None, is_exact: false };
     let (wall, processor) = (Instant::now(), processor_seconds()?);
     let fitted = fit_correlation(training, Form::default(), None, Effort::MultiStart);
     let (wall, processor) = (wall.elapsed().as_secs_f64(), processor_seconds()? - processor);
@@ -129,7 +130,8 @@ fn likelihood_of_theirs(folder: &Path) -> Result<f64, Box<dyn std::error::Error>
     let numbers = text.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>()?;
     let (points, _) = data();
     let values = values_at(points.as_ref());
-    let training = TrainingSet { points: points.as_ref(), values: values.as_ref(), noise: None };
+    let training =
+        TrainingSet { points: points.as_ref(), values: values.as_ref(), noise: None, is_exact: false };
     let correlation = Correlation {
         kernel: Kernel::Gaussian,
         theta: numbers[1..].to_vec(),
@@ -209,7 +211,7 @@ fn memory() -> Result<String, Box<dyn std::error::Error>> {
     });
     let before = status("VmRSS")?;
     let (early, known) = (points.subcols(0, 142), values.subrows(0, 142));
-    let training = TrainingSet { points: early, values: known.subcols(0, 24), noise: None };
+    let training = TrainingSet { points: early, values: known.subcols(0, 24), noise: None, is_exact: false };
     let mut model =
         fit_surrogate(training, FormSettings::fixed(Form::default()), None, Effort::MultiStart)?.model;
     model.set_values(known);

@@ -24,7 +24,7 @@ use coordinator::presentation::terminal::{Terminal, final_text, print_message};
 use coordinator::results::control_points::control_points_rows;
 use coordinator::results::store::{CampaignFile, CampaignMeta};
 use coordinator::results::summary::StudySummary;
-use coordinator::study::{Method, Settings};
+use coordinator::study::Settings;
 use std::path::{Path, PathBuf};
 
 /// Starts a study and runs it to its end.
@@ -42,7 +42,7 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     };
     if let Some(space) = &space {
         let method = arguments.method.method.unwrap_or_default();
-        if method != Method::ActiveLearning {
+        if !method.learns() {
             let given = format!("--design {}", arguments.design.join(", "));
             let fault = "design variables need --method ak, whose surrogates answer for every design";
             return Err(CommandError::refused(given, fault));

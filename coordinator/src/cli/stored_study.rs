@@ -195,7 +195,7 @@ impl OpenedStudy {
     pub fn of(study: StoredStudy) -> Result<Self, CommandError> {
         let summary = summary_of(&study.campaign)?;
         let space = stored_space(&study.campaign)?;
-        let has_population = study.settings.method == Method::ActiveLearning && summary.conditional.is_none();
+        let has_population = study.settings.method.learns() && summary.conditional.is_none();
         let of_study =
             if has_population { summary.population.max(study.settings.samples) } else { POPULATION };
         let settings = Settings {
@@ -262,7 +262,7 @@ impl OpenedStudy {
     pub fn life_model(&self) -> Result<LifeModel, CommandError> {
         let StoredStudy { campaign, settings, .. } = &self.study;
         let (dir, scene) = (campaign.dir(), self.study.scene());
-        if settings.method != Method::ActiveLearning {
+        if !settings.method.learns() {
             let fault = format!(
                 "this study has no surrogates (method {}); the responses of units need a study with --method ak",
                 settings.method.name()

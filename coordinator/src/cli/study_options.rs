@@ -85,7 +85,7 @@ impl ExtensionArguments {
         let mut extended = settings.clone();
         replace(&mut extended.max_failed, self.max_failed);
         let refuse = |key, value: String, allowed: String| Err(SettingError { key, value, allowed });
-        if settings.method == Method::ActiveLearning {
+        if settings.method.learns() {
             if let Some(budget) = self.max_evaluations.filter(|budget| *budget < done) {
                 return refuse(
                     "max_evaluations",
@@ -117,7 +117,7 @@ impl ExtensionArguments {
                 refuse("samples", samples.to_string(), format!("at least the {present} of the study"))
             }
             (Some(samples), Method::MonteCarlo) => Ok(Settings { samples, ..extended }),
-            (Some(samples), Method::ActiveLearning) => {
+            (Some(samples), Method::ActiveLearning | Method::AkMcs) => {
                 extended.larger_populations.push(samples);
                 Ok(extended)
             }
@@ -129,7 +129,8 @@ impl ExtensionArguments {
 #[derive(Debug, Clone, Default, Args, PartialEq)]
 #[command(next_help_heading = "Method")]
 pub struct MethodArguments {
-    /// `ak` learns surrogates by active learning; the others simulate every sample [default: ak]
+    /// `ak` learns surrogates by active learning, `ak-mcs` as published, with none of this program's additions; the others
+    /// simulate every sample [default: ak]
     #[arg(long, value_parser = word::<Method>(Method::NAMES))]
     pub method: Option<Method>,
     /// Points of the Monte Carlo population that the surrogates classify (ak), or evaluations (the other methods)
@@ -187,7 +188,10 @@ impl RunArguments {
         settings.accuracy.max_error = self.accuracy.max_error;
         let MethodArguments { method, samples, seed, max_failed } = self.method;
         settings.method = method.unwrap_or_default();
-        if settings.method != Method::ActiveLearning {
+        if settings.method == Method::AkMcs {
+            settings.make_as_published();
+        }
+        if !settings.method.learns() {
             // Simulating a whole population would take too long: the budget is the default.
             settings.samples = settings.max_evaluations;
         }

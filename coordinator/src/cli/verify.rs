@@ -11,7 +11,7 @@ use coordinator::analyses::replay::{Replayed, replay};
 use coordinator::presentation::report::answer::{Answer, AnswerPart, Table};
 use coordinator::statistics::reliability::REACH;
 use coordinator::study::{
-    Method, Settings, SimulatedPoint, StudyError, Verification, verify as refit, verify_study,
+    Settings, SimulatedPoint, StudyError, Verification, verify as refit, verify_study,
 };
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -95,7 +95,7 @@ fn verify_against(arguments: &VerifyArguments, against: &Path, as_json: bool) ->
         dir: dir.clone(),
     };
     let (scene, settings) = (study.scene(), &study.settings);
-    let learns = settings.method == Method::ActiveLearning && arguments.evaluations.is_none();
+    let learns = settings.method.learns() && arguments.evaluations.is_none();
     let own = match learns {
         true => verify_study(scene, settings, &study.outcomes()?, &unseen).map_err(failed)?,
         false => None,

@@ -9,7 +9,7 @@ use clap::Args;
 use coordinator::analyses::what_if::{answer, changed_scene, json, redistributed};
 use coordinator::presentation::terminal::Terminal;
 use coordinator::results::store::FurtherEvaluations;
-use coordinator::study::{FurtherLearning, Method};
+use coordinator::study::FurtherLearning;
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
@@ -74,7 +74,7 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), 
     opened.settings.check(changed.nominal())?;
     let outcomes = opened.outcomes()?;
     let (known, method) = (outcomes.len(), opened.study.settings.method);
-    if method != Method::ActiveLearning && known > MOST_OF_DIRECT {
+    if !method.learns() && known > MOST_OF_DIRECT {
         let fault = format!(
             "this study of --method {} has {known} simulations, and the answer needs surrogates, which are fitted to at most \
              {MOST_OF_DIRECT}; start a study with --method ak",

@@ -141,7 +141,7 @@ impl Campaign {
                         judge(&self.surrogates.models, &self.problem.modes, &pending.z, &observed);
                     self.data.add_exploring(pending.z, observed, judgement);
                 }
-                Ok(observed) => self.data.observations.add(&pending.z, observed),
+                Ok(observed) => self.data.observations.add_for(&pending.z, observed, pending.mode),
                 Err(cause) if self.plan.retry && !pending.stricter => {
                     self.requests.retries.push_back((PendingSample { stricter: true, ..pending }, cause));
                 }
@@ -172,11 +172,13 @@ impl Campaign {
         self.requests.begin(vec![PendingSample::nominal(&self.problem.inputs)])
     }
 
-    /// Requests the rest of the initial design: a Latin hypercube; its nearest points of the population if that is all there is.
+    /// Requests the rest of the initial design: a Latin hypercube; as published, or if the population is all there is,
+    /// the points of the population nearest to it.
     fn request_initial_design(&mut self) -> Step {
         let count = self.plan.settings.initial.saturating_sub(1).min(self.budget_left());
         let (population, seed) = (&self.classified.population, self.plan.settings.seed);
-        let chunk = if self.plan.largest_population <= population.len() {
+        let from_population = self.plan.is_as_published() || self.plan.largest_population <= population.len();
+        let chunk = if from_population {
             let chosen = choose_by_latin_hypercube(population, count, seed);
             chosen.into_iter().map(|j| self.requests.take(&self.classified, j)).collect()
         } else {
@@ -196,6 +198,11 @@ impl Campaign {
 
     /// Requests the next chunk: exploring points first, then those of the learning function.
     fn request_chunk(&mut self) -> Step {
+        if self.plan.is_as_published() {
+            let mut chunk = self.choose_as_published();
+            chunk.truncate(self.budget_left());
+            return self.requests.begin(chunk);
+        }
         let count = self.plan.settings.chunk().min(self.budget_left());
         let exploring = self.progress.stopping.exploring(self.data.results() + self.data.failed.len(), count);
         let mut chunk = self.explore(exploring);
@@ -231,6 +238,15 @@ impl Campaign {
             let cov = self.classified.coefficient_of_variation(failed);
             self.add_round(&assessment, cov);
             self.surrogates.previous_curves = Some(assessment.curves.clone());
+            if self.plan.is_as_published() {
+                if met.is_some() && self.classified.grow_if_needed(&self.plan, failed) {
+                    self.restart_on_new_population();
+                    continue;
+                }
+                self.progress.stop = met.map(StopReason::Rule);
+                self.progress.assessment = Some(assessment);
+                return Ok(());
+            }
             let barred = assessment.feasibility.barred_share(self.classified.unconditional());
             let rare = self.classified.is_rare(&self.plan, failed, barred);
             let targets = &self.plan.targets;
@@ -325,6 +341,10 @@ impl Campaign {
             assessment.repairs = repairs;
             self.surrogates.models.clone_from(&assessment.surrogates);
             self.surrogates.record_fit(effort, n);
+            if self.plan.is_as_published() {
+                let met = self.met_as_published(&assessment);
+                return Ok((assessment, met));
+            }
             let met = self.plan.targets.met(&assessment.figures);
             if met.is_none() || self.surrogates.is_fresh(n) {
                 return Ok((assessment, met));

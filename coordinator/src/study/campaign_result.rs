@@ -7,6 +7,7 @@ use super::failures::Failed;
 use super::interim::InterimResult;
 use super::observations::{Observations, ObservedOutcome};
 use super::round::Assessment;
+use super::settings::Method;
 use super::step::{CampaignError, SampleRequest, Step, StopReason};
 use crate::results::summary::Round;
 use crate::statistics::reliability::CurvePoint;
@@ -23,6 +24,8 @@ pub struct CampaignResult {
     pub assessment: Assessment,
     /// All rounds, in order.
     pub rounds: Vec<Round>,
+    /// Method of the learning.
+    pub method: Method,
     /// Number of evaluations, failed ones included.
     pub evaluations: usize,
     /// Simulations that failed for good.
@@ -105,6 +108,7 @@ impl Campaign {
         Some(CampaignResult {
             shares: self.interim()?,
             assessment: self.progress.assessment?,
+            method: self.plan.settings.method,
             classified: self.classified,
             observations: self.data.observations,
             rounds: self.progress.rounds,

@@ -116,6 +116,14 @@ impl ClassifiedPopulation {
         size.map(|size| self.population.grow_to(size)).is_some()
     }
 
+    /// Enlarges the population to the size that the coefficient of variation requires, if that is allowed; returns true if it did.
+    pub(super) fn grow_if_needed(&mut self, plan: &Plan, failed: f64) -> bool {
+        let size = self
+            .size_needed(plan, failed)
+            .filter(|_| self.coefficient_of_variation(failed) > plan.targets.cov);
+        size.map(|size| self.population.grow_to(size)).is_some()
+    }
+
     /// Replaces or enlarges the population if the coefficient of variation requires it; returns true if it
     /// did.
     ///
@@ -138,8 +146,7 @@ impl ClassifiedPopulation {
             if cov <= plan.targets.cov {
                 return false;
             }
-            if let Some(size) = self.size_needed(plan, failed) {
-                self.population.grow_to(size);
+            if self.grow_if_needed(plan, failed) {
                 self.similar = true;
                 return true;
             }

@@ -117,10 +117,10 @@ pub struct LifeResponses {
 impl LifeModel {
     /// The predictor by the surrogates of a campaign on `scene`.
     pub fn new(scene: &Scene, learned: &CampaignResult) -> Self {
-        let observations = &learned.observations;
         let surrogates = &learned.assessment.surrogates;
         let layout = ResponseLayout::from_scene(scene);
-        let mode = |(mode, surrogate): (&crate::statistics::learning::Mode, &Surrogate)| {
+        let mode = |(s, (mode, surrogate)): (usize, (&crate::statistics::learning::Mode, &Surrogate))| {
+            let observations = learned.observations.design_of(s);
             let (values, start) =
                 (observations.running_maxima(mode.output), observations.starts(mode.output));
             let history = match observations.sides(mode.output) {
@@ -129,13 +129,14 @@ impl LifeModel {
             };
             ModeModel { history, threshold: surrogate.threshold.value }
         };
-        let modes: Vec<ModeModel> = layout.modes.iter().zip(surrogates).map(mode).collect();
+        let modes: Vec<ModeModel> = layout.modes.iter().zip(surrogates).enumerate().map(mode).collect();
         let mut deviations = modes.len();
         let mut output = |output: usize| {
             let watching = scene.limit_states.iter().position(|limit| limit.output == output);
             let mode = watching.unwrap_or(0);
             let deviation = watching.unwrap_or(deviations);
             deviations += usize::from(watching.is_none());
+            let observations = learned.observations.design_of(mode);
             let (values, surrogate) = (observations.values(output), &surrogates[mode]);
             let inflation = match watching {
                 Some(_) => surrogate.inflation(),

@@ -4,7 +4,7 @@
 use super::interim::InterimResult;
 use super::observations::Observed;
 use super::plan::ResponseLayout;
-use super::{CampaignResult, Problem};
+use super::{CampaignResult, Method, Problem};
 use crate::results::life_summary::{CyclesRange, LifeCurveRow, LifeRow, UnresolvedFall};
 use crate::results::summary::StudySummary;
 use crate::statistics::learning::Mode;
@@ -31,21 +31,23 @@ fn times(checkpoints: &[u32]) -> Vec<f64> {
 
 /// Lives of the population by the surrogates of a campaign.
 pub(super) fn learned_lives(scene: &Scene, learned: &CampaignResult) -> LifeCounts {
-    let observations = &learned.observations;
+    let as_published = learned.method == Method::AkMcs;
     let layout = ResponseLayout::from_scene(scene);
-    let parts = layout.modes.iter().zip(&learned.assessment.surrogates).map(|(mode, surrogate)| {
-        let values = observations.running_maxima(mode.output);
-        let mut model = surrogate.model.clone();
-        if let Some(sides) = observations.sides(mode.output) {
-            if let Some(with_start) = sides.with_start() {
-                model.set_sides(with_start.as_ref());
+    let parts =
+        layout.modes.iter().zip(&learned.assessment.surrogates).enumerate().map(|(s, (mode, surrogate))| {
+            let observations = learned.observations.design_of(s);
+            let values = observations.running_maxima(mode.output);
+            let mut model = surrogate.model.clone();
+            if let Some(sides) = observations.sides(mode.output) {
+                if let Some(with_start) = sides.with_start() {
+                    model.set_sides(with_start.as_ref());
+                }
+            } else if let Some(start) = observations.starts(mode.output) {
+                let with_start = |i: usize, n: usize| if n == 0 { start[i] } else { values[(i, n - 1)] };
+                model.set_values(Mat::from_fn(values.nrows(), values.ncols() + 1, with_start).as_ref());
             }
-        } else if let Some(start) = observations.starts(mode.output) {
-            let with_start = |i: usize, n: usize| if n == 0 { start[i] } else { values[(i, n - 1)] };
-            model.set_values(Mat::from_fn(values.nrows(), values.ncols() + 1, with_start).as_ref());
-        }
-        (model, values, observations.errors_of_running_maxima(mode.output))
-    });
+            (model, values, observations.errors_of_running_maxima(mode.output))
+        });
     let parts: Vec<_> = parts.collect();
     let assessed = learned.assessment.modes.iter().zip(&learned.assessment.surrogates);
     let modes: Vec<PredictedMode<'_>> = parts
@@ -60,7 +62,7 @@ pub(super) fn learned_lives(scene: &Scene, learned: &CampaignResult) -> LifeCoun
             errors: errors.as_ref(),
             threshold: classified.threshold,
             first_failure: &classified.first_failure,
-            variance_factor: &classified.variance_factor,
+            variance_factor: if as_published { &[] } else { &classified.variance_factor },
         })
         .collect();
     population_lives(&modes, &learned.classified.population, &times(&scene.life.checkpoints()))

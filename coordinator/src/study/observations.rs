@@ -4,6 +4,7 @@ use crate::statistics::learning::running_maximum;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use faer::Mat;
+use std::borrow::Cow;
 
 /// Result of a successful evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,6 +87,8 @@ pub struct Observations {
     z: Vec<f64>,
     /// Their results `(n,)`.
     results: Vec<Observed>,
+    /// Limit state in whose surrogate alone each result is `(n,)`; `None` if it is in all.
+    modes: Vec<Option<usize>>,
     /// Number of points of the initial design.
     design: usize,
 }
@@ -93,13 +96,31 @@ pub struct Observations {
 impl Observations {
     /// No observations yet, of `d` variables.
     pub fn new(d: usize) -> Self {
-        Self { d, z: Vec::new(), results: Vec::new(), design: 0 }
+        Self { d, z: Vec::new(), results: Vec::new(), modes: Vec::new(), design: 0 }
     }
 
     /// Adds a standardised point `(d,)` and its result.
     pub fn add(&mut self, z: &[f64], observed: Observed) {
+        self.add_for(z, observed, None);
+    }
+
+    /// Adds a standardised point `(d,)` and its result for the surrogate of one limit state alone, or of all.
+    pub fn add_for(&mut self, z: &[f64], observed: Observed, mode: Option<usize>) {
         self.z.extend_from_slice(z);
         self.results.push(observed);
+        self.modes.push(mode);
+    }
+
+    /// The results that the surrogate of limit state `mode` uses.
+    pub fn design_of(&self, mode: usize) -> Cow<'_, Self> {
+        let others = |of: &Option<usize>| of.is_some_and(|of| of != mode);
+        if !self.modes.iter().any(others) {
+            return Cow::Borrowed(self);
+        }
+        let mut own = Self { design: self.design, ..Self::new(self.d) };
+        let all = self.standardised().zip(&self.results).zip(&self.modes);
+        all.filter(|(_, of)| !others(of)).for_each(|((z, result), of)| own.add_for(z, result.clone(), *of));
+        Cow::Owned(own)
     }
 
     /// Declares all points so far the initial design.
@@ -280,6 +301,18 @@ mod tests {
         assert_eq!(row(&sides.with_start().unwrap()), [-1.0, -0.5, 2.0, 2.0, 1.0, 1.0, 1.0, 3.0]);
         let largest = row(&observations.running_maxima(1));
         assert!((0..3).all(|n| largest[n] == sides.values[(0, n)].max(sides.values[(0, n + 3)])));
+    }
+
+    #[test]
+    fn each_limit_state_has_the_results_of_its_own_design() {
+        let mut observations = Observations::new(1);
+        for (z, mode) in [(0.0, None), (1.0, Some(0)), (2.0, Some(1)), (3.0, Some(0))] {
+            observations.add_for(&[z], Observed::exact(vec![vec![z]]), mode);
+        }
+        let points =
+            |mode: usize| observations.design_of(mode).standardised().flatten().copied().collect::<Vec<_>>();
+        assert_eq!((points(0), points(1)), (vec![0.0, 1.0, 3.0], vec![0.0, 2.0]));
+        assert_eq!(observations.design_of(0).values(0)[(2, 0)], 3.0);
     }
 
     #[test]

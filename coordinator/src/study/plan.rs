@@ -5,7 +5,7 @@
 //! its distance from the middle between two thresholds.
 
 use super::observations::{Distance, Observed};
-use super::{LARGEST_POPULATION, Settings};
+use super::{LARGEST_POPULATION, Method, Settings};
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Mode, StoppingTargets};
 use common::scene::{Fails, LimitState, Scene};
@@ -58,6 +58,11 @@ impl Plan {
             largest_population: LARGEST_POPULATION,
             retry: settings.stricter(scene).is_some(),
         }
+    }
+
+    /// True for the published method, see [`super::as_published`].
+    pub(super) fn is_as_published(&self) -> bool {
+        self.settings.method == Method::AkMcs
     }
 }
 

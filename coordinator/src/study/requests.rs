@@ -21,6 +21,8 @@ pub(super) struct PendingSample {
     /// True if the point explores, see [`crate::statistics::learning::explore`] and
     /// [`crate::statistics::learning::farthest`].
     pub exploring: bool,
+    /// Limit state whose design alone it joins; `None` if it joins all.
+    pub mode: Option<usize>,
 }
 
 impl PendingSample {
@@ -32,7 +34,14 @@ impl PendingSample {
 
     /// The standardised point `z` `(d,)` [1], which is none of the population.
     pub fn at(z: Vec<f64>, inputs: &InputModel) -> Self {
-        Self { sample: inputs.to_physical(&z), z, member: None, stricter: false, exploring: false }
+        Self {
+            sample: inputs.to_physical(&z),
+            z,
+            member: None,
+            stricter: false,
+            exploring: false,
+            mode: None,
+        }
     }
 }
 
@@ -85,7 +94,7 @@ impl Requests {
             copies.for_each(|i| self.requested[i] = true);
         }
         let (z, sample) = (population.standardised(j).to_vec(), population.physical(j));
-        PendingSample { z, sample, member: Some(j), stricter: false, exploring: false }
+        PendingSample { z, sample, member: Some(j), stricter: false, exploring: false, mode: None }
     }
 
     /// Registers a chunk as under way and returns the step that requests it.

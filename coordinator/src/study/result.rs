@@ -169,7 +169,7 @@ fn output_distributions(scene: &Scene, learned: &CampaignResult) -> Vec<Vec<Outp
         .map(|output| {
             let mode = scene.limit_states.iter().position(|limit| limit.output == output).unwrap_or(0);
             let mut model = learned.assessment.surrogates[mode].model.clone();
-            model.set_values(learned.observations.values(output).as_ref());
+            model.set_values(learned.observations.design_of(mode).values(output).as_ref());
             predict_distributions(&model, learned.classified.unconditional())
         })
         .collect()

@@ -202,8 +202,12 @@ pub(super) fn assess(
 ) -> Result<Assessment, CampaignError> {
     let points = input.observations.points();
     let RoundInput { problem, plan, observations, previous, .. } = *input;
-    let options =
-        FitOptions { forms: plan.settings.forms, stated_errors: plan.settings.stated_errors, effort };
+    let options = FitOptions {
+        forms: plan.settings.forms,
+        stated_errors: plan.settings.stated_errors,
+        effort,
+        as_published: plan.is_as_published(),
+    };
     let surrogates = fit_surrogates(observations, &problem.modes, (input.surrogates, previous), options)?;
     let grid = common_grid(&surrogates);
     let modes = classify_modes(input, &surrogates, caches, &grid);
@@ -287,6 +291,7 @@ fn classify_modes(
                 threshold: surrogate.threshold.value,
                 grid,
                 inflation: surrogate.inflation(),
+                by_mean: plan.is_as_published(),
             };
             classify_cached(cache, &surrogate.model, population, &mode)
         })

@@ -33,13 +33,22 @@ pub enum Method {
     /// Surrogates and active learning over a Monte Carlo population.
     #[default]
     ActiveLearning,
+    /// The published active learning, see [`super::as_published`].
+    AkMcs,
     /// Direct simulation of every point of a Monte Carlo population.
     MonteCarlo,
     /// Direct simulation of every point of a Latin hypercube.
     LatinHypercube,
 }
 
-named!(Method { ActiveLearning = "ak", MonteCarlo = "monte-carlo", LatinHypercube = "latin-hypercube" });
+named!(Method { ActiveLearning = "ak", AkMcs = "ak-mcs", MonteCarlo = "monte-carlo", LatinHypercube = "latin-hypercube" });
+
+impl Method {
+    /// True if the method learns surrogates.
+    pub fn learns(self) -> bool {
+        matches!(self, Self::ActiveLearning | Self::AkMcs)
+    }
+}
 
 /// Accuracy of a study's evaluations, and the error budget it was chosen for.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -213,14 +222,14 @@ impl Settings {
     /// Accuracy at which a failed evaluation is repeated: time steps shorter by [`STRICTER`]. `None` with direct
     /// simulation and with a scene's own simulator, which has no such setting.
     pub(super) fn stricter(&self, scene: &Scene) -> Option<Accuracy> {
-        let repeats = self.method == Method::ActiveLearning && scene.simulator.is_none();
+        let repeats = self.method.learns() && scene.simulator.is_none();
         repeats.then(|| self.accuracy.setting.accuracy.refined(STRICTER))
     }
 
     /// Bound on evaluations; direct simulation adds the nominal point to its samples.
     pub(super) fn budget(&self) -> usize {
         match self.method {
-            Method::ActiveLearning => self.max_evaluations,
+            Method::ActiveLearning | Method::AkMcs => self.max_evaluations,
             Method::MonteCarlo | Method::LatinHypercube => self.samples + 1,
         }
     }
@@ -246,7 +255,7 @@ impl Settings {
         if self.samples == 0 {
             return refuse("samples", "0".to_owned(), "at least 1");
         }
-        if self.method != Method::ActiveLearning {
+        if !self.method.learns() {
             return Ok(());
         }
         if self.initial < SMALLEST_DESIGN {
@@ -264,6 +273,10 @@ impl Settings {
                 self.population().to_string(),
                 &format!("at most {LARGEST_POPULATION}"),
             );
+        }
+        if self.method == Method::AkMcs && self.learning == LearningFunction::Gain {
+            let allowed = "u or coupled with method ak-mcs";
+            return refuse("learning", self.learning.name().to_owned(), allowed);
         }
         if self.batch == 0 {
             return refuse("batch", "0".to_owned(), "at least 1");

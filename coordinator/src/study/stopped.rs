@@ -1,6 +1,7 @@
 //! Why the learning of a study stopped, in words, and whether it met its targets.
 
-use super::{CampaignResult, Settings, StopReason};
+use super::as_published::change_over_1000_cycles;
+use super::{CampaignResult, Method, Settings, StopReason};
 use crate::statistics::learning::Rule;
 use common::scene::Scene;
 
@@ -50,6 +51,32 @@ fn constant_outputs(scene: &Scene, learned: &CampaignResult) -> String {
     format!("; {} has the same values in every simulation, whatever the random variables", names.join(", "))
 }
 
+/// The end of learning as published: the sizes of the designs, U, and the printed relative change over 1000 cycles.
+fn as_published(scene: &Scene, learned: &CampaignResult, settings: &Settings) -> String {
+    let designs = scene.limit_states.iter().enumerate().map(|(s, limit)| {
+        let points = learned.observations.design_of(s).len();
+        format!("{} results for {}", points, limit.name)
+    });
+    let designs = designs.collect::<Vec<_>>().join(", ");
+    let end = match learned.stop {
+        StopReason::Rule(_) => "U >= 2 at every point of the population".to_owned(),
+        StopReason::Budget => format!(
+            "the budget of {} evaluations is spent; the least U is {:.2}",
+            settings.max_evaluations, learned.assessment.figures.min_u
+        ),
+    };
+    let (k, curves) = (learned.assessment.governing, &learned.assessment.curves);
+    let checkpoints = scene.life.checkpoints();
+    let change =
+        change_over_1000_cycles(&curves[curves.len() - 1], &checkpoints, k).map_or(String::new(), |change| {
+            format!(
+                "; |R_k - R_(k-1000)| / R_k is {change:.3} at {} cycles (published bound 0.02)",
+                checkpoints[k]
+            )
+        });
+    format!("{end}; {designs}{change}")
+}
+
 /// Why learning stopped, and what was found by then.
 pub(super) fn stop_in_words(scene: &Scene, learned: &CampaignResult, settings: &Settings) -> String {
     let targets = settings.targets();
@@ -58,6 +85,7 @@ pub(super) fn stop_in_words(scene: &Scene, learned: &CampaignResult, settings: &
     let variables = learned.classified.population.dimension();
     let held = targets.points_to_hold(variables, condition.levels > 0);
     let reason = match learned.stop {
+        _ if settings.method == Method::AkMcs => as_published(scene, learned, settings),
         StopReason::Rule(Rule::Learning) => format!(
             "every U_c >= {} and no curve changed by more than {} of the smaller of R and P_f, {} rounds and {} points running, after a fresh fit",
             targets.min_u, targets.relative_change, targets.hold, held

@@ -31,15 +31,17 @@ pub(super) fn simulations_beyond_a_limit(scene: &Scene, learned: &CampaignResult
 /// One row per limit state, at the checkpoint at which the system's R is nearest 1/2.
 pub(super) fn predictions(scene: &Scene, learned: &CampaignResult) -> Vec<PredictionRow> {
     let modes = ResponseLayout::from_scene(scene).modes;
-    let (n, points) = (learned.assessment.governing, learned.observations.points());
+    let n = learned.assessment.governing;
     let cycles = scene.life.checkpoints()[n];
-    let limits = scene.limit_states.iter().zip(modes).zip(&learned.assessment.surrogates);
-    let row = |((limit, mode), surrogate): ((&LimitState, Mode), &Surrogate)| {
+    let limits = scene.limit_states.iter().zip(modes).zip(&learned.assessment.surrogates).enumerate();
+    let row = |(s, ((limit, mode), surrogate)): (usize, ((&LimitState, Mode), &Surrogate))| {
         let unit = scene.outputs[limit.output].kind.unit();
         // Responses that fail below their threshold are learned with the opposite sign; of two limits, distances from their middle.
         let sign = if limit.fails == Fails::Below { -1.0 } else { 1.0 };
         let shown = |response: f64| unit.to_file(sign * response);
-        let results = ModeResults::new(&learned.observations, &points, &mode);
+        let observations = learned.observations.design_of(s);
+        let points = observations.points();
+        let results = ModeResults::new(&observations, &points, &mode);
         let learned_values = results.learned().0.as_ref();
         let left_out = surrogate.model.left_out(learned_values, n);
         let factor = surrogate.inflation().sqrt();
@@ -66,14 +68,16 @@ pub(super) fn sobol(scene: &Scene, campaign: &CampaignResult) -> Vec<SobolRow> {
     if !population.inputs().copula().is_independent() {
         return Vec::new();
     }
-    let limits = scene.limit_states.iter().zip(&campaign.assessment.surrogates);
-    limits.flat_map(|(limit, surrogate)| of_limit_state(scene, campaign, limit, surrogate)).collect()
+    let limits = scene.limit_states.iter().zip(&campaign.assessment.surrogates).enumerate();
+    limits
+        .flat_map(|(s, (limit, surrogate))| of_limit_state(scene, campaign, (s, limit), surrogate))
+        .collect()
 }
 
 fn of_limit_state(
     scene: &Scene,
     campaign: &CampaignResult,
-    limit: &LimitState,
+    (s, limit): (usize, &LimitState),
     surrogate: &Surrogate,
 ) -> Vec<SobolRow> {
     let (cycles, population) = (scene.life.checkpoints(), campaign.classified.unconditional());
@@ -87,7 +91,8 @@ fn of_limit_state(
         };
         sobol_indices(population, samples, grid.len(), &predict)
     };
-    let (points, values) = (campaign.observations.points(), campaign.observations.values(limit.output));
+    let observations = campaign.observations.design_of(s);
+    let (points, values) = (observations.points(), observations.values(limit.output));
     let mut model = surrogate.model.clone();
     model.set_values(values.as_ref());
     let indices = indices_by(&model, SAMPLES);

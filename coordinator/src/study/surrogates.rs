@@ -71,6 +71,8 @@ pub(super) struct FitOptions {
     pub stated_errors: StatedErrors,
     /// Effort spent on the lengths.
     pub effort: Effort,
+    /// As published: values are exact, and predicted variances are taken as they are.
+    pub as_published: bool,
 }
 
 /// The surrogate of one mode.
@@ -119,7 +121,7 @@ impl Surrogate {
         before: Option<&Self>,
         options: FitOptions,
     ) -> Result<Self, SurrogateError> {
-        let FitOptions { forms, stated_errors, effort } = options;
+        let FitOptions { forms, stated_errors, effort, as_published } = options;
         if effort == Effort::Keep
             && let Some(extended) = before.and_then(|before| before.extended(results))
         {
@@ -129,8 +131,12 @@ impl Surrogate {
         let ((values, errors), places) = (results.learned(), results.columns_of(&fitted_on));
         let (chosen, errors) = (columns(values, &places), columns(errors, &places));
         let noise = NoiseShape::new(chosen.as_ref(), errors.as_ref(), stated_errors);
-        let training =
-            TrainingSet { points: results.points.as_ref(), values: chosen.as_ref(), noise: noise.as_ref() };
+        let training = TrainingSet {
+            points: results.points.as_ref(),
+            values: chosen.as_ref(),
+            noise: noise.as_ref(),
+            is_exact: as_published,
+        };
         let incumbent = before.map(|before| before.model.incumbent());
         let found = fit_surrogate(training, forms, incumbent.as_ref(), effort)?;
         let mut model = found.model;
@@ -146,6 +152,9 @@ impl Surrogate {
             sharing = before.sharing;
             cross_validation = before.cross_validation.clone();
             variance_ratio = before.variance_ratio;
+        }
+        if as_published {
+            variance_ratio = Some(1.0);
         }
         match &results.sides {
             Some(sides) => model.set_sides(sides.values.as_ref()),
@@ -173,6 +182,9 @@ impl Surrogate {
     /// by them.
     fn extended(&self, results: &ModeResults<'_>) -> Option<Self> {
         let (n, all) = (self.model.points(), results.points.ncols());
+        if n == all {
+            return Some(Self { repairs: 0, ..self.clone() });
+        }
         let rows = |of: &Mat<f64>| of.subrows(n, all - n).to_owned();
         let weights = self.noise.as_ref().map(|noise| {
             let errors = columns(&rows(results.learned().1), &results.columns_of(&self.fitted_on));
@@ -229,9 +241,10 @@ pub(super) fn fit_surrogates(
     (before, curves): (&[Surrogate], Option<&[Vec<f64>]>),
     options: FitOptions,
 ) -> Result<Vec<Surrogate>, CampaignError> {
-    let points = observations.points();
     let fit = |(s, mode): (usize, &Mode)| {
-        let results = ModeResults::new(observations, &points, mode);
+        let observations = observations.design_of(s);
+        let points = observations.points();
+        let results = ModeResults::new(&observations, &points, mode);
         let share = observations.design_share(&results.values, mode.threshold);
         let fitted_on = checkpoints_that_matter(&share, curves.map(|curves| curves[s].as_slice()), GRID);
         Surrogate::fit(&results, fitted_on, before.get(s), options)

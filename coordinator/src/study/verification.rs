@@ -19,7 +19,7 @@ use super::observations::{Observations, Observed, ObservedOutcome};
 use super::plan::ResponseLayout;
 use super::result::curve_names;
 use super::surrogates::{FitOptions, Surrogate, fit_surrogates};
-use super::{Campaign, CampaignError, Plan, Problem, SampleRequest, Settings};
+use super::{Campaign, CampaignError, Method, Plan, Problem, SampleRequest, Settings};
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Mode, with_system};
 use crate::statistics::surrogate::Effort;
@@ -149,8 +149,13 @@ pub fn verify(
 ) -> Result<Verification, CampaignError> {
     let responses = ResponseLayout::from_scene(scene);
     let learned = observations(scene, &responses, learned);
-    let Settings { forms, stated_errors, .. } = *settings;
-    let options = FitOptions { forms, stated_errors, effort: Effort::MultiStart };
+    let Settings { forms, stated_errors, method, .. } = *settings;
+    let options = FitOptions {
+        forms,
+        stated_errors,
+        effort: Effort::MultiStart,
+        as_published: method == Method::AkMcs,
+    };
     let fitted = fit_surrogates(&learned, &responses.modes, (&[], None), options)?;
     Ok(compare(scene, &fitted, learned.len(), unseen))
 }

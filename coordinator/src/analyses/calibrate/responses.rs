@@ -83,7 +83,12 @@ impl<'a> ResponseSurrogates<'a> {
                     .map(|point| values(group, &columns, &point.evaluation, limits))
                     .collect();
                 let table = Mat::from_fn(rows.len(), columns.len(), |i, o| rows[i][o]);
-                let training = TrainingSet { points: points.as_ref(), values: table.as_ref(), noise: None };
+                let training = TrainingSet {
+                    points: points.as_ref(),
+                    values: table.as_ref(),
+                    noise: None,
+                    is_exact: false,
+                };
                 let model = fit_surrogate(training, FormSettings::default(), None, Effort::MultiStart)?.model;
                 let q2 = model.leave_one_out(table.as_ref()).iter().map(|l| l.q2).fold(1.0, f64::min);
                 Ok((group, columns, model, q2))

@@ -89,6 +89,8 @@ pub struct ClassifiedMode<'a> {
     pub grid: &'a [usize],
     /// Factor by which predicted variances are enlarged [1].
     pub inflation: f64,
+    /// True if the share of points that failed is counted by their means, as in AK-MCS.
+    pub by_mean: bool,
 }
 
 /// Classifies the population by a model whose m outputs are the checkpoints of one mode. The result does not
@@ -130,7 +132,8 @@ fn classify_blocks(
     classified: &ClassifiedMode<'_>,
     predict: impl Fn(usize) -> (Mat<f64>, Vec<f64>) + Sync,
 ) -> Classification {
-    let ClassifiedMode { index, threshold, grid, inflation } = *classified;
+    let ClassifiedMode { index, threshold, grid, inflation, by_mean } = *classified;
+    let deviations = if by_mean { 0.0 } else { 1.0 };
     let sigma: Vec<f64> = model.sigma2().iter().map(|sigma2| (sigma2 * inflation).sqrt()).collect();
     let a = grid.len();
     let mut mean = vec![0.0; points * a];
@@ -145,7 +148,7 @@ fn classify_blocks(
             variance_factor.copy_from_slice(&factors);
             for (j, first) in first_failure.iter_mut().enumerate() {
                 let history = means.col_as_slice(j);
-                let in_sigma = factors[j].max(0.0).sqrt() * deviation(index, block * BLOCK + j);
+                let in_sigma = deviations * factors[j].max(0.0).sqrt() * deviation(index, block * BLOCK + j);
                 let reached = |(y, sigma): (&f64, &f64)| y + sigma * in_sigma >= threshold;
                 let failed = history.iter().zip(&sigma).position(reached).unwrap_or(history.len());
                 *first = u32::try_from(failed).expect("a life has fewer than 2^32 checkpoints");
@@ -217,7 +220,7 @@ mod tests {
             Correlation { kernel: Kernel::Gaussian, theta: vec![4.0], nugget: 1e-9, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
         for inflation in [1.0, 2.0] {
-            let mode = ClassifiedMode { index: 0, threshold: 1.0, grid: &[0], inflation };
+            let mode = ClassifiedMode { index: 0, threshold: 1.0, grid: &[0], inflation, by_mean: false };
             let classified = classify(&model, &population, &mode);
             let counted = curves(&[&classified.first_failure], 1)[0][0];
             let by_means = classified.mean.iter().filter(|mean| **mean >= 1.0).count();
@@ -244,7 +247,8 @@ mod tests {
         });
         let theta = vec![0.02, 0.1, 0.1, 0.03];
         let correlation = Correlation { kernel: Kernel::Gaussian, theta, nugget: 1e-9, stated: 0.0 };
-        let mode = ClassifiedMode { index: 0, threshold: 1.0, grid: &[1, 3, 4], inflation: 1.0 };
+        let mode =
+            ClassifiedMode { index: 0, threshold: 1.0, grid: &[1, 3, 4], inflation: 1.0, by_mean: false };
         let mut cache = PredictionCache::default();
         let mut model = Kriging::condition(x.subcols(0, 40), y.subrows(0, 40), &correlation).unwrap();
         for (from, to) in [(40, 41), (41, 48), (48, 60)] {

@@ -184,7 +184,7 @@ mod tests {
         let correlation =
             Correlation { kernel: Kernel::Gaussian, theta: vec![0.3; 2], nugget: 1e-8, stated: 0.0 };
         let model = Kriging::condition(data.as_ref(), values.as_ref(), &correlation).unwrap();
-        let mode = ClassifiedMode { index: 0, threshold: 20.0, grid: &[0], inflation: 1.0 };
+        let mode = ClassifiedMode { index: 0, threshold: 20.0, grid: &[0], inflation: 1.0, by_mean: false };
         let modes = [classify(&model, &population, &mode)];
         let explored = |requested: &[bool], known: &[Vec<f64>], feasible: fn(MatRef<'_, f64>) -> Vec<f64>| {
             let models = [&model];

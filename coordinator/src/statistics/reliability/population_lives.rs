@@ -32,7 +32,7 @@ pub struct PredictedMode<'a> {
     pub threshold: f64,
     /// Index of the checkpoint by which each point has failed `(N,)`; m if never.
     pub first_failure: &'a [u32],
-    /// Variance of the prediction of each point over the process variance `(N,)` [1].
+    /// Variance of the prediction of each point over the process variance `(N,)` [1]; empty if lives are those of the means.
     pub variance_factor: &'a [f64],
     /// Index of the mode: that of the deviations of its points.
     pub index: usize,
@@ -66,7 +66,7 @@ impl<'a> PreparedMode<'a> {
 
     /// Lives of point `j`, whose predicted means are `means`: at the start, if it is known, and at the checkpoints.
     fn lives(&self, j: usize, means: &[f64], times: &[f64], room: &mut Room) -> ModeLives {
-        let std = self.mode.variance_factor[j].max(0.0).sqrt();
+        let std = self.mode.variance_factor.get(j).map_or(0.0, |factor| factor.max(0.0).sqrt());
         let in_sigma = std * deviation(self.mode.index, j);
         room.values.clear();
         room.values.extend(means.iter().zip(&self.scale).map(|(mean, scale)| mean + scale * in_sigma));

@@ -24,13 +24,20 @@ pub(super) struct Bounds {
     d: usize,
     /// Bounds of the level of the noise in proportion to stated errors [1]; `None` without such errors.
     stated: Option<(f64, f64)>,
+    /// Bounds of the nugget [1].
+    nugget: (f64, f64),
 }
 
 impl Bounds {
     /// Bounds in `d` variables; `stated` are those of the level of the stated noise, if the points have such
     /// noise.
     pub fn new(kernel: Kernel, d: usize, stated: Option<(f64, f64)>) -> Self {
-        Self { kernel, d, stated }
+        Self { kernel, d, stated, nugget: NUGGET }
+    }
+
+    /// The same for values without noise, if they are `exact`: the nugget is held at its lower bound, against round-off.
+    pub fn exact(self, exact: bool) -> Self {
+        if exact { Self { nugget: (NUGGET.0, NUGGET.0), ..self } } else { self }
     }
 
     /// Logarithmic bounds of parameter `k`: d lengths, the nugget, and the level of the stated noise if there
@@ -38,7 +45,7 @@ impl Bounds {
     fn logarithms(&self, k: usize) -> (f64, f64) {
         let (low, high) = match k.checked_sub(self.d) {
             None => THETA,
-            Some(0) => NUGGET,
+            Some(0) => self.nugget,
             Some(_) => self.stated.unwrap_or(NUGGET),
         };
         (low.ln(), high.ln())

@@ -115,7 +115,8 @@ fn the_number_of_threads_changes_no_bit() {
     let of = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None };
+            let training =
+                TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None, is_exact: false };
             let chosen = fit_surrogate(training, FormSettings::default(), None, Effort::MultiStart).unwrap();
             let mut cache = PredictionCache::default();
             cache.update(&chosen.model, &population);

@@ -221,7 +221,7 @@ mod tests {
     }
 
     fn choose(x: &Mat<f64>, y: &Mat<f64>, incumbent: Option<&Incumbent>, effort: Effort) -> Chosen {
-        let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None };
+        let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None, is_exact: false };
         fit_surrogate(training, FormSettings::default(), incumbent, effort).unwrap()
     }
 

@@ -114,7 +114,8 @@ fn predict_fold(
     let (places, kept): (Vec<usize>, Vec<usize>) = (0..n).partition(out);
     let (points, values) = (columns(training.points, &kept), rows(training.values, &kept));
     let noise = training.noise.map(|noise| noise.subset(&kept));
-    let rest = TrainingSet { points: points.as_ref(), values: values.as_ref(), noise: noise.as_ref() };
+    let (points, values) = (points.as_ref(), values.as_ref());
+    let rest = TrainingSet { points, values, noise: noise.as_ref(), ..training };
     let correlation = refit(rest, form, fitted);
     let model =
         Kriging::condition_noisy(rest.points, rest.values, &correlation, form.trend, rest.weights()).ok()?;
@@ -165,7 +166,7 @@ mod tests {
     #[test]
     fn tells_the_errors_at_unseen_points_that_leaving_one_out_hides() {
         let (x, y) = drawn(80, 0);
-        let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None };
+        let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None, is_exact: false };
         let fitted = fit_correlation(training, Form::default(), None, Effort::MultiStart).correlation;
         let model = Kriging::condition(x.as_ref(), y.as_ref(), &fitted).unwrap();
         let (unseen, truth) = drawn(2000, 1000);
@@ -187,14 +188,19 @@ mod tests {
     fn figures_are_those_of_fits_without_each_fold() {
         let (x, y) = drawn(30, 0);
         let y = Mat::from_fn(30, 2, |i, o| if o == 0 { y[(i, 0)] } else { 7.0 });
-        let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None };
+        let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None, is_exact: false };
         let fitted = fit_correlation(training, Form::default(), None, Effort::MultiStart).correlation;
         let crossed = cross_validate(training, Form::default(), &fitted).unwrap();
         let mut squares = 0.0;
         for fold in 0..FOLDS {
             let kept: Vec<usize> = (0..30).filter(|i| i % FOLDS != fold).collect();
             let (points, values) = (columns(x.as_ref(), &kept), rows(y.as_ref(), &kept));
-            let rest = TrainingSet { points: points.as_ref(), values: values.as_ref(), noise: None };
+            let rest = TrainingSet {
+                points: points.as_ref(),
+                values: values.as_ref(),
+                noise: None,
+                is_exact: false,
+            };
             let correlation = refit(rest, Form::default(), &fitted);
             let model = Kriging::condition(points.as_ref(), values.as_ref(), &correlation).unwrap();
             for i in (0..30).filter(|i| i % FOLDS == fold) {
@@ -224,6 +230,7 @@ mod tests {
                 points: x.as_ref().subcols(0, n),
                 values: y.as_ref().subrows(0, n),
                 noise: None,
+                is_exact: false,
             };
             let correlation = Correlation {
                 kernel: Form::default().kernel,

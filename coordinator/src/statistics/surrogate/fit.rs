@@ -51,6 +51,8 @@ pub struct TrainingSet<'a> {
     pub values: MatRef<'a, f64>,
     /// Noise of the points in proportion to stated errors, if it is used.
     pub noise: Option<&'a NoiseShape>,
+    /// True for values without noise: the nugget is that against round-off and not fitted.
+    pub is_exact: bool,
 }
 
 impl<'a> TrainingSet<'a> {
@@ -96,7 +98,7 @@ pub fn fit_correlation(
     }
     let weights = training.weights();
     let likelihood = Likelihood { points: training.points, values: values.as_ref(), trend, weights };
-    let bounds = Bounds::new(kernel, d, training.noise.map(|noise| noise.levels));
+    let bounds = Bounds::new(kernel, d, training.noise.map(|noise| noise.levels)).exact(training.is_exact);
     let to_free = |correlation: &Correlation| bounds.free(correlation);
     let mut starts: Vec<Vec<f64>> = previous.map(to_free).into_iter().collect();
     let before = starts.len();
@@ -142,6 +144,7 @@ pub(super) fn refit(part: TrainingSet<'_>, form: Form, whole: &Correlation) -> C
     let weights = part.weights();
     let likelihood = Likelihood { points: part.points, values: values.as_ref(), trend: form.trend, weights };
     let bounds = Bounds::new(form.kernel, part.points.nrows(), part.noise.map(|noise| noise.levels));
+    let bounds = bounds.exact(part.is_exact);
     let theta = whole.theta.iter().map(|theta| theta.max(REFIT_FROM.0)).collect();
     let start = Correlation { theta, nugget: whole.nugget.max(REFIT_FROM.1), ..whole.clone() };
     match values.ncols() {
@@ -225,7 +228,7 @@ mod tests {
     }
 
     fn training<'a>(x: &'a Mat<f64>, y: &'a Mat<f64>) -> TrainingSet<'a> {
-        TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None }
+        TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None, is_exact: false }
     }
 
     #[test]

@@ -27,7 +27,7 @@
 //! let sequence = |i: usize, step: f64| 4.0 * ((i + 1) as f64 * step).fract() - 2.0;
 //! let points = Mat::from_fn(2, 30, |k, i| sequence(i, [0.754877666, 0.569840296][k]));
 //! let values = Mat::from_fn(30, 1, |i, _| points[(0, i)].sin() + 0.5 * points[(1, i)]);
-//! let training = TrainingSet { points: points.as_ref(), values: values.as_ref(), noise: None };
+//! let training = TrainingSet { points: points.as_ref(), values: values.as_ref(), noise: None, is_exact: false };
 //! let chosen = fit_surrogate(training, FormSettings::default(), None, Effort::MultiStart)?;
 //!
 //! let prediction = chosen.model.predict(Mat::from_fn(2, 1, |k, _| [0.3, -1.2][k]).as_ref());

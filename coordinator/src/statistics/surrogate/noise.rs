@@ -161,7 +161,7 @@ mod tests {
         let (x, y, errors) = noisy();
         let shape = NoiseShape::new(y.as_ref(), errors.as_ref(), StatedErrors::Fitted).unwrap();
         let fit = |noise| {
-            let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise };
+            let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise, is_exact: false };
             fit_correlation(training, Form::default(), None, Effort::MultiStart)
         };
         let fitted = fit(Some(&shape));

@@ -75,7 +75,7 @@ mod tests {
             4.0 * ((i + 1) as f64 * [0.754_877_666, 0.569_840_296][k]).fract() - 2.0
         });
         let y = Mat::from_fn(50, 6, |i, o| function(x[(0, i)], x[(1, i)], o));
-        let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None };
+        let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None, is_exact: false };
         let shared = fit_correlation(training, Form::default(), None, Effort::MultiStart).correlation;
         compare_sharing(training, Form::default(), &shared).unwrap().unwrap()
     }
