@@ -10,9 +10,7 @@ use clap::Args;
 use coordinator::analyses::replay::{Replayed, replay};
 use coordinator::presentation::report::answer::{Answer, AnswerPart, Table};
 use coordinator::statistics::reliability::REACH;
-use coordinator::study::{
-    Settings, SimulatedPoint, StudyError, Verification, verify as refit, verify_study,
-};
+use coordinator::study::{Settings, SimulatedPoint, StudyError, Verification, verify as refit, verify_study};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 

@@ -18,8 +18,7 @@
 //! these may contradict its prediction. A stop without any predicted failure is stated by the report.
 //!
 //! # Source
-//! Rule (a): Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2); the change between rounds: Cui
-//! et al. (2026), China Mechanical Engineering 37(6), 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020.
+//! Rule (a): Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2); the change between rounds is this project's own.
 //! Stops by an estimated error: Wang, Shafieezadeh (2019), ESC: an efficient error-based stopping criterion
 //! for kriging-based reliability analysis methods, Structural and Multidisciplinary Optimization 59. The
 //! guards and the numbers are this project's own, from the published problems of
