@@ -35,7 +35,7 @@ fn a_study_grows_with_the_variables_of_its_scene() {
         (study.initial, study.batch, study.max_evaluations)
     };
     let found = [1, 8, 9, 30, 100].map(|d| study(d, ""));
-    assert_eq!(found, [(12, 4, 600), (12, 6, 600), (13, 6, 600), (45, 10, 600), (150, 28, 1000)]);
+    assert_eq!(found, [(12, 4, 600), (30, 6, 600), (30, 6, 600), (45, 10, 600), (150, 28, 1000)]);
     // What a scene sets stays.
     assert_eq!(study(30, "study = { initial = 60, batch = 16 }"), (60, 16, 600));
 }
