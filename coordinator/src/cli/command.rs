@@ -139,8 +139,8 @@ Examples:
     #[command(after_help = "\
 Runs the presets and settings near them at the nominal point and at random points of the variables, and compares them \
 with `reference`: time, error of each output, coverage of the stated errors, and the effect on the reliability. \
-Writes tradeoff.md, tradeoff.csv (one line per setting), values.csv (one line per value) and one figure per output to the \
-folder, and prints tradeoff.md. If interrupted, it writes the points that are complete.
+Writes tradeoff.md, tradeoff.html, tradeoff.csv (one line per setting) and values.csv (one line per value) to the folder, and \
+prints tradeoff.md. If interrupted, it writes the points that are complete.
 
 Examples:
   coordinator tradeoff --scene four-bar --out four-bar-tradeoff
