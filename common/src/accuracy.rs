@@ -63,7 +63,7 @@ impl Accuracy {
             largest_step: 1.0 / 700.0,
             // Forty times the steps of a cycle of the flapping-wing drive. Of its extremes, 6 r/min under `foundation` needs more than
             // 60 000, and stiff joints with little clearance and much friction, or without damping, more than 100 000
-            // (`coordinator extremes`).
+            // (example `extremes` of the crate `worker`).
             steps_bound: 400_000,
             // The wear needs no more than 50, since intervals end also where the contact has turned. The asymmetry of the drive, once its
             // vibration has set in, is higher by 0.6 r/min with 100 than with 1000, by 0.2 with 200 (`coordinator/doc/accuracy.md`).

@@ -15,7 +15,7 @@
 //! | [`results`] | summary, journal, campaign file, result files | `farm` |
 //! | [`study`] | a study from its settings to its result | the three above |
 //! | [`presentation`] | report, view of a running study, terminal | `farm`, `results`, `study` |
-//! | [`analyses`] | accuracy trade-off, error budget, calibration, what-if, optimisation, replay | all above |
+//! | [`analyses`] | accuracy trade-off, error budget, calibration, what-if, optimisation | all above |
 //!
 //! The evaluator is an argument of [`study::run`]: a closure ([`farm::evaluate::local`]), workers on many machines
 //! ([`farm::dispatch`]) or an external program ([`farm::evaluate::external`]). So is the journal: SQLite

@@ -69,6 +69,8 @@ mod life_tests;
 mod lives_tests;
 #[cfg(test)]
 mod two_sided_tests;
+#[cfg(test)]
+mod verification_tests;
 
 pub use campaign::Campaign;
 pub use campaign_result::CampaignResult;

@@ -89,7 +89,7 @@ if [ "$libc" = musl ]; then
     # The programs contain this library.
     install -m 644 /usr/share/doc/musl-dev/copyright "$doc/musl-copyright"
 fi
-for file in README.md certificates.sh ssh-workers.sh slurm kubernetes; do cp -R "$top/deploy/$file" "$doc/"; done
+for file in README.md certificates.sh ssh-workers.sh slurm; do cp -R "$top/deploy/$file" "$doc/"; done
 cp "$top"/deploy/*.json5 "$doc/"
 mv "$doc/README.md" "$doc/deployment.md"
 install -m 644 "$top/README.md" "$doc/README.md"

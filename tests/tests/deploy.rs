@@ -1,11 +1,11 @@
-//! The files of `deploy/`: tested with the real programs where possible, otherwise validated.
+//! The files of `deploy/`: tested with the real programs.
 
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use tests::command_line::{objection, words};
-use tests::deployed::{KilledOnDrop, certificates, configuration, deployed, if_installed, root, small_scene};
+use tests::deployed::{KilledOnDrop, certificates, configuration, deployed, if_installed, small_scene};
 use tests::{in_time, program};
 
 const UNITS: [&str; 2] = ["hingewise-coordinator.service", "hingewise-worker.service"];
@@ -33,7 +33,7 @@ fn the_programs_accept_the_command_lines_of_the_units() {
         let start = start.replace("$${LICENCES:+--licences \"$$LICENCES\"}", "--licences 3");
         let start = start.replace("$WORKER_OPTIONS", "--simulator beam.toml --slots 2");
         let start = start.replace("$$OPTIONS", "--samples 1000");
-        let start = start.replace("$$EVERY_START", "--metrics 127.0.0.1:9100");
+        let start = start.replace("$$EVERY_START", "--live 9100");
         let shared = start.split("set -- ").nth(1).map_or("", |rest| rest.split(';').next().unwrap());
         let start = start.replace("\"$$@\"", shared);
         assert!(
@@ -87,62 +87,6 @@ fn systemd_reports_no_fault_of_the_units() {
     }
 }
 
-/// A string in a list of strings.
-fn texts(value: &Value) -> Vec<String> {
-    value.as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect()
-}
-
-#[test]
-fn the_compose_file_connects_its_services() {
-    let compose: Value = serde_saphyr::from_str(&deployed("compose.yaml")).unwrap();
-    let services = compose["services"].as_object().unwrap();
-    assert_eq!(services.len(), 2);
-    for (name, service) in services {
-        let command = texts(&service["command"]);
-        assert_eq!(&command[0], name);
-        assert_accepted(&command[0], &command[1..]);
-        // A listener without authentication is only on internal networks.
-        for network in texts(&service["networks"]) {
-            assert_eq!(compose["networks"][network.as_str()]["internal"], Value::Bool(true));
-        }
-        assert!(service.get("ports").is_none(), "nothing is published on the host");
-    }
-    let option = |service: &str, option: &str| {
-        let command = texts(&compose["services"][service]["command"]);
-        command.iter().find_map(|word| word.strip_prefix(option).map(str::to_owned)).unwrap()
-    };
-    // Workers connect to the coordinator by the name of its service, on its port.
-    let listen = option("coordinator", "--listen=tcp/0.0.0.0:");
-    assert_eq!(option("worker", "--connect="), format!("tcp/coordinator:{listen}"));
-    // The results are on the volume.
-    let mount = texts(&compose["services"]["coordinator"]["volumes"])[0].clone();
-    let (volume, path) = mount.split_once(':').unwrap();
-    assert!(compose["volumes"].get(volume).is_some());
-    assert!(option("coordinator", "--out=").starts_with(path));
-    assert!(deployed("Containerfile").contains(&format!("VOLUME {path}\n")));
-    let build = &compose["services"]["coordinator"]["build"];
-    let context = root().join("deploy").join(build["context"].as_str().unwrap());
-    assert!(context.join(build["dockerfile"].as_str().unwrap()).is_file());
-}
-
-#[test]
-fn the_image_holds_both_programs_and_runs_without_root() {
-    let text = deployed("Containerfile");
-    let stages: Vec<&str> = text.split("\nFROM ").collect();
-    assert_eq!(stages.len(), 3, "a comment, a stage that builds, a stage that runs");
-    let manifest: toml::Table = std::fs::read_to_string(root().join("Cargo.toml")).unwrap().parse().unwrap();
-    let rust = manifest["workspace"]["package"]["rust-version"].as_str().unwrap();
-    assert!(stages[1].contains(&format!("rust:{rust}-")), "another Rust than the workspace's {rust}");
-    let built: Vec<&str> =
-        stages[1].split("-p ").skip(1).map(|rest| rest.split_whitespace().next().unwrap()).collect();
-    assert_eq!(built, ["coordinator", "worker"]);
-    for name in built {
-        assert!(stages[2].contains(&format!("/source/target/release/{name} ")), "{name} is not copied");
-    }
-    let user = stages[2].lines().rfind(|line| line.starts_with("USER ")).unwrap();
-    assert!(!["USER root", "USER 0"].contains(&user));
-}
-
 /// The coordinator as started by its unit, and the lines of its log.
 fn start_unit(
     line: &str,
@@ -179,7 +123,7 @@ fn the_units_study_is_resumed_after_a_restart() {
             ("STUDY", "study"),
             ("LISTEN", listen),
             ("OPTIONS", "--seed 7 --samples 3000"),
-            ("EVERY_START", "--metrics 127.0.0.1:0"),
+            ("EVERY_START", "--live 0"),
             ("LICENCES", ""),
         ];
 

@@ -1,4 +1,4 @@
-//! Monitoring of a running study: `status`, metrics, the live page in a browser, and the findings of `doctor`.
+//! Monitoring of a running study: `status`, the live page in a browser, and the findings of `doctor`.
 
 use common::wire::{self, Next, PROTOCOL_VERSION, Phase, Reply, Status, WireError, keys};
 use coordinator::farm::dispatch::{ClientError, ClientSession, clock_ms};
@@ -203,37 +203,28 @@ fn get(address: &str, path: &str, host: &str) -> String {
     answer
 }
 
-/// A study of the four-bar with metrics and live page, without workers so far: the process, and the addresses of
-/// coordinator, page and metrics.
-fn visible_study(folder: &Path, evaluations: usize, more: &[&str]) -> (LoggedProcess, [String; 3]) {
+/// A study of the four-bar with live page, without workers so far: the process, and the addresses of coordinator and page.
+fn visible_study(folder: &Path, evaluations: usize, more: &[&str]) -> (LoggedProcess, [String; 2]) {
     let scene = folder.join("small.toml");
     std::fs::write(&scene, small_scene(evaluations)).unwrap();
     let (scene, out) = (scene.to_str().unwrap(), folder.join("study"));
     let what =
         ["run", "--scene", scene, "--accuracy", "draft", "--workers", "0", "--out", out.to_str().unwrap()];
-    let shown = ["--live", "0", "--metrics", "0", "-v"];
+    let shown = ["--live", "0", "-v"];
     let study = LoggedProcess::start("coordinator", &[&what[..], &shown, more].concat());
     let endpoint = study.wait_for("waiting for workers: worker --connect ");
     let live = study.wait_for("live report: http://");
-    let metrics = study.wait_for("metrics: http://");
-    (study, [endpoint, live, metrics.trim_end_matches("/metrics").to_owned()])
+    (study, [endpoint, live])
 }
 
 #[test]
-fn metrics_and_status_describe_a_running_study() {
+fn page_and_status_describe_a_running_study() {
     in_time(|| {
         let folder = tempfile::tempdir().unwrap();
-        let (mut study, [endpoint, live, metrics]) = visible_study(folder.path(), 12, &[]);
+        let (mut study, [endpoint, live]) = visible_study(folder.path(), 12, &[]);
         let session = ClientSession::open(&endpoint, None).unwrap();
         while session.status(PATIENCE).unwrap().phase != Phase::Waiting {
             std::thread::yield_now();
-        }
-        let page = get(&metrics, "/metrics", &metrics);
-        assert!(page.starts_with("HTTP/1.1 200") && page.contains("text/plain; version=0.0.4"), "{page}");
-        for line in
-            ["hingewise_phase{phase=\"waiting\"} 1", "hingewise_tasks_queued 1", "hingewise_workers 0"]
-        {
-            assert!(page.lines().any(|l| l == line), "no {line} in {page}");
         }
         let (code, json, error) = command(&["status", &endpoint, "--json"]);
         assert_eq!(code, Some(0), "{error}");
@@ -259,7 +250,6 @@ fn metrics_and_status_describe_a_running_study() {
         }
         assert!(get(&live, "/report.html", &live).starts_with("HTTP/1.1 404"), "there is no report yet");
         assert!(get(&live, "/", "evil.example").starts_with("HTTP/1.1 403"));
-        assert!(get(&metrics, "/metrics", "evil.example").starts_with("HTTP/1.1 403"));
         let news = get(&live, "/news/1", &live);
         assert!(news.contains("\"ended\":false") && news.contains("Running study"), "{news}");
         let mut worker =
@@ -277,7 +267,7 @@ fn metrics_and_status_describe_a_running_study() {
 fn a_live_page_stays_until_it_is_told() {
     in_time(|| {
         let folder = tempfile::tempdir().unwrap();
-        let (mut study, [endpoint, live, _]) = visible_study(folder.path(), 12, &["--live-keep"]);
+        let (mut study, [endpoint, live]) = visible_study(folder.path(), 12, &["--live-keep"]);
         let mut worker = LoggedProcess::start("worker", &["--connect", &endpoint, "--slots", "1"]);
         let stays = study.wait_for("the live page stays at http://");
         assert!(stays.contains("until Ctrl-C") && stays.ends_with("report.html"), "{stays}");
@@ -310,7 +300,7 @@ fn the_live_page_follows_its_study_in_a_browser() {
     };
     in_time(move || {
         let folder = tempfile::tempdir().unwrap();
-        let (mut study, [endpoint, live, _]) = visible_study(folder.path(), 12, &[]);
+        let (mut study, [endpoint, live]) = visible_study(folder.path(), 12, &[]);
         let profile = folder.path().join("profile");
         let mut chromium = Command::new(browser);
         // Virtual time stops while the browser waits for updates, so it follows the study to its end.

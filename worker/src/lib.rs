@@ -33,7 +33,6 @@
 //! | `quasi_static` | motion without vibrations, for the wear alone |
 //! | `outputs` | from the recorded motion to the outputs of a scene |
 //! | [`simulate`] | one evaluation, or several in the lanes of one core |
-//! | [`extremes`] | evaluations at the limits of the model |
 //! | [`service`] | offers a simulator to coordinators |
 //! | [`own_simulators`] | external simulators that the worker has itself |
 //! | [`simulator`] | the simulator that the worker offers |
@@ -42,7 +41,6 @@
 pub mod bore;
 pub mod build;
 pub mod contact;
-pub mod extremes;
 mod extremum;
 pub mod integrate;
 mod interpolate;

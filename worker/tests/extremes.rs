@@ -8,17 +8,23 @@
 //!   and under `foundation` masses x 0.01 with tenfold modulus at 6 r/min;
 //! - `foundation` with a friction of 0.5, tenfold wear and a jump of 8000 cycles: the chatter takes all steps.
 
+use cases::{Case, cases};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::{ContactLaw, JointKind, SceneSource};
-use worker::extremes::{Case, Outcome, Row, cases, run_all};
+use outcome::{Outcome, Row, run_all};
+
+#[path = "../examples/extremes/cases.rs"]
+mod cases;
+#[path = "../examples/extremes/outcome.rs"]
+mod outcome;
 
 /// Bound on the steps of a cycle: a quarter of that of the presets.
 const STEPS_BOUND: u64 = 100_000;
 /// What a refused case may have cost, in time steps of the nominal one.
 const NOMINAL_TIMES: u64 = 10;
 
-/// Cases of `foundation` that agree too, but cost as much as all others together; `coordinator extremes` runs them.
+/// Cases of `foundation` that agree too, but cost as much as all others together; the example `extremes` runs them.
 const LEFT_OUT: [&str; 4] = ["clearance 1 um", "clearance 5 um", "6 r/min", "jump of 100 cycles"];
 
 fn rows(law: ContactLaw, accuracy: &Accuracy) -> Vec<Row> {

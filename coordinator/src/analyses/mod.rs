@@ -14,7 +14,6 @@
 //! | [`update`] | single units from what was measured of them |
 //! | [`paired_results`] | changes between two results from the same simulations |
 //! | [`quantity`] | quantities of outputs as a person writes them |
-//! | [`replay`] | learning from a finished direct Monte Carlo study, with the true error of every round |
 
 pub mod budget;
 pub mod calibrate;
@@ -23,9 +22,6 @@ pub mod optimise;
 pub mod paired_results;
 pub mod quantity;
 pub mod replace;
-pub mod replay;
-#[cfg(test)]
-mod replay_tests;
 pub mod scene_difference;
 pub mod scene_settings;
 mod setting;

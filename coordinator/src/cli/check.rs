@@ -50,8 +50,8 @@ Examples:
 pub struct CheckArguments {
     /// Scene file, or name of a built-in scene
     pub file: String,
-    /// Write a drawing of the mechanism, as SVG or PNG by the end of the name
-    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    /// Write a drawing of the mechanism, as SVG
+    #[arg(long, value_name = "FILE.svg")]
     pub draw: Option<PathBuf>,
     /// Check text and linkage only: simulate no life
     #[arg(long, conflicts_with = "accuracy")]

@@ -7,7 +7,6 @@ use super::compare::CompareArguments;
 use super::designs::DesignsArguments;
 use super::doctor::DoctorArguments;
 use super::draw::DrawArguments;
-use super::extremes::ExtremesArguments;
 use super::init::InitArguments;
 use super::optimise::OptimiseArguments;
 use super::replace::ReplaceArguments;
@@ -18,7 +17,7 @@ use super::status::StatusArguments;
 use super::study_options::{ResumeArguments, RunArguments};
 use super::tradeoff::TradeoffArguments;
 use super::update::UpdateArguments;
-use super::verify::{ReplayArguments, VerifyArguments};
+use super::verify::VerifyArguments;
 use super::what_if::WhatIfArguments;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::fmt::Write;
@@ -33,7 +32,7 @@ const GROUPS: [(&str, &[&str]); 4] = [
 ];
 
 /// Commands that the first page of the help names without a description.
-const MORE: [&str; 7] = ["doctor", "verify", "tradeoff", "extremes", "schema", "completions", "man"];
+const MORE: [&str; 6] = ["doctor", "verify", "tradeoff", "schema", "completions", "man"];
 
 const EXAMPLE: &str = "\
 Without a command, `coordinator --workers auto` runs a study with the options of `run`.
@@ -136,22 +135,12 @@ Examples:
   coordinator simulate --scene flapping-wing --set rod_length=40.05mm --set friction=0.03
   coordinator simulate --scene my.toml --set parameters.crank_speed='500 r/min' --accuracy draft")]
     Simulate(SimulateArguments),
-    /// Compare extreme cases of a scene with runs at half the time step
-    #[command(after_help = "\
-Each case agrees with half the step within its stated error, or is refused with a reason. Anything else is a \
-disagreement, with exit code 1.
-
-Examples:
-  coordinator extremes --scene four-bar
-  coordinator extremes --scene flapping-wing --accuracy draft --out extremes
-  coordinator extremes --scene my.toml --json")]
-    Extremes(ExtremesArguments),
     /// Measure time against error for the accuracy settings of a scene
     #[command(after_help = "\
 Runs the presets and settings near them at the nominal point and at random points of the variables, and compares them \
 with `reference`: time, error of each output, coverage of the stated errors, and the effect on the reliability. \
-Writes tradeoff.md, tradeoff.csv (one line per setting), values.csv (one line per value) and one figure per output to the \
-folder, and prints tradeoff.md. If interrupted, it writes the points that are complete.
+Writes tradeoff.md, tradeoff.html, tradeoff.csv (one line per setting) and values.csv (one line per value) to the folder, and \
+prints tradeoff.md. If interrupted, it writes the points that are complete.
 
 Examples:
   coordinator tradeoff --scene four-bar --out four-bar-tradeoff
@@ -171,21 +160,22 @@ Examples:
     Calibrate(Box<CalibrateArguments>),
     /// Validate the surrogates of a study against simulations that they were not fitted to
     #[command(after_help = "\
-With --against, the surrogates with which the first study ended, found by repeating its learning, classify the points \
-that the second study simulated, so that the sampling error cancels. With --rounds, a direct Monte Carlo study is \
-learned again with its samples as the population: the true error of every round is known. Studies need not be finished; \
-nothing is simulated.
+The surrogates with which the first study ended, found by repeating its learning, classify the points that the second \
+study simulated, so that the sampling error cancels. Studies need not be finished; nothing is simulated.
 
 Examples:
   coordinator run --scene four-bar --out study
   coordinator run --scene four-bar --method monte-carlo --samples 1000 --out direct
   coordinator verify study --against direct
-  coordinator verify study --against direct --evaluations 50
-  coordinator verify direct --rounds --initial 40 --max-evaluations 100 --kernel matern52")]
+  coordinator verify study --against direct --evaluations 50")]
     Verify(VerifyArguments),
-    /// Earlier name of `verify DIR --rounds`
-    #[command(hide = true, after_help = "Example:\n  coordinator replay direct")]
-    Replay(ReplayArguments),
+    /// A command that is an example of the sources now
+    #[command(name = "extremes", alias = "replay", hide = true, disable_help_flag = true)]
+    Moved {
+        /// What was given to it
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
     /// Print the sensitivities of the failure probabilities of a finished study
     #[command(after_help = "Example:\n  coordinator sensitivity hingewise-flapping-wing --json")]
     Sensitivity(StudyFolder),
@@ -194,7 +184,7 @@ Examples:
 Examples:
   coordinator report hingewise-flapping-wing
   coordinator report archive/study --out study-report
-  coordinator report study --pdf --png")]
+  coordinator report study --pdf")]
     Report(ReportArguments),
     /// Compare the reliability curves of several finished studies on one page
     #[command(after_help = "\

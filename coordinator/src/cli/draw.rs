@@ -6,14 +6,14 @@ use super::scenes::check_linkage;
 use clap::Args;
 use common::scene::{Motion, Scene, SceneSource};
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
-use coordinator::presentation::report::{Figure, PngMaker, ReportError, standalone};
-use coordinator::results::result_files::{write_bytes, write_text};
+use coordinator::presentation::report::{Figure, standalone};
+use coordinator::results::result_files::write_text;
 use std::path::{Path, PathBuf};
 use worker::mechanism::Prescribed;
 
 pub const EXAMPLES: &str = "\
 Without --out the drawing is a sketch in the terminal. It shows bodies and joints with their names, supports, sliders on their \
-rails, drives with the angle of the crank, and loads; as SVG or PNG in true proportions, with a scale. With --json it is printed as \
+rails, drives with the angle of the crank, and loads; as SVG in true proportions, with a scale. With --json it is printed as \
 data: outlines of bodies, positions of joints, loads and drives in m and deg.
 
 Examples:
@@ -29,8 +29,8 @@ const INSTANTS: usize = 201;
 pub struct DrawArguments {
     /// Scene file, or name of a built-in scene
     pub scene: String,
-    /// Write a picture, as SVG or as PNG by the end of its name
-    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    /// Write a picture, as SVG
+    #[arg(long, value_name = "FILE.svg")]
     pub out: Option<PathBuf>,
     /// Position that is drawn, as a share of the cycle from 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = SHARE_OF_CYCLE, value_parser = share)]
@@ -55,7 +55,7 @@ pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError
     check_linkage(source.origin(), &source, scene)?;
     let drawn = drawn(source.origin(), scene, arguments.at)?;
     if let Some(file) = &arguments.out {
-        write_picture(file, &drawing::figure(&drawn, scene))?;
+        write_text(file, &standalone(&drawing::figure(&drawn, scene)))?;
     }
     match (as_json, &arguments.out) {
         (true, _) => print(&to_json(&drawn)?),
@@ -73,24 +73,15 @@ pub fn check_picture(file: Option<&Path>) -> Result<(), CommandError> {
     let Some(file) = file else { return Ok(()) };
     let end = file.extension().map(|end| end.to_string_lossy().to_lowercase());
     match end.as_deref() {
-        None | Some("svg" | "png") => Ok(()),
+        None | Some("svg") => Ok(()),
         Some(other) => {
-            let fault = format!("pictures are written as .svg or .png, not as .{other}");
+            let fault = format!("pictures are written as .svg, not as .{other}");
             Err(unusable(file, fault))
         }
     }
 }
 
-/// Writes a drawing as SVG, or as PNG if the name of the file ends so.
-fn write_picture(file: &Path, figure: &Figure) -> Result<(), CommandError> {
-    if file.extension().is_none_or(|end| !end.eq_ignore_ascii_case("png")) {
-        return Ok(write_text(file, &standalone(figure))?);
-    }
-    let picture = PngMaker::new().and_then(|maker| maker.png(figure)).map_err(ReportError::Png)?;
-    Ok(write_bytes(file, &picture)?)
-}
-
-/// Writes the drawing of the mechanism of a scene as an SVG or PNG file.
+/// Writes the drawing of the mechanism of a scene as an SVG file.
 ///
 /// # Errors
 /// As those of [`draw`].
@@ -98,7 +89,7 @@ pub fn write_drawing(source: &SceneSource, file: &Path) -> Result<(), CommandErr
     let scene = source.nominal();
     check_linkage(source.origin(), source, scene)?;
     let drawn = drawn(source.origin(), scene, SHARE_OF_CYCLE)?;
-    write_picture(file, &drawing::figure(&drawn, scene))
+    Ok(write_text(file, &standalone(&drawing::figure(&drawn, scene)))?)
 }
 
 /// The drawing of a mechanism as a figure; none for an external simulator, or where nothing can be drawn.
@@ -143,46 +134,9 @@ fn drawn(origin: &str, scene: &Scene, share: f64) -> Result<DrawnMechanism, Comm
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resvg::tiny_skia::Pixmap;
-
-    /// The colours of all pixels of a PNG file, as 0xRRGGBB.
-    fn colours_of_png(png: &[u8]) -> Vec<u32> {
-        let picture = Pixmap::decode_png(png).expect("a PNG file");
-        let colour = |pixel: &resvg::tiny_skia::PremultipliedColorU8| {
-            u32::from_be_bytes([0, pixel.red(), pixel.green(), pixel.blue()])
-        };
-        picture.pixels().iter().map(colour).collect()
-    }
-
     fn of(name: &str) -> (DrawnMechanism, Scene) {
         let scene = SceneSource::builtin(name).expect("built in").nominal().clone();
         (drawn(name, &scene, SHARE_OF_CYCLE).expect("it closes"), scene)
-    }
-
-    #[test]
-    fn issue_a_drawing_as_png_was_black_all_over() {
-        if PngMaker::new().is_err() {
-            eprintln!("left out: drawings as PNG files (this machine has no font)");
-            return;
-        }
-        let folder = tempfile::tempdir().expect("a folder");
-        for name in ["four-bar", "slider-crank"] {
-            let (drawn, scene) = of(name);
-            let file = folder.path().join("drawing.PNG");
-            write_picture(&file, &drawing::figure(&drawn, &scene)).expect("written");
-            let colours = colours_of_png(&std::fs::read(&file).expect("a picture"));
-            let share = |hex: u32| {
-                colours.iter().filter(|colour| **colour == hex).count() as f64 / colours.len() as f64
-            };
-            // The light shades of paper and ink.
-            assert!(share(0x00FF_FFFF) > 0.5, "{name}: {}", share(0x00FF_FFFF));
-            assert!(
-                share(0x001B_1F24) > 1e-3 && share(0) < 1e-3,
-                "{name}: {} {}",
-                share(0x001B_1F24),
-                share(0)
-            );
-        }
     }
 
     #[test]

@@ -9,7 +9,6 @@ use coordinator::analyses::budget::BudgetError;
 use coordinator::analyses::calibrate::CalibrationError;
 use coordinator::analyses::optimise::OptimiseError;
 use coordinator::analyses::replace::ReplacementError;
-use coordinator::analyses::replay::ReplayError;
 use coordinator::farm::dispatch::{ClientError, DispatchError};
 use coordinator::farm::evaluate::EvaluateError;
 use coordinator::presentation::monitor::MonitorError;
@@ -75,14 +74,6 @@ pub enum CommandError {
     /// The question about a replacement has no answer.
     #[error(transparent)]
     Replacement(#[from] ReplacementError),
-    /// Simulations that cannot be replayed.
-    #[error("{}: {error}", dir.display())]
-    Replay {
-        /// Folder of the study.
-        dir: PathBuf,
-        /// Error with its cause.
-        error: ReplayError,
-    },
     /// The user stopped the study.
     #[error("interrupted; everything done so far is saved, continue with `coordinator resume {}`", dir.display())]
     Interrupted {
@@ -103,7 +94,7 @@ pub enum CommandError {
     /// The coordinator cannot listen.
     #[error(transparent)]
     Dispatch(#[from] DispatchError),
-    /// The live page or the metrics cannot be served.
+    /// The live page cannot be served.
     #[error(transparent)]
     Monitor(#[from] MonitorError),
     /// A coordinator does not report its status.
@@ -165,7 +156,6 @@ impl CommandError {
             | Self::Setting(_)
             | Self::Incomparable(_)
             | Self::Replacement(_)
-            | Self::Replay { error: ReplayError::Foreign(_), .. }
             | Self::Calibration(CalibrationError::Scene(_))
             | Self::Budget(BudgetError::OutOfReach { .. } | BudgetError::NothingToHold)
             | Self::Study { error: StudyError::Setting(_), .. }

@@ -80,7 +80,7 @@ impl CommandEvaluator {
         Ok(Self::Simulator(external::open_simulator(simulator, scene, slots)?, slots as u32))
     }
 
-    /// The status board of the study, and the source of its metrics.
+    /// The status board of the study, and the source of its status.
     pub fn status(&self) -> (StatusBoard, StatusSource) {
         match self {
             Self::Workers(farm) => {

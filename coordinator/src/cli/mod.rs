@@ -15,7 +15,6 @@ mod error;
 mod evaluation_json;
 mod explain;
 mod external;
-mod extremes;
 mod farm;
 mod init;
 mod limit_text;
@@ -108,13 +107,15 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Update(options) => update::update(&options, json),
         CommandArguments::Replace(options) => replace::replace(&options, json),
         CommandArguments::Init(options) => init::init(&options, json),
-        CommandArguments::Extremes(options) => extremes::extremes(&options, verbosity),
         CommandArguments::Tradeoff(options) => tradeoff::tradeoff(&options, verbosity),
         CommandArguments::Calibrate(options) => calibrate::calibrate(&options, verbosity),
         CommandArguments::WhatIf(options) => what_if::what_if(&options, verbosity),
         CommandArguments::Designs(options) => designs::designs(&options, verbosity),
         CommandArguments::Optimise(options) => optimise::optimise(&options, verbosity),
-        CommandArguments::Replay(options) => verify::rounds(&options.dir, &options.rounds, json),
+        CommandArguments::Moved { .. } => Err(CommandError::refused(
+            "extremes, replay",
+            "now examples of the sources: cargo run --release -p worker --example extremes, -p coordinator --example replay",
+        )),
         CommandArguments::Verify(options) => verify::verify(&options, json),
         CommandArguments::Simulate(options) => simulate::simulate(&options, verbosity),
         CommandArguments::Status(options) => status::status(&options, json),
@@ -131,12 +132,11 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
 
 /// Starts the log on standard error.
 fn start_log(verbosity: Verbosity) {
-    // Zenoh logs the connections and disconnections of workers as errors; the coordinator reports them itself. The renderer of
-    // PNG files warns of bars without width.
+    // Zenoh logs the connections and disconnections of workers as errors; the coordinator reports them itself.
     let level = match (verbosity.quiet, verbosity.verbose) {
         (true, _) => "error,zenoh=off",
-        (false, 0) => "warn,zenoh=off,usvg=off,tiny_skia=off,simplecss=off",
-        (false, 1) => "info,zenoh=warn,usvg=off,tiny_skia=off,simplecss=off",
+        (false, 0) => "warn,zenoh=off",
+        (false, 1) => "info,zenoh=warn",
         (false, _) => "debug,zenoh=info,rustls=info",
     };
     log::start(LogOptions {

@@ -1,4 +1,4 @@
-//! Access to a running study: `--metrics` and `--live`.
+//! Access to a running study: `--live`.
 
 use super::draw::drawing_figure;
 use super::error::CommandError;
@@ -24,9 +24,6 @@ const POLL_INTERVAL: Duration = Duration::from_millis(100);
 #[derive(Debug, Clone, Default, Args, PartialEq)]
 #[command(next_help_heading = "Output")]
 pub struct MonitorArguments {
-    /// Serve metrics of the running study for Prometheus at http://ADDRESS:PORT/metrics
-    #[arg(long, value_name = "PORT|ADDRESS:PORT")]
-    pub metrics: Option<String>,
     /// Serve the report of the running study to browsers of this machine at http://127.0.0.1:PORT
     #[arg(long, value_name = "PORT")]
     pub live: Option<String>,
@@ -45,11 +42,10 @@ pub struct WatchedStudy<'a> {
     pub settings: &'a Settings,
 }
 
-/// The servers of a running study.
+/// The views of a running study.
 pub struct Monitor {
     board: StatusBoard,
     live: Option<(Arc<LivePage>, MonitorServer)>,
-    metrics: Option<MonitorServer>,
     /// True if the live page stays after the end of the study.
     keep: bool,
 }
@@ -81,47 +77,29 @@ impl StayingPage {
 }
 
 impl Monitor {
-    /// Starts the servers that the arguments ask for; `insecure` allows metrics on an address of a network.
+    /// Starts the server that the arguments ask for.
     ///
     /// # Errors
     /// [`CommandError::Monitor`] if an address is not allowed or cannot be used.
     pub fn open(
         arguments: &MonitorArguments,
-        insecure: bool,
         evaluator: &CommandEvaluator,
         study: &WatchedStudy<'_>,
     ) -> Result<Self, CommandError> {
         let (board, look) = evaluator.status();
-        let trusted = if insecure {
-            Ok(())
-        } else {
-            Err("allowed: a port alone (this machine only), or --insecure if the network is trusted")
-        };
-        let metrics = arguments
-            .metrics
-            .as_deref()
-            .map(|given| listen_address("--metrics", given, trusted))
-            .transpose()?;
-        let only_here =
-            Err("allowed: a port alone, or an address of this machine only; use ssh -L from other machines");
-        let live =
-            arguments.live.as_deref().map(|given| listen_address("--live", given, only_here)).transpose()?;
-        let metrics = metrics.map(|address| MonitorServer::metrics(address, look.clone())).transpose()?;
+        let live = arguments.live.as_deref().map(|given| listen_address("--live", given)).transpose()?;
         let page = |address| {
             let drawing = drawing_figure(&study.scene.name, study.scene);
             let live = Arc::new(LivePage::new(study.dir, study.scene, study.settings, look.clone(), drawing));
             Ok::<_, CommandError>((Arc::clone(&live), MonitorServer::live(address, live)?))
         };
-        Ok(Monitor { board, live: live.map(page).transpose()?, metrics, keep: arguments.live_keep })
+        Ok(Monitor { board, live: live.map(page).transpose()?, keep: arguments.live_keep })
     }
 
-    /// Prints the addresses of the servers.
+    /// Prints the address of the page.
     pub fn print_addresses(&self) {
         if let Some((_, server)) = &self.live {
             print_message(format_args!("live report: http://{}", server.address()));
-        }
-        if let Some(server) = &self.metrics {
-            print_message(format_args!("metrics: http://{}/metrics", server.address()));
         }
     }
 
@@ -135,7 +113,7 @@ impl Monitor {
         )
     }
 
-    /// Shows the end of the study and stops the servers, except for a live page that stays: with `--live-keep`, and on a terminal
+    /// Shows the end of the study and stops the server, except for a live page that stays: with `--live-keep`, and on a terminal
     /// unless `quiet`.
     pub fn end(self, quiet: bool) -> Option<StayingPage> {
         let (live, server) = self.live?;

@@ -35,9 +35,6 @@ pub struct ReportArguments {
     /// Print the report to report.pdf as well, with a browser of this machine (Chromium, Chrome, Edge)
     #[arg(long)]
     pub pdf: bool,
-    /// Write every figure as a picture to figures/*.png as well, with a font of this machine
-    #[arg(long)]
-    pub png: bool,
 }
 
 /// Writes the result files and the report of a finished study again.
@@ -45,17 +42,11 @@ pub struct ReportArguments {
 /// # Errors
 /// [`CommandError::Store`], [`CommandError::Refused`], [`CommandError::Pdf`], or the error of a file that cannot be written.
 pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandError> {
-    let ReportArguments { dir, out, pdf, png } = arguments;
+    let ReportArguments { dir, out, pdf } = arguments;
     let campaign = CampaignFile::look(dir)?;
     let page = match out {
         Some(out) => write_results(&campaign, out)?,
         None => write_results(&campaign, dir).map_err(|error| error.of_report_in(dir))?,
-    };
-    let pictures = match png {
-        true => {
-            report::write_pictures(&campaign, scene_of(&campaign)?.nominal(), out.as_ref().unwrap_or(dir))?
-        }
-        false => None,
     };
     let printed = match pdf {
         true => Some(print_page(&page, &std::env::var_os("PATH").unwrap_or_default())?),
@@ -66,17 +57,10 @@ pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandE
         if let Some(file) = printed {
             written["pdf"] = json!(file);
         }
-        if let Some(count) = pictures {
-            written["pictures"] = json!(count);
-        }
         return print(&to_json(&written)?);
     }
     let files = [Some(page), printed].into_iter().flatten();
-    let mut text = files.map(|file| format!("{}\n", file.display())).collect::<String>();
-    if let Some(count) = pictures {
-        text += &format!("{count} pictures in {}\n", out.as_ref().unwrap_or(dir).join("figures").display());
-    }
-    print(&text)
+    print(&files.map(|file| format!("{}\n", file.display())).collect::<String>())
 }
 
 /// Writes every result file of a finished study to the folder `out`; returns the path of the report.

@@ -79,7 +79,7 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     let campaign = || announced(&source, &settings, false);
     let evaluator = CommandEvaluator::open(&source, campaign, &arguments.farm)?;
     let watched = WatchedStudy { dir: &dir, scene, settings: &settings };
-    let monitor = Monitor::open(&arguments.monitor, arguments.farm.insecure, &evaluator, &watched)?;
+    let monitor = Monitor::open(&arguments.monitor, &evaluator, &watched)?;
     let mut campaign = CampaignFile::create(&dir, &meta, scene)?;
     if let Some(space) = &space {
         campaign.put_document(DESIGNS_DOCUMENT, &space.stored())?;
@@ -122,7 +122,7 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
     let campaign = || announced(&study.source, &study.settings, true);
     let evaluator = CommandEvaluator::open(&study.source, campaign, farm)?;
     let watched = WatchedStudy { dir, scene: study.scene(), settings: &study.settings };
-    let monitor = Monitor::open(monitor, farm.insecure, &evaluator, &watched)?;
+    let monitor = Monitor::open(monitor, &evaluator, &watched)?;
     study.campaign.forget_failed_start()?;
     // Another build computes what follows: from which evaluation on, the legs say.
     let by_another = study.campaign.legs()?.last().is_none_or(|leg| leg.version != program());

@@ -11,7 +11,6 @@ use common::scene::SceneSource;
 use coordinator::analyses::tradeoff::{
     QUICK, TradeoffPlan, TradeoffProgress, answer, compare, full, reference_row, settings, values_csv,
 };
-use coordinator::presentation::report::ReportError;
 use coordinator::results::result_files::{create_folder, write_text};
 use coordinator::statistics::design::nominal_and_random;
 use std::path::PathBuf;
@@ -77,7 +76,7 @@ pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Result<(
     if measurement.points > 0 {
         let rows = compare(scene, &plan.settings, &measurement);
         let reference = reference_row(scene, &measurement);
-        let answer = answer(scene, &rows, &reference, measurement.points).map_err(ReportError::from)?;
+        let answer = answer(scene, &rows, &reference, measurement.points);
         let values = values_csv(scene, &plan.settings, &measurement);
         write_text(&arguments.out.join("values.csv"), &values)?;
         answer.write(&arguments.out)?;

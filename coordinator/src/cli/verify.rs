@@ -1,18 +1,15 @@
-//! `coordinator verify`: validates the surrogates of a study against simulations that they were not fitted to, or round
-//! by round against a direct Monte Carlo study.
+//! `coordinator verify`: validates the surrogates of a study against simulations that they were not fitted to.
 
 use super::error::CommandError;
 use super::output::answer_with;
 use super::shared::positive;
 use super::stored_study::{StoredStudy, ended_without_result};
-use super::study_options::LearnerArguments;
 use clap::Args;
-use coordinator::analyses::replay::{Replayed, replay};
 use coordinator::presentation::report::answer::{Answer, AnswerPart, Table};
 use coordinator::statistics::reliability::REACH;
-use coordinator::study::{Settings, SimulatedPoint, StudyError, Verification, verify as refit, verify_study};
+use coordinator::study::{SimulatedPoint, StudyError, Verification, verify as refit, verify_study};
 use std::collections::HashSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Fewest simulations of either study: surrogates need three, and a share of fewer than ten has no meaning.
 const LEAST: usize = 10;
@@ -23,37 +20,11 @@ pub struct VerifyArguments {
     /// Folder of the study
     pub dir: PathBuf,
     /// Folder of a study whose simulations are compared with the surrogates of the first one
-    #[arg(long, value_name = "DIR", required_unless_present = "rounds")]
-    pub against: Option<PathBuf>,
+    #[arg(long, value_name = "DIR")]
+    pub against: PathBuf,
     /// Fit surrogates to the first N evaluations of the study, instead of those it ended with
-    #[arg(long, value_name = "N", value_parser = positive, conflicts_with = "rounds")]
-    pub evaluations: Option<usize>,
-    /// Learn again from the simulations of a direct Monte Carlo study (--method monte-carlo), its samples being the
-    /// population, and print the stated and the true error of every round
-    #[arg(long = "rounds", id = "rounds", conflicts_with = "against")]
-    pub by_rounds: bool,
-    #[command(flatten)]
-    pub rounds: RoundsArguments,
-}
-
-/// Settings of the learning that `--rounds` repeats; the defaults are those of the scene.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Learning with --rounds")]
-pub struct RoundsArguments {
-    /// Use the first N samples only [default: all]
     #[arg(long, value_name = "N", value_parser = positive)]
-    pub samples: Option<usize>,
-    #[command(flatten)]
-    pub learner: LearnerArguments,
-}
-
-/// Arguments of `coordinator replay`, an earlier name of `coordinator verify DIR --rounds`.
-#[derive(Debug, Clone, Args)]
-pub struct ReplayArguments {
-    /// Folder of a study with --method monte-carlo
-    pub dir: PathBuf,
-    #[command(flatten)]
-    pub rounds: RoundsArguments,
+    pub evaluations: Option<usize>,
 }
 
 /// Runs the command.
@@ -61,14 +32,7 @@ pub struct ReplayArguments {
 /// # Errors
 /// [`CommandError`] if a study cannot be read, or the two are of different scenes or too small.
 pub fn verify(arguments: &VerifyArguments, as_json: bool) -> Result<(), CommandError> {
-    match &arguments.against {
-        Some(against) => verify_against(arguments, against, as_json),
-        None => rounds(&arguments.dir, &arguments.rounds, as_json),
-    }
-}
-
-fn verify_against(arguments: &VerifyArguments, against: &Path, as_json: bool) -> Result<(), CommandError> {
-    let dir = &arguments.dir;
+    let VerifyArguments { dir, against, .. } = arguments;
     let (study, other) = (StoredStudy::look(dir)?, StoredStudy::look(against)?);
     if let Some(difference) = study.difference(&other) {
         let both = format!("{} and {}", dir.display(), against.display());
@@ -85,7 +49,7 @@ fn verify_against(arguments: &VerifyArguments, against: &Path, as_json: bool) ->
     unseen.retain(|point| !seen.contains(&bits(point)));
     for (study, points) in [(&study, learned.len()), (&other, unseen.len())] {
         if points < LEAST {
-            return Err(too_few(study, points, LEAST));
+            return Err(too_few(study, points));
         }
     }
     let failed = |error| CommandError::Study {
@@ -103,33 +67,11 @@ fn verify_against(arguments: &VerifyArguments, against: &Path, as_json: bool) ->
 }
 
 /// The error of a study with too few simulations, or the reason why it ended before it had more.
-fn too_few(study: &StoredStudy, points: usize, least: usize) -> CommandError {
+fn too_few(study: &StoredStudy, points: usize) -> CommandError {
     ended_without_result(&study.campaign).unwrap_or_else(|| {
-        let fault = format!("{points} usable simulations, expected at least {least}");
+        let fault = format!("{points} usable simulations, expected at least {LEAST}");
         CommandError::refused(study.campaign.dir().display(), fault)
     })
-}
-
-/// Learns again from the simulations of a direct Monte Carlo study and prints the errors of every round.
-///
-/// # Errors
-/// [`CommandError`] if the study cannot be read, or its samples are not those of its seed.
-pub fn rounds(dir: &Path, arguments: &RoundsArguments, as_json: bool) -> Result<(), CommandError> {
-    let study = StoredStudy::look(dir)?;
-    let mut samples = study.simulated()?;
-    if samples.len() < 2 {
-        return Err(too_few(&study, 0, 2));
-    }
-    let nominal = samples.remove(0);
-    samples.truncate(arguments.samples.unwrap_or(usize::MAX));
-    let mut settings = Settings { seed: study.settings.seed, ..Settings::from(study.scene()) };
-    arguments.learner.apply_to(&mut settings);
-    if samples.len() < settings.initial {
-        return Err(too_few(&study, samples.len(), settings.initial));
-    }
-    let found = replay(study.scene(), &settings, &nominal, &samples)
-        .map_err(|error| CommandError::Replay { dir: dir.to_path_buf(), error })?;
-    answer_with(&replayed(&found), &found, None, as_json)
 }
 
 fn verification(found: &Verification) -> Answer {
@@ -175,31 +117,6 @@ fn verification(found: &Verification) -> Answer {
             AnswerPart::Table(curves),
             AnswerPart::Text(largest),
         ],
-        ..Answer::default()
-    }
-}
-
-fn replayed(found: &Replayed) -> Answer {
-    let meaning = "stated error: largest error of any R(n) that the surrogates state; true error: largest difference of any R(n) from that of \
-         all samples; ratio: root mean square of true over stated; uncertain: share of the samples with U < 2";
-    let head = "evaluations | stated error | true error | ratio | uncertain | \
-                surrogates: kernel, trend, leave-one-out Q2, cross-validated Q2, factor on variances"
-        .split(" | ");
-    let rows = found.rounds.iter().map(|round| {
-        vec![
-            round.evaluations.to_string(),
-            format!("{:.4}", round.stated_error),
-            format!("{:.4}", round.true_error),
-            format!("{:.2}", round.error_ratio),
-            format!("{:.1} %", 100.0 * round.uncertain),
-            round.surrogates.join("; "),
-        ]
-    });
-    let table = Table::new("", head, rows).with_left(&[5]);
-    let end = format!("stopped by {}, {:.1} s of learning", found.stopped_by, found.seconds);
-    Answer {
-        title: format!("learning again, with the {} simulated samples as the population", found.population),
-        parts: vec![AnswerPart::Text(meaning.to_owned()), AnswerPart::Table(table), AnswerPart::Text(end)],
         ..Answer::default()
     }
 }

@@ -3,7 +3,7 @@
 //! | module | content |
 //! |---|---|
 //! | [`report`] | the report of a finished study, and the comparison of several |
-//! | [`monitor`] | status, metrics and live report of a running study |
+//! | [`monitor`] | status and live report of a running study |
 //! | [`control_points`] | outputs that depend on the number of control points |
 //! | [`mod@format`] | numbers as text for people |
 //! | [`motion_cautions`] | cautions about energy and settling of the simulated motion |

@@ -1,4 +1,4 @@
-//! Progress of a running study, for the terminal, the live page, metrics and tests.
+//! Progress of a running study, for the terminal, the live page and tests.
 
 use crate::results::summary::{ReliabilityRow, Round};
 

@@ -205,7 +205,6 @@ fn every_command_helps_with_an_example() {
         "run",
         "resume",
         "simulate",
-        "extremes",
         "tradeoff",
         "sensitivity",
         "report",

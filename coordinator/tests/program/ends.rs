@@ -303,7 +303,6 @@ fn issue_one_cause_had_several_exit_codes() {
     for arguments in [
         format!("{four_bar} --listen tcp/127.0.0.1:{port}"),
         format!("{four_bar} --live {port}"),
-        format!("{four_bar} --metrics {port}"),
         "run --scene four-bar --initial 1 --out out".to_owned(),
         "run --scene four-bar --samples 5 --out out".to_owned(),
         "run --scene study.toml --workers -1 --out out".to_owned(),

@@ -15,7 +15,7 @@ use tests::skipped;
 
 /// A later layer of the worker may use an earlier one, never the reverse. A layer is a module, or a name that a
 /// module exports with the file that defines it, where that stands lower than the rest of its module.
-const WORKER: [&str; 23] = [
+const WORKER: [&str; 22] = [
     "log",
     "extremum",
     "interpolate",
@@ -30,7 +30,6 @@ const WORKER: [&str; 23] = [
     "quasi_static",
     "outputs",
     "simulate",
-    "extremes",
     "build",
     "service",
     "own_simulators",

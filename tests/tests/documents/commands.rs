@@ -47,7 +47,7 @@ fn options(help: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// The program and arguments of a line that starts one of ours, by `cargo run`, by path or name, or through Compose.
+/// The program and arguments of a line that starts one of ours, by `cargo run`, by path or name.
 fn ours(line: &str) -> Option<(PathBuf, Vec<String>)> {
     let mut words = words(line.trim_start_matches("$ "));
     let cargo = |verb: &str| words.starts_with(&["cargo".into(), verb.into()]);
@@ -68,11 +68,6 @@ fn ours(line: &str) -> Option<(PathBuf, Vec<String>)> {
         assert!(words.iter().any(|word| word == "--release"), "{line}: an unoptimised build is too slow");
         let own = words.iter().position(|word| word == "--").map_or(words.len(), |at| at + 1);
         return Some((program(&package), words.split_off(own)));
-    }
-    if words.starts_with(&["docker".into(), "compose".into()]) {
-        // The service, and then the command in it: both are called coordinator.
-        let service = words.iter().position(|word| word == "coordinator")?;
-        words.drain(..=service);
     }
     let first = Path::new(words.first()?.strip_prefix("target/release/").unwrap_or(&words[0])).to_owned();
     let known = ["coordinator", "worker"].iter().find(|name| first == Path::new(name))?;

@@ -142,12 +142,9 @@ fn row(
 fn cases(k: usize, pairs: &[ComparedPoint]) -> Vec<StatedValue> {
     let mut all = Vec::new();
     for ComparedPoint { point, found, reference, .. } in pairs {
-        let last = found.cycles.last().copied().unwrap_or(1);
         let values = found.histories[k].iter().zip(&reference.histories[k]).zip(&found.errors[k]);
-        all.extend(found.cycles.iter().zip(values).map(|(&cycles, ((x, truth), &stated))| StatedValue {
+        all.extend(values.map(|((x, truth), &stated)| StatedValue {
             point: *point,
-            cycles,
-            life: f64::from(cycles) / f64::from(last),
             off: (x - truth).abs(),
             stated,
         }));

@@ -30,8 +30,6 @@ impl PairedReliability {
 pub struct LifeChange {
     /// Name of the limit state; `total` for all.
     pub limit_state: String,
-    /// Number of random points compared.
-    pub points: usize,
     /// Share of them that fail at another checkpoint than by the reference, or fail in one of the two only [1].
     pub changed: f64,
     /// Checkpoint of the largest difference between the curves, the first of equal ones.
@@ -75,7 +73,6 @@ fn change(name: &str, cycles: &[u32], lives: &[(usize, usize)]) -> Option<LifeCh
     };
     Some(LifeChange {
         limit_state: name.to_owned(),
-        points: lives.len(),
         changed: share(lives.iter().filter(|(found, reference)| found != reference).count()),
         // In whole points, so that rounding does not affect ties.
         largest: first_by(&|at| -(at.difference() * lives.len() as f64).round().abs())?,
@@ -101,7 +98,7 @@ mod tests {
         lives[5].0 += 1;
         lives[9].0 = 11;
         let found = change("wear", &cycles, &lives).expect("points to compare");
-        assert_eq!((found.points, found.changed), (10, 0.4));
+        assert_eq!(found.changed, 0.4);
         assert_eq!((found.largest.cycles, found.largest.reference), (5000, 0.6));
         assert!((found.largest.difference() - 0.1).abs() < 1e-12);
         let at = found.at_levels.map(|at| at.expect("the curve passes all levels").cycles);

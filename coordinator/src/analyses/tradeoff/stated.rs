@@ -10,10 +10,6 @@ pub const REQUIRED_SHARE: f64 = 0.95;
 pub struct StatedValue {
     /// Point, from 0.
     pub point: usize,
-    /// Checkpoint of the value [cycles].
-    pub cycles: u32,
-    /// Share of the life at the checkpoint [1].
-    pub life: f64,
     /// True error, |value - reference| [SI unit of the output].
     pub off: f64,
     /// Stated error [SI unit of the output].
@@ -34,8 +30,6 @@ impl StatedValue {
 /// Comparison of stated and true errors over all points and checkpoints of one or several outputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StatedErrorCheck {
-    /// Number of values.
-    pub values: usize,
     /// Share of the values whose true error is within the stated one [1].
     pub within: f64,
     /// Share of the values whose true error is within twice the stated one [1].
@@ -44,12 +38,8 @@ pub struct StatedErrorCheck {
     pub median_ratio: f64,
     /// 95 % quantile of true over stated error [1]; above 2 the stated errors are not valid.
     pub ratio_95: f64,
-    /// Values beyond twice the stated error in the first, second and last third of life.
-    pub missed: [usize; 3],
     /// Number of points with such a value.
     pub points_missed: usize,
-    /// The value with the largest ratio beyond twice the stated error, if any.
-    pub worst: Option<StatedValue>,
 }
 
 impl StatedErrorCheck {
@@ -64,22 +54,15 @@ impl StatedErrorCheck {
             ratios.get(rank.max(1) - 1).copied().unwrap_or(0.0)
         };
         let missed: Vec<&StatedValue> = values.iter().filter(|case| case.is_missed()).collect();
-        let mut thirds = [0; 3];
-        for case in &missed {
-            thirds[((case.life * 3.0).ceil() as usize).clamp(1, 3) - 1] += 1;
-        }
         let mut points: Vec<usize> = missed.iter().map(|case| case.point).collect();
         points.sort_unstable();
         points.dedup();
         StatedErrorCheck {
-            values: values.len(),
             within: share(values.iter().filter(|case| case.off <= case.stated).count()),
             within_twice: share(values.len() - missed.len()),
             median_ratio: quantile(0.5),
             ratio_95: quantile(REQUIRED_SHARE),
-            missed: thirds,
             points_missed: points.len(),
-            worst: missed.into_iter().copied().max_by(|a, b| a.ratio().total_cmp(&b.ratio())),
         }
     }
 
@@ -93,26 +76,24 @@ impl StatedErrorCheck {
 mod tests {
     use super::*;
 
-    fn case(point: usize, life: f64, off: f64, stated: f64) -> StatedValue {
-        StatedValue { point, cycles: (1e4 * life) as u32, life, off, stated }
+    fn case(point: usize, off: f64, stated: f64) -> StatedValue {
+        StatedValue { point, off, stated }
     }
 
     #[test]
-    fn shares_quantiles_and_misses_are_counted() {
+    fn shares_and_quantiles_are_counted() {
         // Ratios 0.1, 0.2, ..., 2.0 at the first point.
-        let mut cases: Vec<StatedValue> =
-            (1..=20).map(|k| case(0, f64::from(k) / 20.0, 0.1 * f64::from(k), 1.0)).collect();
+        let mut cases: Vec<StatedValue> = (1..=20).map(|k| case(0, 0.1 * f64::from(k), 1.0)).collect();
         let all = StatedErrorCheck::new(&cases);
-        assert_eq!((all.values, all.within, all.within_twice), (20, 0.5, 1.0));
+        assert_eq!((all.within, all.within_twice, all.points_missed), (0.5, 1.0, 0));
         assert!((all.median_ratio - 1.0).abs() < 1e-12 && (all.ratio_95 - 1.9).abs() < 1e-12);
-        assert!(all.holds() && all.worst.is_none());
-        // One early, two late, at two points; an error where none was stated is the worst of all.
-        cases.extend([case(1, 0.2, 3.0, 1.0), case(1, 0.9, 2.1, 1.0), case(2, 1.0, 1e-9, 0.0)]);
+        assert!(all.holds());
+        // Three at two points; an error where none was stated is the worst of all.
+        cases.extend([case(1, 3.0, 1.0), case(1, 2.1, 1.0), case(2, 1e-9, 0.0)]);
         let some = StatedErrorCheck::new(&cases);
-        assert_eq!((some.missed, some.points_missed), ([1, 0, 2], 2));
+        assert_eq!(some.points_missed, 2);
         assert!(!some.holds() && some.ratio_95 > 2.0);
-        assert_eq!(some.worst.map(|w| (w.point, w.ratio())), Some((2, f64::INFINITY)));
-        assert_eq!(case(0, 1.0, 0.0, 0.0).ratio(), 0.0);
-        assert_eq!(StatedErrorCheck::new(&[]).values, 0);
+        assert_eq!((case(2, 1e-9, 0.0).ratio(), case(0, 0.0, 0.0).ratio()), (f64::INFINITY, 0.0));
+        assert_eq!(StatedErrorCheck::new(&[]).median_ratio, 0.0);
     }
 }

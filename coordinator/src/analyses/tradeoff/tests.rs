@@ -60,12 +60,12 @@ fn errors_lives_and_the_front_are_those_of_made_up_histories() {
     assert_eq!(rows[0].outputs[1].life, None, "nothing reaches 100");
     let last = rows[2].outputs[0];
     assert_eq!((last.relative, last.until_limit), (0.1, 0.0));
-    assert_eq!((last.stated.within, last.stated.missed, last.stated.points_missed), (0.75, [0, 0, 2], 2));
+    assert_eq!((last.stated.within, last.stated.points_missed), (0.75, 2));
     assert_eq!(rows.iter().map(|r| r.efficient).collect::<Vec<_>>(), [true, false, true]);
 
     // The random point reaches 2.5 with its second value, 3; with the second setting already with its first, 3.
     let wear = |k: usize| rows[k].lives.iter().find(|l| l.limit_state == "wear").expect("a limit state");
-    assert_eq!((wear(0).points, wear(0).changed, wear(2).changed), (1, 1.0, 0.0));
+    assert_eq!((wear(0).changed, wear(2).changed), (1.0, 0.0));
     assert_eq!((wear(1).largest.cycles, wear(1).largest.difference()), (1000, -1.0));
     let states: Vec<&str> = rows[0].lives.iter().map(|l| l.limit_state.as_str()).collect();
     assert_eq!(states, ["wear", "asymmetry", "total"]);
@@ -79,18 +79,12 @@ fn the_reference_is_shown_with_the_error_it_states_of_itself() {
 }
 
 #[test]
-fn table_csv_and_figures_contain_all_results() {
+fn table_and_csv_contain_all_results() {
     let (scene, measurement) = (scene(), measurement());
     let rows = compare(&scene, &three(), &measurement);
-    let answer = answer(&scene, &rows, &reference_row(&scene, &measurement), 2).expect("drawn");
+    let answer = answer(&scene, &rows, &reference_row(&scene, &measurement), 2);
     let table = answer.text();
-    for part in [
-        "500 cycles",
-        "| **draft** * |",
-        "| wear | 100.0 % | -1.00 at 1000 |",
-        "DOES NOT HOLD",
-        "2.50 times, point 1",
-    ] {
+    for part in ["500 cycles", "| **draft** * |", "| -1.00 |", "DOES NOT HOLD"] {
         assert!(table.contains(part), "no {part:?} in\n{table}");
     }
     let lines = |text: &str| text.lines().count();
@@ -101,13 +95,6 @@ fn table_csv_and_figures_contain_all_results() {
     assert!(columns.iter().all(|n| *n == columns[0]), "{columns:?}");
     // A line a setting, point, output and checkpoint.
     assert_eq!(lines(&values_csv(&scene, &three(), &measurement)), 1 + 3 * 2 * 2 * 4);
-    assert_eq!(answer.figures.len(), 2);
-    for figure in &answer.figures {
-        assert!(figure.name.starts_with("tradeoff-"));
-        let drawn = roxmltree::Document::parse(file(&format!("{}.svg", figure.name))).expect("XML");
-        let contains = |what: &str| drawn.descendants().any(|n| n.text().is_some_and(|t| t.trim() == what));
-        assert!(contains("draft") && contains("balanced") && !contains("jump-250"), "presets are labelled");
-    }
 }
 
 #[test]
@@ -121,8 +108,8 @@ fn a_setting_that_fails_everywhere_has_no_errors_and_is_on_no_front() {
     let rows = compare(&scene, &three()[..1], &measurement);
     assert_eq!((rows[0].failures, rows[0].outputs.len(), rows[0].efficient), (2, 0, false));
     assert!(rows[0].lives.is_empty());
-    let answer = answer(&scene, &rows, &reference_row(&scene, &measurement), 2).expect("drawn");
+    let answer = answer(&scene, &rows, &reference_row(&scene, &measurement), 2);
     assert!(answer.text().contains("failed"));
     let csv = answer.files.iter().find(|file| file.0 == "tradeoff.csv").expect("a table");
-    assert_eq!((csv.1.lines().count(), answer.figures.len()), (2, 2));
+    assert_eq!(csv.1.lines().count(), 2);
 }

@@ -1,15 +1,14 @@
-//! Views of a running study: its status as text, as metrics, and as a page that shows the report of the results so far.
+//! Views of a running study: its status as text, and as a page that shows the report of the results so far.
 //!
 //! ```text
 //! study --Progress--> ProgressRelay --> terminal
-//!                         +-----> status board (dispatch) <--- StatusSource --- metrics, `coordinator status` over Zenoh
+//!                         +-----> status board (dispatch) <--- StatusSource --- LivePage, `coordinator status` over Zenoh
 //!                         +-----> LivePage (report, rendered on request in a thread of the server, at intervals)
 //! ```
 //!
 //! Views are rendered on request only: without requests they cost the study nothing.
 
 mod live;
-mod metrics;
 mod relay;
 mod server;
 mod status_source;
@@ -17,7 +16,6 @@ mod study_section;
 pub mod text;
 
 pub use live::{LivePage, PageView};
-pub use metrics::metrics_text;
 pub use relay::ProgressRelay;
 pub use server::{MonitorError, MonitorServer, listen_address};
 pub use status_source::StatusSource;

@@ -1,8 +1,6 @@
-//! HTTP servers of a running study: metrics, and the live report. Read-only; each server has its own thread.
+//! HTTP server of a running study: the live report. Read-only, in a thread of its own.
 
 use super::live::LivePage;
-use super::metrics::metrics_text;
-use super::status_source::StatusSource;
 use axum::Router;
 use axum::extract::{Path, Request, State};
 use axum::http::{HeaderValue, StatusCode, header};
@@ -27,29 +25,24 @@ pub struct MonitorError {
     pub reason: String,
 }
 
-/// Address to listen on: of a port alone the loopback address of this machine, or a full address. An address that other
-/// machines can reach is accepted only if `open` is `Ok`; its error names the allowed addresses.
+/// Address to listen on: of a port alone the loopback address of this machine, or a full loopback address.
 ///
 /// # Errors
-/// [`MonitorError`].
-pub fn listen_address(
-    option: &'static str,
-    given: &str,
-    open: Result<(), &'static str>,
-) -> Result<SocketAddr, MonitorError> {
+/// [`MonitorError`], also for an address that other machines can reach.
+pub fn listen_address(option: &'static str, given: &str) -> Result<SocketAddr, MonitorError> {
     let port = given.parse().map(|port| SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
-    let refused = |reason: String| MonitorError { option, address: given.to_owned(), reason };
+    let refused =
+        |reason: &str| MonitorError { option, address: given.to_owned(), reason: reason.to_owned() };
     let address: SocketAddr = port.or_else(|_| given.parse()).map_err(|_| {
-        refused(
-            "allowed: a port of this machine, or an address with a port such as 127.0.0.1:9464".to_owned(),
-        )
+        refused("allowed: a port of this machine, or an address with a port such as 127.0.0.1:9464")
     })?;
-    match open {
-        Err(allowed) if !address.ip().is_loopback() => Err(refused(format!(
-            "other machines can reach this address and clients are not authenticated; {allowed}"
-        ))),
-        _ => Ok(address),
+    if address.ip().is_loopback() {
+        return Ok(address);
     }
+    Err(refused(
+        "other machines can reach this address and clients are not authenticated; allowed: a port alone, or an address of this \
+         machine only; use ssh -L from other machines",
+    ))
 }
 
 /// A running server, which ends when dropped.
@@ -60,18 +53,6 @@ pub struct MonitorServer {
 }
 
 impl MonitorServer {
-    /// Serves `/metrics`. At a loopback address only requests to a loopback host name are answered, as by
-    /// [`MonitorServer::live`]; an address that other machines reach is read under any name.
-    ///
-    /// # Errors
-    /// [`MonitorError`].
-    pub fn metrics(address: SocketAddr, source: StatusSource) -> Result<Self, MonitorError> {
-        let router = Router::new().route("/metrics", get(metrics)).with_state(source);
-        let closed = address.ip().is_loopback();
-        let router = if closed { router.layer(from_fn(require_loopback_host)) } else { router };
-        Self::start("--metrics", address, router)
-    }
-
     /// Serves the live report for requests to a loopback host name only: a page of another host name cannot read it through
     /// a browser of this machine.
     ///
@@ -120,12 +101,6 @@ impl Drop for MonitorServer {
 /// Runs a computation on a blocking thread, so that requests are still served.
 async fn compute<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, StatusCode> {
     tokio::task::spawn_blocking(work).await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)
-}
-
-async fn metrics(State(source): State<StatusSource>) -> Result<Response, StatusCode> {
-    let status = compute(move || source.status()).await?.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
-    let kind = (header::CONTENT_TYPE, HeaderValue::from_static("text/plain; version=0.0.4; charset=utf-8"));
-    Ok(([kind], metrics_text(&status)).into_response())
 }
 
 /// Content security policy: the page may load its own script only.
@@ -207,14 +182,12 @@ mod tests {
 
     #[test]
     fn a_port_alone_is_a_loopback_address_and_reachable_addresses_are_refused() {
-        let closed = Err("allowed: a loopback address");
-        assert_eq!(listen_address("--live", "8080", closed).unwrap(), "127.0.0.1:8080".parse().unwrap());
-        assert_eq!(listen_address("--live", "[::1]:7", closed).unwrap().port(), 7);
-        let error = listen_address("--metrics", "0.0.0.0:9464", closed).unwrap_err();
-        assert!(error.to_string().contains("--metrics 0.0.0.0:9464"), "{error}");
-        assert!(listen_address("--metrics", "0.0.0.0:9464", Ok(())).is_ok());
+        assert_eq!(listen_address("--live", "8080").unwrap(), "127.0.0.1:8080".parse().unwrap());
+        assert_eq!(listen_address("--live", "[::1]:7").unwrap().port(), 7);
+        let error = listen_address("--live", "0.0.0.0:9464").unwrap_err();
+        assert!(error.to_string().contains("--live 0.0.0.0:9464"), "{error}");
         for slip in ["", "70000", "localhost:8080", "http://127.0.0.1:1"] {
-            let error = listen_address("--live", slip, Ok(())).unwrap_err();
+            let error = listen_address("--live", slip).unwrap_err();
             assert!(error.reason.starts_with("allowed: a port"), "{slip}: {error}");
         }
     }

@@ -18,7 +18,6 @@ pub mod nominal_page;
 mod page;
 pub mod palette;
 mod plot;
-mod png;
 pub mod polar;
 mod stated;
 mod stated_errors;
@@ -40,12 +39,11 @@ pub use input::{
 pub use life::{failure_probability, reliability};
 pub use page::{FigureFiles, LiveStatus, Page, standalone, wrapped};
 pub use plot::{Axis, Plot, PlotError, Points, Scale, Series, Shape};
-pub use png::{PngError, PngMaker};
 pub use stated_errors::StatedAt;
 pub use tables::{cells, table};
 
 use crate::results::result_files::{
-    ResultFileError, create_folder, reliability_csv, summary_json, write_bytes, write_samples_csv, write_text,
+    ResultFileError, create_folder, reliability_csv, summary_json, write_samples_csv, write_text,
 };
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
@@ -65,9 +63,6 @@ pub enum ReportError {
     /// The campaign file cannot be read or written.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// A figure has no picture.
-    #[error(transparent)]
-    Png(#[from] PngError),
 }
 
 impl ReportError {
@@ -76,7 +71,7 @@ impl ReportError {
         match self {
             Self::File(error) => error.is_bad_input(),
             Self::Store(error) => error.is_bad_input(),
-            Self::Plot(_) | Self::Png(_) => false,
+            Self::Plot(_) => false,
         }
     }
 }
@@ -154,25 +149,4 @@ pub fn write_all(campaign: &CampaignFile, scene: &Scene, dir: &Path) -> Result<O
     write_samples_csv(&dir.join("samples.csv"), campaign, scene)?;
     write_text(&dir.join("scene.toml"), &input.scene_source)?;
     write(dir, &input).map(Some)
-}
-
-/// Writes every figure of the report of a finished study as `figures/*.png` into the folder `dir`; returns their number, or `None` if the
-/// study has not been finished.
-///
-/// # Errors
-/// [`ReportError`].
-pub fn write_pictures(
-    campaign: &CampaignFile,
-    scene: &Scene,
-    dir: &Path,
-) -> Result<Option<usize>, ReportError> {
-    let Some(input) = ReportInput::from_campaign(campaign, scene)? else { return Ok(None) };
-    let (maker, page) = (PngMaker::new()?, render(&input)?);
-    let folder = dir.join("figures");
-    for figure in page.figures() {
-        let picture = maker.png(figure)?;
-        let path = folder.join(format!("{}.png", figure.name));
-        write_bytes(&path, &picture)?;
-    }
-    Ok(Some(page.figures().len()))
 }

@@ -330,7 +330,6 @@ fn what_does_not_fit_is_refused_before_anything_is_done() {
         ),
         ("simulate --scene study.toml --accuracy draft", &["--accuracy is not for study.toml"]),
         ("simulate --scene study.toml --set T=3", &["there is no variable \"T\"", "R, S"]),
-        ("extremes --scene study.toml", &["study.toml", "this command is for mechanisms"]),
         ("tradeoff --scene study.toml --out t", &["study.toml", "this command is for mechanisms"]),
     ] {
         let said = study.refused(arguments, 2);

@@ -2,7 +2,7 @@
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
-/// Files that are not sessions: campaign file, log, pages and metrics, and what Zenoh and the system need.
+/// Files that are not sessions: campaign file, log and pages, and what Zenoh and the system need.
 const OTHER_FILES: u64 = 200;
 
 /// The number of sessions for which files can be opened, at most `sessions`: raises the soft limit of this process up to

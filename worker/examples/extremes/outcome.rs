@@ -1,7 +1,6 @@
 //! Runs one case, or all of them on several threads.
 
-use super::Case;
-use crate::simulate::{CountedEvaluation, SimulateOptions, simulate_counted};
+use crate::cases::Case;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
@@ -9,6 +8,7 @@ use common::panics::caught;
 use common::scene::{ContactLaw, Scene};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use worker::simulate::{CountedEvaluation, SimulateOptions, simulate_counted};
 
 /// Outcome of a case.
 #[derive(Debug, Clone, PartialEq)]

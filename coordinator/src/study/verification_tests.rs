@@ -1,12 +1,11 @@
-//! Replays and verifications of a simulator in closed form.
+//! Verifications of a simulator in closed form.
 
-use super::replay::{ReplayError, replay};
-use crate::statistics::design::Population;
-use crate::statistics::surrogate::Kernel;
-use crate::study::{
+use super::{
     Campaign, Observed, Plan, Problem, Settings, SimulatedPoint, StoredOutcome, completed, verify,
     verify_study,
 };
+use crate::statistics::design::Population;
+use crate::statistics::surrogate::Kernel;
 use common::scene::{Scene, SceneSource};
 
 fn scene() -> Scene {
@@ -37,31 +36,6 @@ fn settings(scene: &Scene) -> Settings {
 fn samples(scene: &Scene, count: usize) -> Vec<SimulatedPoint> {
     let population = Population::draw(&Problem::from_scene(scene).inputs, count, scene.study.seed);
     (0..count).map(|j| simulated(population.physical(j))).collect()
-}
-
-#[test]
-fn a_replay_knows_the_error_of_every_round_and_refuses_other_samples() {
-    let scene = scene();
-    let settings = settings(&scene);
-    let (nominal, mut all) = (simulated(vec![0.0, 0.0]), samples(&scene, 2000));
-    let found = replay(&scene, &settings, &nominal, &all).unwrap();
-    assert_eq!(found.rounds[0].evaluations, 20);
-    let last = found.rounds.last().unwrap();
-    assert!(last.true_error < 2e-3 && found.stopped_by != "budget", "{found:?}");
-    all[7].sample[0] += 1e-9;
-    let error = replay(&scene, &settings, &nominal, &all).unwrap_err();
-    assert!(matches!(error, ReplayError::Foreign(7)), "{error}");
-}
-
-#[test]
-fn issue_a_replay_of_few_samples_panicked() {
-    let scene = scene();
-    for (count, learning) in [(60, "gain"), (100, "gain"), (150, "u"), (150, "gain")] {
-        let settings = Settings { learning: learning.parse().unwrap(), ..settings(&scene) };
-        let found = replay(&scene, &settings, &simulated(vec![0.0, 0.0]), &samples(&scene, count)).unwrap();
-        assert_eq!(found.population, count);
-        assert!(found.rounds.last().unwrap().evaluations <= count + 1, "{found:?}");
-    }
 }
 
 #[test]
