@@ -51,6 +51,6 @@ pub(crate) use history::ContactHistory;
 pub(crate) use interval::{ContactInstant, ContactSample, Interval};
 pub(crate) use rail_history::{RailHistory, RailInstant};
 pub(crate) use rail_rate::RailWearRate;
-pub(crate) use step::{WearStep, WearStepFailed, WearStepStats};
+pub(crate) use step::{StepRule, WearStep, WearStepFailed, WearStepStats};
 pub(crate) use wear_law::WearLaw;
 pub(crate) use wear_rate::{WearHistory, WearRate};
