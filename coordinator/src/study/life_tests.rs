@@ -9,7 +9,9 @@ use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use common::random::{Distribution, RandomVariable};
-use common::scene::{Fails, Life, LimitState, Output, OutputKind, Scene, SignedBody, StudySettings, WearModel};
+use common::scene::{
+    Fails, Life, LimitState, Output, OutputKind, Scene, SignedBody, StudySettings, WearModel,
+};
 use std::collections::VecDeque;
 
 const D: usize = 30;

@@ -15,8 +15,8 @@
 
 use crate::interpolate::Cubic;
 use common::accuracy::Accuracy;
-use common::scene::{BlockStep, Scene};
 use common::scene::monotone::fritsch_butland;
+use common::scene::{BlockStep, Scene};
 
 /// Lives at which a cycle of a scene is simulated [cycles], by its wear model and this accuracy.
 pub(crate) fn simulated_lives(scene: &Scene, accuracy: &Accuracy) -> Vec<u32> {

@@ -28,6 +28,8 @@ mod local_arcs;
 mod local_arcs_tests;
 mod nodal_loads;
 mod on_journal;
+#[cfg(test)]
+mod published_tests;
 mod rail_equilibrium;
 mod rail_history;
 mod rail_rate;
