@@ -40,6 +40,7 @@ fn faulty_choices_are_refused() {
         ),
         ("[wear]\nexplicit_step = \"1000 cycles\"", "wear.explicit_step"),
         ("[wear]\ndistribution = \"points\"", "wear.distribution"),
+        ("[wear]\ndistribution = \"points-inside\"", "wear.distribution: needs explicit_step"),
         ("[wear]\nspline = \"b-spline\"", "one of interpolating, approximating"),
         ("[wear]\nsplines = \"approximating\"", "did you mean `spline`"),
         ("wear = 1000", "wear: 1000 is a number, expected a table"),
@@ -49,7 +50,7 @@ fn faulty_choices_are_refused() {
         assert!(found.contains(expected), "found    {found}\nexpected {expected}");
     }
     let law = ("contact_law = \"local-hertz\"", "contact_law = \"foundation\"");
-    let inside = "[wear]\ndistribution = \"points-inside\"";
+    let inside = "[wear]\nexplicit_step = 1000\ndistribution = \"points-inside\"";
     let found = four_bar(law.0, law.1, inside).unwrap_err();
     assert!(
         found.contains(
