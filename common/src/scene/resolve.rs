@@ -201,7 +201,7 @@ fn mechanism(file: &mut Section) -> Model {
     let outputs = outputs(file, &bodies, &joints);
     let life = life(file, &bodies, &loads, &outputs);
     let read = joints.iter().filter_map(|row| row.joint.as_ref());
-    let wear = wear_model(file, read, life.as_ref().map(|life| life.cycles));
+    let wear = wear_model(file, read);
     Model { bodies, joints, loads, gravity, outputs, wear, life }
 }
 

@@ -151,11 +151,10 @@ choices! {
     spline: BoreSpline,
 }
 
-/// Reads `[wear]` of a mechanism with these `joints` and a life of `cycles`, as far as they could be read; none if it is faulty.
+/// Reads `[wear]` of a mechanism with these `joints`, as far as they could be read; none if it is faulty.
 pub(super) fn wear_model<'a>(
     file: &mut Section,
     joints: impl Iterator<Item = &'a Joint>,
-    cycles: Option<u32>,
 ) -> Option<WearModel> {
     if file.get("wear").is_none() {
         return Some(WearModel::default());
@@ -164,16 +163,12 @@ pub(super) fn wear_model<'a>(
     let model = WearModel::keys(&mut section);
     section.finish();
     let WearModel { explicit_step, distribution, spline } = model?;
-    if let (BlockStep::Explicit(step), Some(cycles)) = (explicit_step, cycles)
-        && step > cycles
-    {
-        let allowed = format!("1 to life.cycles = {cycles}");
-        section.out_of_range("explicit_step", step.to_string(), allowed);
-        return None;
-    }
     if distribution == WearDistribution::PointsInside && explicit_step == BlockStep::Controlled {
         // The published drive fails at 66 000 cycles: no sub-step passes a jump of the rate within its tolerance.
-        section.inconsistent("distribution", "needs explicit_step: its wear rate jumps where a point comes into the arc");
+        section.inconsistent(
+            "distribution",
+            "needs explicit_step: its wear rate jumps where a point comes into the arc",
+        );
         return None;
     }
     for Joint { name, kind, .. } in joints {

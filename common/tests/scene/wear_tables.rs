@@ -11,7 +11,7 @@ fn row(key: &Key) -> String {
             let quoted: Vec<String> = words.iter().map(|word| format!("`\"{word}\"`")).collect();
             [quoted.join(" or "), quoted[0].clone()]
         }
-        _ => ["whole number, 1 to `life.cycles`".to_owned(), "none".to_owned()],
+        _ => ["whole number, 1 to 100 000 000".to_owned(), "none".to_owned()],
     };
     format!("| `{}` | {} | {range} | {default} |\n", key.name, in_cell(key.about))
 }

@@ -3,8 +3,8 @@
 use common::accuracy::NamedAccuracy;
 use common::outputs::Evaluation;
 use common::scene::{
-    BlockStep, BoreSpline, Clearance, ContactLaw, ControlPoints, JointKind, Output, OutputKind, Scene, SceneSource,
-    WearDistribution, WearModel,
+    BlockStep, BoreSpline, Clearance, ContactLaw, ControlPoints, JointKind, Output, OutputKind, Scene,
+    SceneSource, WearDistribution, WearModel,
 };
 use std::error::Error;
 use std::f64::consts::PI;
