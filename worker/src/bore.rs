@@ -5,6 +5,9 @@
 //! continuously differentiable. With M_i = w''(psi_i) (2 pi / N)^2 [m], the spline solves the periodic
 //! tridiagonal system M_{i-1} + 4 M_i + M_{i+1} = 6 (w_{i-1} - 2 w_i + w_{i+1}).
 //!
+//! An approximating spline has the depths as coefficients of the cubic B-splines at the control points, as the source of the model writes it:
+//! it is the spline through the depths (w_{i-1} + 4 w_i + w_{i+1}) / 6, and below no depth before.
+//!
 //! Beside wear that ends within a few control points the spline dips between the next two, where the radius falls below what it was before: by
 //! 14 % of a depth added to a single point, by 2 % of that of a smooth spot 60 degrees wide at 36 control points, a quarter of that at twice
 //! the points. The control points themselves never lose depth.
@@ -20,6 +23,7 @@
 
 use crate::interpolate::{Cubic, PeriodicTridiagonal};
 use crate::lanes::Real;
+use common::scene::BoreSpline;
 use std::f64::consts::TAU;
 
 /// Radius of the bore and its derivatives to the angle.
@@ -51,7 +55,9 @@ impl Bore<f64> for Profile {
 pub struct Profile {
     /// Initial radius R2 [m].
     initial_radius: f64,
-    /// Wear depth at the control points `(n,)` [m].
+    /// Meaning of the depths of the control points.
+    curve: BoreSpline,
+    /// Depth of the curve at the control points `(n,)` [m].
     depth: Vec<f64>,
     /// Cubic in the local coordinate s of [0, 1) per interval, `(n, 4)`: R = a + s (b + s (c + s d)) [m].
     cubic: Vec<[f64; 4]>,
@@ -67,6 +73,7 @@ impl Profile {
     pub fn round(initial_radius: f64, points: usize) -> Self {
         let mut profile = Profile {
             initial_radius,
+            curve: BoreSpline::Interpolating,
             depth: vec![0.0; points],
             cubic: vec![[0.0; 4]; points],
             per_radian: points as f64 / TAU,
@@ -75,6 +82,16 @@ impl Profile {
         };
         profile.fit_spline();
         profile
+    }
+
+    /// This bore with another meaning of the depths that it is given from now on.
+    pub(crate) fn with_spline(self, curve: BoreSpline) -> Self {
+        Profile { curve, ..self }
+    }
+
+    /// The bore unworn, with another number of control points.
+    pub(crate) fn unworn(&self, points: usize) -> Self {
+        Profile::round(self.initial_radius, points).with_spline(self.curve)
     }
 
     /// Initial radius R2 [m].
@@ -87,7 +104,7 @@ impl Profile {
         self.depth.len()
     }
 
-    /// Wear depths at the control points `(n,)` [m].
+    /// Depth of the curve at the control points `(n,)` [m].
     #[cfg(test)]
     pub(crate) fn depth(&self) -> &[f64] {
         &self.depth
@@ -95,7 +112,16 @@ impl Profile {
 
     /// Replaces the wear depths by `depth` `(n,)` [m] and recomputes the spline.
     pub fn set_depth(&mut self, depth: &[f64]) {
-        self.depth.copy_from_slice(depth);
+        match self.curve {
+            BoreSpline::Interpolating => self.depth.copy_from_slice(depth),
+            BoreSpline::Approximating => {
+                let n = depth.len();
+                for (i, on_curve) in self.depth.iter_mut().enumerate() {
+                    let neighbours = depth[(i + n - 1) % n] + depth[(i + 1) % n];
+                    *on_curve = (4.0 * depth[i] + neighbours) / 6.0;
+                }
+            }
+        }
         self.fit_spline();
     }
 

@@ -1,10 +1,11 @@
 //! The built-in scenes, embedded in the program.
 
 /// Name and text of each built-in scene.
-pub(super) const SCENES: [(&str, &str); 7] = [
+pub(super) const SCENES: [(&str, &str); 8] = [
     ("flapping-wing", include_str!("../../scenes/flapping-wing.toml")),
     ("flapping-wing-tolerances", include_str!("../../scenes/flapping-wing-tolerances.toml")),
     ("flapping-wing-experiment", include_str!("../../scenes/flapping-wing-experiment.toml")),
+    ("flapping-wing-as-published", include_str!("../../scenes/flapping-wing-as-published.toml")),
     ("four-bar", include_str!("../../scenes/four-bar.toml")),
     ("slider-crank", include_str!("../../scenes/slider-crank.toml")),
     ("pendulum", include_str!("../../scenes/pendulum.toml")),

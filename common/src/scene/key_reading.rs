@@ -59,7 +59,7 @@ fn value(row: &mut Section, key: &Key, Named { bodies, joints }: Named) -> Optio
         Form::ErrorMeasure => row.word_or(name, &ErrorMeasure::WORDS, ErrorMeasure::default())?.into(),
         Form::ImpactMeasure => row.word_or(name, &ImpactMeasure::WORDS, ImpactMeasure::default())?.into(),
         Form::Held => held_input(row, bodies)?.into(),
-        Form::Elsewhere => return None,
+        Form::Cycles | Form::Word(_) | Form::Elsewhere => return None,
     })
 }
 

@@ -82,6 +82,10 @@ pub enum Form {
     ImpactMeasure,
     /// `input` and `input_angle`: where the drives are held.
     Held,
+    /// An optional number of cycles.
+    Cycles,
+    /// One of these words, the first of them by default.
+    Word(&'static [&'static str]),
     /// Read elsewhere, not from a row of the table.
     Elsewhere,
 }

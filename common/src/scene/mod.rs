@@ -7,7 +7,7 @@
 //! | layer | modules | content |
 //! |---|---|---|
 //! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
-//! | model | [`model`], `attachment`, `joint`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_output`, `explained` | the types of a checked scene, all exported here |
+//! | model | [`model`], `attachment`, `joint`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_output`, `wear_model`, `explained` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
 //! | reading | `document`, `duplicate_key`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `record`, `input` | one pass over the file that records every fault |
 //! | readers | `bodies`, `joints`, `clearance`, `key_reading`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
@@ -78,6 +78,7 @@ mod unit_advice;
 mod variable_law;
 mod variables;
 mod warnings;
+mod wear_model;
 mod wear_output;
 mod wear_outputs;
 
@@ -111,4 +112,5 @@ pub use simulator::REQUEST_FILE;
 pub use source::SceneSource;
 pub use variable_law::{DEFAULT_LAW, laws};
 pub use warnings::Warning;
+pub use wear_model::{BlockStep, BoreSpline, WearDistribution, WearModel};
 pub use wear_output::WearQuantity;

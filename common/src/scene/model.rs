@@ -7,6 +7,7 @@ use super::drive::Drive;
 use super::joint::Joint;
 use super::load::Load;
 use super::output::Output;
+use super::wear_model::WearModel;
 use crate::accuracy::NamedAccuracy;
 use crate::random::{Correlation, RandomVariable};
 use serde::{Deserialize, Serialize};
@@ -37,6 +38,9 @@ pub struct Scene {
     /// True if the numbers of control points are a part of the model, as published: what more of them change is then no error.
     #[serde(default)]
     pub control_points_of_model: bool,
+    /// Choices of the wear model.
+    #[serde(default)]
+    pub wear: WearModel,
     /// Duration and number of the cycles.
     pub life: Life,
     /// Operating conditions of the life; empty if all cycles are alike.

@@ -20,6 +20,7 @@ use super::quantity::{ACCELERATION, Quantity};
 use super::section::Section;
 use super::simulator::{declared_life, declared_outputs, simulator};
 use super::variables::{variable_rows, variables};
+use super::wear_model::{WearModel, wear_model};
 use crate::accuracy::{AccuracyNameError, NamedAccuracy};
 use std::collections::{BTreeMap, BTreeSet};
 use toml::Table;
@@ -153,7 +154,7 @@ impl Parts {
     fn scene(self) -> Option<Scene> {
         let Head { name, title, control_points_of_model } = self.head?;
         let (study, accuracy) = self.study?;
-        let Model { bodies, joints, loads, gravity, outputs, life } = self.model;
+        let Model { bodies, joints, loads, gravity, outputs, wear, life } = self.model;
         Some(Scene {
             name,
             title,
@@ -167,6 +168,7 @@ impl Parts {
             correlations: Vec::new(),
             limit_states: self.limit_states.into_iter().collect::<Option<_>>()?,
             control_points_of_model,
+            wear: wear?,
             life: life?,
             study,
             accuracy,
@@ -185,6 +187,7 @@ struct Model {
     loads: Vec<Load>,
     gravity: Option<[f64; 2]>,
     outputs: Vec<OutputRow>,
+    wear: Option<WearModel>,
     life: Option<Life>,
 }
 
@@ -197,14 +200,17 @@ fn mechanism(file: &mut Section) -> Model {
     let gravity = file.pair_or("gravity", ACCELERATION, [0.0; 2]);
     let outputs = outputs(file, &bodies, &joints);
     let life = life(file, &bodies, &loads, &outputs);
-    Model { bodies, joints, loads, gravity, outputs, life }
+    let read = joints.iter().filter_map(|row| row.joint.as_ref());
+    let wear = wear_model(file, read);
+    Model { bodies, joints, loads, gravity, outputs, wear, life }
 }
 
 /// Reads what an external simulator returns; its inside is not described.
 fn external(file: &mut Section) -> Model {
     let life = declared_life(file);
     let outputs = declared_outputs(file, life.as_ref());
-    Model { bodies: vec![], joints: vec![], loads: vec![], gravity: Some([0.0; 2]), outputs, life }
+    let (gravity, wear) = (Some([0.0; 2]), Some(WearModel::default()));
+    Model { bodies: vec![], joints: vec![], loads: vec![], gravity, outputs, wear, life }
 }
 
 /// Checks that all outputs at all checkpoints fit into a worker's message.

@@ -10,9 +10,9 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
 /// A key as scenes write it: its JSON Schema, and whether it is required.
-struct Written {
-    key: &'static str,
-    schema: Value,
+pub(crate) struct Written {
+    pub(crate) key: &'static str,
+    pub(crate) schema: Value,
     is_required: bool,
 }
 
@@ -22,7 +22,7 @@ fn first_unit(kind: Kind) -> &'static str {
 }
 
 /// The keys in a scene of a key of the table; none for what the word of the element states.
-fn written(key: &'static Key) -> Vec<Written> {
+pub(crate) fn written(key: &'static Key) -> Vec<Written> {
     let one = |schema: Value, is_required: bool| vec![Written { key: key.name, schema, is_required }];
     let reference = |name: &str| json!({ "$ref": format!("#/$defs/{name}") });
     let pair = |items: Value| json!({ "type": "array", "minItems": 2, "maxItems": 2, "items": items });
@@ -58,12 +58,14 @@ fn written(key: &'static Key) -> Vec<Written> {
                 is_required: false,
             },
         ],
+        Form::Cycles => one(json!({ "type": "integer", "minimum": 1, "maximum": 100_000_000 }), false),
+        Form::Word(words) => one(json!({ "enum": words, "default": words[0] }), false),
         Form::WearQuantity | Form::Elsewhere => vec![],
     }
 }
 
 /// What a key is, with its range.
-fn described(key: &Key) -> String {
+pub(crate) fn described(key: &Key) -> String {
     let about = key.about.trim().trim_end_matches('.').replace("`(2,)` ", "").replace(" [1]", "");
     let range = match key.form {
         Form::Number(_, range) | Form::NumberOr(_, range, _) => match range {
@@ -231,7 +233,7 @@ fn pretty(value: &Value, indent: usize) -> String {
 }
 
 /// The text of a schema with this definition.
-fn with_definition(text: &str, name: &str, definition: &Value) -> String {
+pub(crate) fn with_definition(text: &str, name: &str, definition: &Value) -> String {
     let head = format!("\n    \"{name}\": ");
     let start = text.find(&head).expect("a definition of this name") + head.len();
     let end = start
@@ -286,7 +288,7 @@ fn written_as(form: Form) -> &'static str {
 }
 
 /// A doc comment in a cell of a table: units in parentheses, without shapes.
-fn in_cell(about: &str) -> String {
+pub(crate) fn in_cell(about: &str) -> String {
     let text =
         about.trim().trim_end_matches('.').replace("`(2,)` ", "").replace(" [1]", "").replace('|', "\\|");
     let mut letters = text.chars();
@@ -325,15 +327,15 @@ fn rows<T>(kinds: &'static [ElementKind<T>], last: impl Fn(&T) -> String, has_ra
 }
 
 /// The text of the page with this table between its marks.
-fn with_table(page: &str, name: &str, table: &str) -> String {
-    let mark = format!("<!-- {name}: written by common/tests/scene/language_tables.rs -->\n");
-    let start = page.find(&mark).expect("the mark of a table") + mark.len();
+pub(crate) fn with_table(page: &str, name: &str, table: &str) -> String {
+    let start = page.find(&format!("<!-- {name}: written by ")).expect("the mark of a table");
+    let start = start + page[start..].find('\n').expect("a line") + 1;
     let end = start + page[start..].find("<!-- end -->").expect("the end of a table");
     format!("{}{table}{}", &page[..start], &page[end..])
 }
 
 /// Compares a file with what follows from the tables, or writes it.
-fn compare(file: &str, follows: impl Fn(String) -> String) {
+pub(crate) fn compare(file: &str, follows: impl Fn(String) -> String) {
     let file = format!("{}/{file}", env!("CARGO_MANIFEST_DIR"));
     let present = std::fs::read_to_string(&file).unwrap();
     let text = follows(present.clone());

@@ -16,3 +16,5 @@ mod reference;
 mod simulator;
 mod starts;
 mod units;
+mod wear_model;
+mod wear_tables;

@@ -18,10 +18,10 @@ const LIVES: [u32; 3] = [64_000, 66_000, 68_000];
 pub fn write(
     tables: &mut Tables,
     study: &Finished,
-    nominal: &Run,
+    [nominal, angles]: [&Run; 2],
     variants: &[Run],
 ) -> Result<(), Box<dyn Error>> {
-    let ours = Ours { study, nominal };
+    let ours = Ours { study, nominal, angles };
     let numbers: Vec<Vec<String>> =
         rows().iter().map(|row| number_row(&row.number, (row.ours)(&ours))).collect();
     tables.write("drive", &number_head(), &numbers)?;
@@ -57,6 +57,7 @@ pub fn number_row(row: &Number, ours: Option<f64>) -> Vec<String> {
             let most_shown = format!("{most} {}", row.unit);
             format!("{}, {}", most_shown.trim_end(), within(off <= most))
         }
+        Goal::AtMost => within(ours.is_some_and(|ours| ours <= row.published)).to_owned(),
         Goal::Relative(most) => format!("{} %, {}", 100.0 * most, within(off <= most * row.published.abs())),
     };
     let published = cell(Some(row.published), digits);
@@ -85,13 +86,13 @@ fn choices(tables: &mut Tables, nominal: &Run, variants: &[Run]) -> Result<(), B
         vec!["choice".to_owned()],
         of_lives("wear", "mm").to_vec(),
         of_lives("difference", "r/min").to_vec(),
-        vec!["25 r/min at [cycles]".to_owned()],
+        head(["25 r/min at [cycles]", "0.03 mm at [cycles]"]),
     ];
     let row = |run: &Run| {
         let wear = LIVES.map(|life| cell(Some(1e3 * run.value(0, life)), 5));
         let difference = LIVES.map(|life| cell(Some(RPM * run.value(1, life)), 3));
-        let passes = cell(run.life_to(1, 25.0 / RPM), 0);
-        [vec![run.variant.name.to_owned()], wear.to_vec(), difference.to_vec(), vec![passes]].concat()
+        let passes = [(1, 25.0 / RPM), (0, 30e-6)].map(|(output, limit)| cell(run.life_to(output, limit), 0));
+        [vec![run.variant.name.to_owned()], wear.to_vec(), difference.to_vec(), passes.to_vec()].concat()
     };
     let rows: Vec<Vec<String>> = std::iter::once(nominal).chain(variants).map(row).collect();
     tables.write("choices", &heads.concat(), &rows)?;

@@ -49,7 +49,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             .iter()
             .map(|variant| nominal::Run::of(*variant))
             .collect::<Result<Vec<_>, _>>()?;
-        drive::write(&mut tables, study, &nominal, &variants)?;
+        let angles = nominal::Run::of(nominal::WITH_ANGLES)?;
+        drive::write(&mut tables, study, [&nominal, &angles], &variants)?;
     }
     drive::studies(&tables, default.iter().chain(&others))?;
     wind_tunnel::write(&mut tables, &experiment::as_it_stands()?)?;

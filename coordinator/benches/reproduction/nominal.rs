@@ -2,8 +2,12 @@
 
 use common::accuracy::NamedAccuracy;
 use common::outputs::Evaluation;
-use common::scene::{Clearance, ContactLaw, ControlPoints, JointKind, Scene, SceneSource};
+use common::scene::{
+    BlockStep, BoreSpline, Clearance, ContactLaw, ControlPoints, JointKind, Output, OutputKind, Scene,
+    SceneSource, WearDistribution, WearModel,
+};
 use std::error::Error;
+use std::f64::consts::PI;
 use worker::simulate::{SimulateOptions, simulate};
 
 /// One choice.
@@ -22,12 +26,18 @@ enum Change {
     Hinges(fn(&mut Clearance)),
     /// Number of control points of every bore.
     Points(usize),
+    Wear(fn(&mut WearModel)),
+    /// Another output: the difference of the angles.
+    Angle,
     Value(&'static str),
     /// Values, and the contact law of every joint.
     Rebuilt(&'static [&'static str], ContactLaw),
 }
 
 pub const AS_IT_STANDS: Variant = Variant { name: "as it stands", change: Change::Nothing, accuracy: None };
+
+/// With the difference of the angles of the wings as the last output, which changes the time steps a little.
+pub const WITH_ANGLES: Variant = changed("difference of the angles", Change::Angle);
 
 /// The experiment ran a little faster.
 const EXPERIMENT: Variant = Variant {
@@ -70,7 +80,7 @@ pub const KINEMATIC: [Variant; 3] = [
 ];
 
 /// What the table shows.
-pub const VARIANTS: [Variant; 17] = [
+pub const VARIANTS: [Variant; 23] = [
     changed("contact law foundation", Change::Hinges(|hinge| hinge.contact_law = ContactLaw::Foundation)),
     changed("72 control points", Change::Points(72)),
     changed("144 control points", Change::Points(144)),
@@ -81,6 +91,25 @@ pub const VARIANTS: [Variant; 17] = [
     changed("friction 20 % less", Change::Hinges(|hinge| hinge.friction *= 0.8)),
     changed("friction 20 % more", Change::Hinges(|hinge| hinge.friction *= 1.2)),
     EXPERIMENT,
+    changed("no film damping", Change::Hinges(|hinge| hinge.film_damping = 0.0)),
+    changed(
+        "h_l as printed, without pi",
+        Change::Hinges(|hinge| {
+            for material in [&mut hinge.journal_material, &mut hinge.bushing_material] {
+                material.elastic_modulus /= PI;
+            }
+        }),
+    ),
+    changed("explicit steps of 1000 cycles", Change::Wear(explicit)),
+    changed("explicit steps, wear at the points inside the arc", Change::Wear(inside)),
+    changed("approximating spline", Change::Wear(|wear| wear.spline = BoreSpline::Approximating)),
+    changed(
+        "wear as published: explicit steps, points inside, approximating spline",
+        Change::Wear(|wear| {
+            inside(wear);
+            wear.spline = BoreSpline::Approximating;
+        }),
+    ),
     computed("draft", "draft"),
     computed("balanced", "balanced"),
     computed("balanced, blocks of 1000 cycles", "balanced+jump-1000"),
@@ -90,12 +119,33 @@ pub const VARIANTS: [Variant; 17] = [
     computed("reference", "reference"),
 ];
 
+fn explicit(wear: &mut WearModel) {
+    wear.explicit_step = BlockStep::Explicit(1000);
+}
+
+fn inside(wear: &mut WearModel) {
+    explicit(wear);
+    wear.distribution = WearDistribution::PointsInside;
+}
+
 /// Changes every joint with clearance.
 fn hinges(scene: &mut Scene, change: impl Fn(&mut Clearance)) {
     for joint in &mut scene.joints {
         if let JointKind::Clearance(hinge) = &mut joint.kind {
             change(hinge);
         }
+    }
+}
+
+/// Adds the difference of the angles of the bodies whose angular velocities are compared, as the last output.
+fn add_angle(scene: &mut Scene) {
+    let of_speeds = scene.outputs.iter().find_map(|output| match &output.kind {
+        OutputKind::AngularVelocityDifference { a, b } => Some((a.clone(), b.clone())),
+        _ => None,
+    });
+    if let Some((a, b)) = of_speeds {
+        let kind = OutputKind::AngleDifference { a, b };
+        scene.outputs.push(Output { name: "angle_difference".to_owned(), kind });
     }
 }
 
@@ -111,6 +161,8 @@ impl Run {
         let mut scene = source.nominal().clone();
         match variant.change {
             Change::Nothing => {}
+            Change::Angle => add_angle(&mut scene),
+            Change::Wear(change) => change(&mut scene.wear),
             Change::Hinges(change) => hinges(&mut scene, change),
             Change::Points(points) => {
                 hinges(&mut scene, |hinge| hinge.control_points = ControlPoints::Number(points));
@@ -148,6 +200,20 @@ impl Run {
         let [from, to] = [k - 1, k].map(|k| f64::from(cycles[k]));
         let life = from + (to - from) * (limit - values[k - 1]) / (values[k] - values[k - 1]);
         Some((life / 100.0).round() * 100.0)
+    }
+
+    /// Largest difference of the rotations of two joints on one side each, whose rockers these are, over the unworn cycle [rad].
+    pub fn rotation_difference(&self, [one, other]: [&str; 2]) -> Option<f64> {
+        let cycle = self.evaluation.first_cycle.as_ref()?;
+        let angle = |label| Some(&cycle.bodies.iter().find(|body| body.label == label)?.angle);
+        let differences = angle(one)?.iter().zip(angle(other)?).map(|(one, other)| (one - other).abs());
+        Some(differences.fold(0.0, f64::max))
+    }
+
+    /// An output where another one passes `limit`, to the nearest checkpoint before [SI].
+    pub fn value_at(&self, output: usize, (other, limit): (usize, f64)) -> Option<f64> {
+        let passed = self.evaluation.histories[other].iter().position(|value| *value > limit)?;
+        self.evaluation.histories.get(output)?.get(passed.checked_sub(1)?).copied()
     }
 
     /// Largest force peak of these joints in the unworn mechanism [N].

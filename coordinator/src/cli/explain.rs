@@ -90,6 +90,9 @@ fn explain_into(out: &mut String, source: &SceneSource, model: &Model) -> std::f
     outputs(out, scene)?;
     model.write(out, scene)?;
     variables(out, scene)?;
+    for choice in scene.wear.chosen() {
+        writeln!(out, "Wear: {choice}.")?;
+    }
     let life = &scene.life;
     let cycles = |n: u32| count(n as usize, "cycle");
     let every = if life.checkpoint_every == 1 { "cycle".to_owned() } else { cycles(life.checkpoint_every) };

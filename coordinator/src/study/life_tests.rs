@@ -9,7 +9,9 @@ use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use common::random::{Distribution, RandomVariable};
-use common::scene::{Fails, Life, LimitState, Output, OutputKind, Scene, SignedBody, StudySettings};
+use common::scene::{
+    Fails, Life, LimitState, Output, OutputKind, Scene, SignedBody, StudySettings, WearModel,
+};
 use std::collections::VecDeque;
 
 const D: usize = 30;
@@ -46,6 +48,7 @@ fn scene() -> Scene {
         correlations: vec![],
         limit_states: vec![limit("wear", 0, 30e-6), limit("asymmetry", 1, 2.618)],
         control_points_of_model: false,
+        wear: WearModel::default(),
         life: Life { period: 0.125, cycles: 72_000, checkpoint_every: 1000, settle_cycles: 1, turn_of: None },
         conditions: vec![],
         study: StudySettings { population: 100_000, initial: 120, batch: 16, max_evaluations: 300, seed: 1 },

@@ -128,6 +128,7 @@ fn scenes_are_listed_shown_and_valid() {
         "flapping-wing",
         "flapping-wing-tolerances",
         "flapping-wing-experiment",
+        "flapping-wing-as-published",
         "four-bar",
         "slider-crank",
         "pendulum",

@@ -71,7 +71,7 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
         let ends = [frames.end(&joint.journal), frames.end(&joint.bushing)];
         match &joint.kind {
             JointKind::Clearance(clearance) => {
-                joints.push(WearingJoint::new(index, &joint.name, clearance, ends));
+                joints.push(WearingJoint::new(index, &joint.name, (clearance, &scene.wear), ends));
             }
             JointKind::Guide(guide) => {
                 guides.push(WearingGuide::new(index, &joint.name, guide, ends));

@@ -7,7 +7,7 @@ use super::wearing_pair::WearingPair;
 use super::worn_guide::WornGuide;
 use crate::contact::GuideReaction;
 use crate::rail::{MOST_NODES, RailFaces, RailLayout, play};
-use crate::wear::{FinerBore, RailHistory, RailWearRate, WearHistory, WearRate};
+use crate::wear::{FinerBore, RailHistory, RailWearRate, StepRule, WearHistory, WearRate};
 use common::scene::GuideClearance;
 
 /// A guide with clearance and its surfaces.
@@ -134,9 +134,9 @@ impl WearingPair for WornSurfaces {
         self.rate_at(*self.faces.layout())
     }
 
-    fn finer_copy(&self, tolerance: f64) -> FinerBore<WearRate> {
+    fn finer_copy(&self, rule: StepRule) -> FinerBore<WearRate> {
         let finer = self.faces.layout().finer();
-        FinerBore::with_rate(self.rate_at(finer), finer.depths(), tolerance)
+        FinerBore::new(self.rate_at(finer), finer.depths(), rule)
     }
 }
 

@@ -5,8 +5,8 @@ use super::joint::Touching;
 use super::wearing_pair::WearingPair;
 use crate::bore::Profile;
 use crate::contact::{Contact, JointMotion, Journal, LawLanes, PolarEccentricity, Surfaces, Walls};
-use crate::wear::{BoreWearRate, ContactHistory, FinerBore, WearHistory, WearRate};
-use common::scene::Clearance;
+use crate::wear::{BoreWearRate, ContactHistory, FinerBore, StepRule, WearHistory, WearRate};
+use common::scene::{Clearance, WearDistribution, WearModel};
 
 /// A joint with clearance and its surfaces.
 #[derive(Debug, Clone)]
@@ -25,6 +25,8 @@ pub struct WearingJoint {
     pub journal: Option<Journal>,
     /// Wear coefficient K_H of bushing and journal, zero for a surface that does not wear `(2,)` [1/Pa].
     pub wear_coefficients: [f64; 2],
+    /// How the wear of a contact arc is distributed over the control points.
+    pub distribution: WearDistribution,
     /// Width L of the bushing [m].
     pub width: f64,
     /// Wall thickness of the bushing [m]; `None` if it cannot be worn through.
@@ -34,12 +36,17 @@ pub struct WearingJoint {
 }
 
 impl WearingJoint {
-    /// Joint number `scene_joint` of a checked scene, called `name`, unworn.
-    pub(super) fn new(scene_joint: usize, name: &str, clearance: &Clearance, ends: [End; 2]) -> Self {
+    /// Joint number `scene_joint` of a checked scene with this wear model, called `name`, unworn.
+    pub(super) fn new(
+        scene_joint: usize,
+        name: &str,
+        (clearance, wear): (&Clearance, &WearModel),
+        ends: [End; 2],
+    ) -> Self {
         let contact = Contact::new(clearance);
         let wear_coefficients = clearance.wear_coefficients();
         let points = clearance.control_points.number();
-        let profile = Profile::round(clearance.bushing_radius, points);
+        let profile = Profile::round(clearance.bushing_radius, points).with_spline(wear.spline);
         let journal = (wear_coefficients[1] > 0.0).then(|| contact.new_journal(points));
         WearingJoint {
             scene_joint,
@@ -49,6 +56,7 @@ impl WearingJoint {
             profile,
             journal,
             wear_coefficients,
+            distribution: wear.distribution,
             width: clearance.width,
             wall: clearance.wall,
             ends,
@@ -71,6 +79,12 @@ impl WearingJoint {
     ) {
         self.law.follow_approach(at, motion, penetration);
         self.contact.set_damping(self.law.surface().damping);
+    }
+
+    /// Wear rate of the joint with a bore like `profile`.
+    fn rate_on(&self, profile: &Profile) -> WearRate {
+        let WearingJoint { wear_coefficients, width, contact, distribution, .. } = self;
+        BoreWearRate::new(*wear_coefficients, *width, contact, profile).distributed(*distribution).into()
     }
 
     /// Replaces the damping factor [s/m], as fixed at the last impact.
@@ -115,7 +129,7 @@ impl WearingPair for WearingJoint {
     fn refine(&mut self, times: u32) -> bool {
         let points = self.profile.points() << times;
         self.contact = self.contact.with_points(points);
-        self.profile = Profile::round(self.profile.initial_radius(), points);
+        self.profile = self.profile.unworn(points);
         self.journal = self.journal.is_some().then(|| self.contact.new_journal(points));
         self.law = LawLanes::new(&self.contact, self.surfaces(), 0.0);
         true
@@ -126,13 +140,12 @@ impl WearingPair for WearingJoint {
     }
 
     fn wear_rate(&self) -> WearRate {
-        let WearingJoint { wear_coefficients, width, contact, profile, .. } = self;
-        BoreWearRate::new(*wear_coefficients, *width, contact, profile).into()
+        self.rate_on(&self.profile)
     }
 
-    fn finer_copy(&self, tolerance: f64) -> FinerBore<WearRate> {
-        let WearingJoint { wear_coefficients, width, contact, profile, .. } = self;
-        FinerBore::new(*wear_coefficients, *width, contact, profile, tolerance)
+    fn finer_copy(&self, rule: StepRule) -> FinerBore<WearRate> {
+        let finer = self.profile.unworn(2 * self.profile.points());
+        FinerBore::new(self.rate_on(&finer), 2 * self.depths(), rule)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Two surfaces of a joint that wear each other: bushing and journal, or guide and slider.
 
-use crate::wear::{FinerBore, WearHistory, WearRate};
+use crate::wear::{FinerBore, StepRule, WearHistory, WearRate};
 
 /// A pair of surfaces with their wear depths: those of the first surface, then those of the second if it wears.
 pub(crate) trait WearingPair {
@@ -32,8 +32,8 @@ pub(crate) trait WearingPair {
     /// Wear rate of the surfaces, as worn so far.
     fn wear_rate(&self) -> WearRate;
 
-    /// Unworn copy with twice as many control points, whose wear steps follow from the relative `tolerance` [1] of this pair.
-    fn finer_copy(&self, tolerance: f64) -> FinerBore<WearRate>;
+    /// Unworn copy with twice as many control points, whose wear steps follow from the `rule` of those of this pair.
+    fn finer_copy(&self, rule: StepRule) -> FinerBore<WearRate>;
 
     /// True if one of the surfaces wears.
     fn wears(&self) -> bool {

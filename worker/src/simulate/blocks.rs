@@ -5,7 +5,8 @@
 //!
 //!   h_i(n + T) = h_i(n) + integral of dh_i/dN over the block, the contact history held fixed.
 //!
-//! Wear is fastest on a new bore, so the first block is split into T/16, T/16, T/8, T/4, T/2. Valid while the contact history
+//! Wear is fastest on a new bore, so the first block is split into T/16, T/16, T/8, T/4, T/2, unless the wear model of the scene has explicit
+//! steps of one length T. Valid while the contact history
 //! changes little over a block; the evaluation estimates the error of holding it fixed (`error_estimate.rs`).
 //!
 //! # Source
@@ -13,11 +14,29 @@
 //! simulated cycles: Fritsch, Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984).
 
 use crate::interpolate::Cubic;
+use common::accuracy::Accuracy;
 use common::scene::monotone::fritsch_butland;
+use common::scene::{BlockStep, Scene};
+
+/// Lives at which a cycle of a scene is simulated [cycles], by its wear model and this accuracy.
+pub(crate) fn simulated_lives(scene: &Scene, accuracy: &Accuracy) -> Vec<u32> {
+    let life = &scene.life;
+    match scene.wear.explicit_step {
+        BlockStep::Controlled => block_ends(life.cycles, accuracy.cycle_jump, life.checkpoint_every),
+        BlockStep::Explicit(step) => equal_blocks(life.cycles, step),
+    }
+}
+
+/// Ends of blocks of `step` cycles up to the end of life at `cycles`, all as long as each other but the last one.
+fn equal_blocks(cycles: u32, step: u32) -> Vec<u32> {
+    let mut ends: Vec<u32> = (0..cycles).step_by(step.max(1) as usize).collect();
+    ends.push(cycles);
+    ends
+}
 
 /// Lives at which a cycle is simulated [cycles]: 0, the ends of the graded first block, then every `jump` cycles, rounded to the
 /// checkpoints, which are `every` cycles apart, to the end of life at `cycles`.
-pub(crate) fn block_ends(cycles: u32, jump: u32, every: u32) -> Vec<u32> {
+fn block_ends(cycles: u32, jump: u32, every: u32) -> Vec<u32> {
     let jump = match jump.clamp(1, cycles) {
         jump if jump >= every => jump / every * every,
         jump => (1..=jump).rev().find(|j| every.is_multiple_of(*j)).unwrap_or(1),
@@ -81,6 +100,13 @@ mod tests {
         assert_eq!(block_ends(1000, 300, 1000)[..6], [0, 15, 31, 62, 125, 250]);
         assert_eq!(block_ends(5000, 2000, 1000).last(), Some(&5000));
         assert_eq!(block_ends(3, 2000, 1), [0, 1, 3]);
+    }
+
+    #[test]
+    fn explicit_steps_have_one_length() {
+        assert_eq!(equal_blocks(6000, 2000), [0, 2000, 4000, 6000]);
+        assert_eq!(equal_blocks(5000, 2000), [0, 2000, 4000, 5000]);
+        assert_eq!(equal_blocks(1, 1000), [0, 1]);
     }
 
     #[test]

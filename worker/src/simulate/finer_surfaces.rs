@@ -14,6 +14,7 @@ use super::probe::is_probed;
 use super::quasi_static_island::wear_histories;
 use super::run::Run;
 use super::side_by_side::join;
+use crate::wear::StepRule;
 use common::failure::SimulationFailure;
 use common::scene::Life;
 use std::ops::Range;
@@ -76,8 +77,8 @@ impl Run<'_> {
     /// Wears the copies on which the motion is compared, if outputs depend on it and a joint wears.
     pub(crate) fn start_comparing_finer(&mut self) {
         if self.first_motion_output().is_some() && self.wears() && !self.scene.life.is_single_cycle() {
-            let accuracy = self.accuracy;
-            self.islands.iter_mut().for_each(|state| state.add_finest(accuracy));
+            let rule = StepRule::new(&self.scene.wear, self.accuracy.wear_tolerance);
+            self.islands.iter_mut().for_each(|state| state.add_finest(rule));
         }
     }
 

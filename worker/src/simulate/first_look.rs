@@ -1,6 +1,6 @@
 //! Model and cost of the evaluation of a scene, from its settled first cycle and a first block of wear.
 
-use super::blocks::block_ends;
+use super::blocks::simulated_lives;
 use super::conditions::condition_scenes;
 use super::contact_arcs::{ContactArc, contact_arcs};
 use super::control_points::with_control_points;
@@ -153,7 +153,7 @@ async fn examine(
     look.tier = copy.as_ref().map(Run::largest_tier_difference).map_err(Clone::clone);
     let mut worn = copy.unwrap_or_else(|_| run.clone());
     let life = &scene.life;
-    let lives = block_ends(life.cycles, accuracy.cycle_jump, life.checkpoint_every);
+    let lives = simulated_lives(scene, accuracy);
     let blocks = lives.len() - 1;
     let count = |counts: &dyn Fn(&Range<u32>) -> bool| {
         lives.windows(2).filter(|ends| counts(&(ends[0]..ends[1]))).count() as f64

@@ -4,7 +4,7 @@ use super::guide_extent::advice;
 use crate::integrate::{IntegrationError, StepControl, Stepped, Stepper};
 use crate::mechanism::{Island, Pose, WearingPair};
 use crate::outputs::{Recorder, RecordingRequest};
-use crate::wear::{FinerBore, WearHistory, WearRate, WearStep};
+use crate::wear::{FinerBore, StepRule, WearHistory, WearRate, WearStep};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
@@ -138,6 +138,7 @@ impl IslandState {
             island.bodies.iter().flat_map(|&b| from[b].unwrap_or_default()).collect()
         };
         let (q, v) = (pick(&pose.q), pick(&pose.v));
+        let rule = StepRule::new(&scene.wear, accuracy.wear_tolerance);
         IslandState {
             stepper: stepper(&island, scene.life.period, accuracy),
             recorder: Recorder::new(&island, scene, requested, accuracy.wear_samples),
@@ -148,8 +149,8 @@ impl IslandState {
             q,
             v,
             rates: island.pairs().map(WearingPair::wear_rate).collect(),
-            steps: island.pairs().map(|pair| WearStep::new(pair.depths(), accuracy.wear_tolerance)).collect(),
-            finer: island.pairs().map(|pair| pair.finer_copy(accuracy.wear_tolerance)).collect(),
+            steps: island.pairs().map(|pair| WearStep::new(pair.depths(), rule)).collect(),
+            finer: island.pairs().map(|pair| pair.finer_copy(rule)).collect(),
             finest: vec![],
             depth: island.pairs().map(|pair| vec![0.0; pair.depths()]).collect(),
             island,
@@ -198,14 +199,14 @@ impl IslandState {
         self.time = time;
     }
 
-    /// Wears copies of all pairs with four times the control points beside them, within the wear tolerance of this `accuracy`; none has
+    /// Wears copies of all pairs with four times the control points beside them, by wear steps like those of the pairs by this `rule`; none has
     /// worn yet.
-    pub(crate) fn add_finest(&mut self, accuracy: &Accuracy) {
+    pub(crate) fn add_finest(&mut self, rule: StepRule) {
         let mut finer = self.island.clone();
         finer.pairs_mut().for_each(|pair| {
             pair.refine(1);
         });
-        self.finest = finer.pairs().map(|pair| pair.finer_copy(accuracy.wear_tolerance)).collect();
+        self.finest = finer.pairs().map(|pair| pair.finer_copy(rule)).collect();
     }
 
     /// Stepper and empty contact histories for another accuracy of the time steps; `period` is the length of a cycle [s].

@@ -1,6 +1,6 @@
 //! The whole life after the settled first cycle: block after block of wear, with a measured cycle at the end of each.
 
-use super::blocks::{at_checkpoints, block_ends};
+use super::blocks::{at_checkpoints, simulated_lives};
 use super::conditions::mix_contacts;
 use super::finer_cycles::points_errors;
 use super::life_history::LifeHistory;
@@ -70,7 +70,7 @@ pub(crate) async fn simulate_life<M: CycleModel>(
 ) -> Result<LifeHistory, M::Error> {
     let (scene, accuracy) = (runs[0].scene, runs[0].accuracy);
     let end = scene.life.cycles;
-    let ends = block_ends(end, accuracy.cycle_jump, scene.life.checkpoint_every);
+    let ends = simulated_lives(scene, accuracy);
     let (mut life, mut longer) = LongerSteps::start(runs, &model, &ends).await?;
     let mut simulated = 0;
     while simulated + 1 < ends.len() {

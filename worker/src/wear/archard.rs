@@ -17,7 +17,7 @@
 //! The journal wears by the same law, with its own coefficient and radius, at the places of its own surface that the arc
 //! covers: those at the angle chi = psi - alpha in its body, with the angle alpha [rad] of that body from the bushing's in the sample.
 //!
-//! Both keep Archard's volume for every arc, of each surface. Valid for mild sliding wear with a constant K_H; wear never decreases.
+//! Both keep Archard's volume for every arc, of each surface, unless the scene asks for the published rule of `local_arcs.rs`. Valid for mild sliding wear with a constant K_H; wear never decreases.
 //!
 //! # Source
 //! Archard (1953), J. Appl. Phys. 24, 981-988. Arc rule of the local law: the seed paper, Cui et al., China
@@ -31,6 +31,7 @@ use super::local_arcs::LocalArcs;
 use super::wear_law::WearLaw;
 use crate::bore::Profile;
 use crate::contact::{Contact, Pressure};
+use common::scene::WearDistribution;
 use std::f64::consts::TAU;
 
 /// Wear coefficients K_H of bushing and journal, zero for a surface that does not wear `(2,)` [1/Pa].
@@ -91,6 +92,15 @@ impl BoreWearRate {
                 }
             },
         }
+    }
+
+    /// This rate with the wear of an arc under the local law distributed by another rule.
+    pub(crate) fn distributed(mut self, distribution: WearDistribution) -> Self {
+        match &mut self.contacts {
+            FrozenContacts::UniformOverArc(arcs) => arcs.set_distribution(distribution),
+            FrozenContacts::Foundation(_) => {}
+        }
+        self
     }
 
     /// Sizes of the surfaces.

@@ -24,11 +24,8 @@
 //! 307-357; `stated_wear_errors_of_random_loads` compares with a converged bore.
 
 use super::amounts::{MarkedDepths, WornAmounts};
-use super::archard::{BoreWearRate, WearCoefficients};
-use super::step::{WearStep, WearStepStats};
+use super::step::{StepRule, WearStep, WearStepStats};
 use super::wear_law::WearLaw;
-use crate::bore::Profile;
-use crate::contact::Contact;
 
 /// Error over the largest difference [1]: 2 where it halves with the spacing, as at the edge of a scar, 4/3 where the
 /// profile is smooth.
@@ -69,31 +66,16 @@ pub struct FinerBore<L> {
     within: Vec<WornAmounts>,
 }
 
-impl<L: WearLaw + From<BoreWearRate>> FinerBore<L> {
-    /// Copy of the unworn bore `profile` of a joint with these wear coefficients, this width [m] and contact,
-    /// whose wear steps have the tolerance `tolerance` [1].
-    pub(crate) fn new(
-        coefficients: impl Into<WearCoefficients>,
-        width: f64,
-        contact: &Contact,
-        profile: &Profile,
-        tolerance: f64,
-    ) -> Self {
-        let points = 2 * profile.points();
-        let finer = Profile::round(profile.initial_radius(), points);
-        let coefficients = coefficients.into();
-        let depths = points * if coefficients.0[1] > 0.0 { 2 } else { 1 };
-        let rate = BoreWearRate::new(coefficients, width, contact, &finer);
-        FinerBore::with_rate(rate.into(), depths, tolerance)
-    }
-}
-
 impl<L: WearLaw> FinerBore<L> {
-    /// An unworn copy with this many `depths` and this `rate`, of surfaces whose wear steps have the tolerance `tolerance` [1].
-    pub(crate) fn with_rate(rate: L, depths: usize, tolerance: f64) -> Self {
+    /// An unworn copy with this many `depths` and this `rate`, of surfaces whose wear steps have this rule.
+    pub(crate) fn new(rate: L, depths: usize, rule: impl Into<StepRule>) -> Self {
+        let rule = match rule.into() {
+            StepRule::Controlled(tolerance) => StepRule::Controlled((TIGHTER * tolerance).max(TIGHTEST)),
+            StepRule::Explicit => StepRule::Explicit,
+        };
         FinerBore {
             rate,
-            step: WearStep::new(depths, (TIGHTER * tolerance).max(TIGHTEST)),
+            step: WearStep::new(depths, rule),
             depth: vec![0.0; depths],
             behind: 0.0,
             life: 0.0,

@@ -52,7 +52,11 @@ fn worn(
     rate.freeze(history);
     let mut depth = vec![0.0; 2 * points];
     let mut step = WearStep::new(2 * points, 1e-3);
-    let mut copy = FinerBore::<BoreWearRate>::new(coefficients, WIDTH, contact, &profile, 1e-3);
+    let mut copy = FinerBore::new(
+        BoreWearRate::new(coefficients, WIDTH, contact, &profile.unworn(2 * points)),
+        4 * points,
+        1e-3,
+    );
     for _ in 0..blocks {
         copy.advance(history, 500.0, rate.sizes().amounts(&depth));
         step.advance(&mut rate, &mut depth, 500.0, &[], |_, _| {}, &mut WearStepStats::default())

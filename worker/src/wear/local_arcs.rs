@@ -9,6 +9,10 @@
 //! is smeared over the points next to it, whose depth then falls short of that in the middle of the arc
 //! (`finer_bore.rs` estimates that error).
 //!
+//! By the published rule (`points-inside`) every control point inside the arc, its ends included, has q_i = F S / (R |AB|) with the arc's
+//! length |AB| in spacings, the others nothing: the sum is F S / R times the number of points inside over |AB|, and zero for an arc between two
+//! points.
+//!
 //! A journal that wears has its shares of the same arc, at its own control points: turned back by the angle of its body from the
 //! bushing's, and with its own mean radius along the arc.
 //!
@@ -22,6 +26,7 @@ use super::interval::ContactSample;
 use crate::bore::{Profile, Radius};
 use crate::contact::{Contact, Journal};
 use crate::lanes::{InLanes, Real, in_widest_lanes};
+use common::scene::WearDistribution;
 use std::f64::consts::TAU;
 
 /// Contacts of a frozen history on a bore.
@@ -31,6 +36,7 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone)]
 pub struct LocalArcs {
     ends: ArcEnds,
+    distribution: WearDistribution,
     samples: Vec<Sample>,
     /// Shares on three turns, one before and one after the bore's own `(3 points,)`: there
     /// an arc is one piece; then those of the journal, if that wears.
@@ -61,11 +67,17 @@ impl LocalArcs {
     pub(crate) fn new(contact: &Contact, points: usize, wears: bool) -> Self {
         LocalArcs {
             ends: ArcEnds::new(contact.surface().journal_radius, points, wears),
+            distribution: WearDistribution::HatShares,
             samples: Vec::new(),
             unrolled: vec![0.0; if wears { 6 * points } else { 3 * points }],
             further: Vec::new(),
             journal: wears.then(|| contact.new_journal(points)),
         }
+    }
+
+    /// Distributes the wear of an arc by another rule from now on.
+    pub(crate) fn set_distribution(&mut self, distribution: WearDistribution) {
+        self.distribution = distribution;
     }
 
     /// Replaces the history by the samples of a cycle.
@@ -118,15 +130,20 @@ const AT_ONCE: usize = 16;
 impl InLanes for Sharing<'_> {
     #[inline(always)]
     fn run<R: Real>(self, like: R) {
-        if self.arcs.journal.is_some() { self.share::<R, true>(like) } else { self.share::<R, false>(like) }
+        match (self.arcs.distribution, self.arcs.journal.is_some()) {
+            (WearDistribution::HatShares, false) => self.share::<R, false, HatShares>(like),
+            (WearDistribution::HatShares, true) => self.share::<R, true, HatShares>(like),
+            (WearDistribution::PointsInside, false) => self.share::<R, false, PointsInside>(like),
+            (WearDistribution::PointsInside, true) => self.share::<R, true, PointsInside>(like),
+        }
     }
 }
 
 impl Sharing<'_> {
-    /// `WORN` if the journal wears: compiled for each, since the cases within the loop take a third of the time.
+    /// `WORN` if the journal wears, by the rule `D`: compiled for each, since the cases within the loop take a third of the time.
     #[inline(always)]
-    fn share<R: Real, const WORN: bool>(self, like: R) {
-        let LocalArcs { ends, samples, unrolled, further, journal } = self.arcs;
+    fn share<R: Real, const WORN: bool, D: Distribution>(self, like: R) {
+        let LocalArcs { ends, samples, unrolled, further, journal, .. } = self.arcs;
         let journal = if WORN { journal.as_ref() } else { None };
         let (unrolled, of_journal) = unrolled.split_at_mut(3 * self.profile.points());
         let turn = self.profile.points() as f64;
@@ -174,7 +191,7 @@ impl Sharing<'_> {
                         let (start, end, between) = (middle + from, middle + to, middle + 0.5 * (from + to));
                         let at = |x: f64| self.profile.turned(x);
                         let mean = (at(start) + 4.0 * at(between) + at(end)) / 6.0;
-                        share_out(
+                        D::share_out(
                             unrolled,
                             ArcEnd::both(turn + start, turn + end),
                             density * (to - from) / mean,
@@ -184,14 +201,14 @@ impl Sharing<'_> {
                             let between = journal.worn().turned(place + 0.5 * (from + to));
                             let mean = radius_of_journal(journal, ends, between);
                             let places = ArcEnd::both(turn + ends[0], turn + ends[1]);
-                            share_out(of_journal, places, density * (to - from) / mean);
+                            D::share_out(of_journal, places, density * (to - from) / mean);
                         }
                     }
                 }
                 if let Some(journal) = journal {
                     let ends = [place - before, place + after];
                     let mean = radius_of_journal(journal, ends, contact.radius - r);
-                    share_out(of_journal, ArcEnd::both(turn + ends[0], turn + ends[1]), work / mean);
+                    D::share_out(of_journal, ArcEnd::both(turn + ends[0], turn + ends[1]), work / mean);
                 }
                 arcs[k] = (ArcEnd::both(turn + (middle - before), turn + (middle + after)), work);
             }
@@ -201,7 +218,7 @@ impl Sharing<'_> {
                 *amount /= (at(&ends[0]) + 4.0 * r + at(&ends[1])) / 6.0;
             }
             for (ends, amount) in &arcs[..samples.len()] {
-                share_out(unrolled, *ends, *amount);
+                D::share_out(unrolled, *ends, *amount);
             }
         }
     }
@@ -229,6 +246,36 @@ impl ArcEnd {
     #[inline(always)]
     fn both(x: f64, y: f64) -> [Self; 2] {
         [ArcEnd::new(x), ArcEnd::new(y)]
+    }
+}
+
+/// A rule by which the wear of an arc is distributed over the control points.
+trait Distribution {
+    /// Adds to the points of a surface their parts of the `amount` of an arc between two places.
+    fn share_out(unrolled: &mut [f64], ends: [ArcEnd; 2], amount: f64);
+}
+
+/// By hat functions.
+struct HatShares;
+
+/// To the points inside.
+struct PointsInside;
+
+impl Distribution for HatShares {
+    #[inline(always)]
+    fn share_out(unrolled: &mut [f64], ends: [ArcEnd; 2], amount: f64) {
+        share_out(unrolled, ends, amount);
+    }
+}
+
+impl Distribution for PointsInside {
+    #[inline(always)]
+    fn share_out(unrolled: &mut [f64], [start, end]: [ArcEnd; 2], amount: f64) {
+        let length = end.x - start.x;
+        let first = start.point + usize::from(start.fraction > 0.0);
+        if length > 0.0 && first <= end.point {
+            unrolled[first..=end.point].iter_mut().for_each(|sum| *sum += amount / length);
+        }
     }
 }
 

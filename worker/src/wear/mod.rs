@@ -28,6 +28,8 @@ mod local_arcs;
 mod local_arcs_tests;
 mod nodal_loads;
 mod on_journal;
+#[cfg(test)]
+mod published_tests;
 mod rail_equilibrium;
 mod rail_history;
 mod rail_rate;
@@ -51,6 +53,6 @@ pub(crate) use history::ContactHistory;
 pub(crate) use interval::{ContactInstant, ContactSample, Interval};
 pub(crate) use rail_history::{RailHistory, RailInstant};
 pub(crate) use rail_rate::RailWearRate;
-pub(crate) use step::{WearStep, WearStepFailed, WearStepStats};
+pub(crate) use step::{StepRule, WearStep, WearStepFailed, WearStepStats};
 pub(crate) use wear_law::WearLaw;
 pub(crate) use wear_rate::{WearHistory, WearRate};

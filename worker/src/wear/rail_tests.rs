@@ -265,7 +265,7 @@ fn the_finer_copy_states_an_error_that_holds() {
         let history = history(&layout, &instants());
         let mut rate = law(layout, [COEFFICIENT, 5e-14]);
         let finer = layout.finer();
-        let mut copy = FinerBore::with_rate(law(finer, [COEFFICIENT, 5e-14]), finer.depths(), 5e-3);
+        let mut copy = FinerBore::new(law(finer, [COEFFICIENT, 5e-14]), finer.depths(), 5e-3);
         let (mut depth, mut worn) = (vec![0.0; layout.depths()], WornAmounts::default());
         for _ in 0..8 {
             rate.freeze(&history);

@@ -88,7 +88,11 @@ fn worn(law: &str, case: &Case, points: usize) -> (Vec<f64>, Vec<f64>) {
     let contact = contact(law, points);
     let mut rate = BoreWearRate::new(COEFFICIENT, WIDTH, &contact, &profile);
     let mut step = WearStep::new(points, case.tolerance);
-    let mut copy = FinerBore::<BoreWearRate>::new(COEFFICIENT, WIDTH, &contact, &profile, case.tolerance);
+    let mut copy = FinerBore::new(
+        BoreWearRate::new(COEFFICIENT, WIDTH, &contact, &profile.unworn(2 * points)),
+        2 * points,
+        case.tolerance,
+    );
     let mut depth = vec![0.0; points];
     let (mut depths, mut stated, mut amounts) = (vec![], vec![], WornAmounts::default());
     for block in ENDS.windows(2) {

@@ -5,6 +5,8 @@
 //! grows with H times the spectral radius of -d rate/dh (stable up to about 0.65 s^2); its length follows
 //! from the embedded error estimate 0.8 (y0 - y1) + 0.4 H (f0 + f1).
 //!
+//! The published step is one explicit Euler step over the whole block, h(N + T) = h(N) + T rate(h(N)), without an estimate of its error.
+//!
 //! The tolerance bounds the sum of the error estimates over the block: a sub-step may use up what earlier
 //! ones left of their share, as it must where the wear rate has a kink: where a patch of the contact appears
 //! or joins another.
@@ -19,6 +21,32 @@ use super::equilibrium::NoEquilibrium;
 use super::wear_law::WearLaw;
 use crate::extremum::largest;
 use crate::interpolate::Cubic;
+use common::scene::{BlockStep, WearModel};
+
+/// How a wear step advances over a block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StepRule {
+    /// By sub-steps whose errors stay within this share of the largest wear that they add [1].
+    Controlled(f64),
+    /// By one explicit Euler step.
+    Explicit,
+}
+
+impl StepRule {
+    /// The rule of a wear model, whose controlled steps have this relative `tolerance` [1].
+    pub(crate) fn new(model: &WearModel, tolerance: f64) -> Self {
+        match model.explicit_step {
+            BlockStep::Controlled => StepRule::Controlled(tolerance),
+            BlockStep::Explicit(_) => StepRule::Explicit,
+        }
+    }
+}
+
+impl From<f64> for StepRule {
+    fn from(tolerance: f64) -> Self {
+        StepRule::Controlled(tolerance)
+    }
+}
 
 /// Work counters of one or more wear steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -58,8 +86,8 @@ struct Refused {
 /// Scratch and state of the wear step of one joint; all vectors `(points,)`.
 #[derive(Debug, Clone)]
 pub struct WearStep {
-    /// Allowed sum of the sub-steps' errors relative to the largest wear they add [1].
-    tolerance: f64,
+    /// How it advances; of controlled sub-steps the sum of the errors is bounded, relative to the largest wear they add.
+    rule: StepRule,
     /// Direction of the stiffest mode found so far.
     stiffest: Vec<f64>,
     /// Steps of the power method towards it in the next block.
@@ -87,11 +115,11 @@ impl WearStep {
     /// and bronze under `foundation`, the hardest case known to end.
     pub(crate) const MOST_EVALUATIONS: u64 = 2000;
 
-    /// A wear step for `points` control points with the relative tolerance `tolerance` [1].
-    pub(crate) fn new(points: usize, tolerance: f64) -> Self {
+    /// A wear step for `points` control points by a rule, or with control of the errors within a relative tolerance [1].
+    pub(crate) fn new(points: usize, rule: impl Into<StepRule>) -> Self {
         let zero = vec![0.0; points];
         WearStep {
-            tolerance,
+            rule: rule.into(),
             stiffest: (0..points).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect(),
             power_steps: 2,
             f0: zero.clone(),
@@ -116,6 +144,10 @@ impl WearStep {
         mut mark: impl FnMut(usize, &MarkedDepths),
         stats: &mut WearStepStats,
     ) -> Result<(), WearStepFailed> {
+        let tolerance = match self.rule {
+            StepRule::Controlled(tolerance) => tolerance,
+            StepRule::Explicit => return self.euler(rate, depth, cycles, marks, mark, stats),
+        };
         let sizes = rate.sizes();
         let most = stats.stages + Self::MOST_EVALUATIONS;
         rate.rate(depth, &mut self.f0)?;
@@ -124,14 +156,14 @@ impl WearStep {
         let (mut done, mut step, mut marked) = (0.0, cycles, 0);
         let fastest = largest(self.f0.iter().copied());
         // Error allowed in excess of each sub-step's own share [m].
-        let mut credit = FIRST_CREDIT * self.tolerance * fastest * cycles;
+        let mut credit = FIRST_CREDIT * tolerance * fastest * cycles;
         let smallest = SMALLEST * cycles;
         while done < cycles {
             if stats.stages > most {
                 return Err(WearStepFailed::TooManyStages);
             }
             step = step.min(cycles - done);
-            let relative = match self.attempt(rate, depth, step, radius, &mut credit, stats) {
+            let relative = match self.attempt(rate, depth, (step, tolerance), radius, &mut credit, stats) {
                 Ok(relative) => relative,
                 Err(Refused { smaller, error }) => {
                     stats.rejected += 1;
@@ -168,14 +200,42 @@ impl WearStep {
         Ok(())
     }
 
-    /// One sub-step of `step` cycles from `depth` to `self.end`, for the spectral radius `radius` [1/cycle].
+    /// One explicit Euler step over the block; the wear in between grows evenly.
+    fn euler(
+        &mut self,
+        rate: &mut impl WearLaw,
+        depth: &mut [f64],
+        cycles: f64,
+        marks: &[f64],
+        mut mark: impl FnMut(usize, &MarkedDepths),
+        stats: &mut WearStepStats,
+    ) -> Result<(), WearStepFailed> {
+        rate.rate(depth, &mut self.f0)?;
+        stats.stages += 1;
+        let worn = |after: f64, end: &mut Vec<f64>| {
+            end.clear();
+            end.extend(depth.iter().zip(&self.f0).map(|(depth, rate)| depth + after * rate));
+        };
+        for (k, after) in marks.iter().enumerate() {
+            worn(*after, &mut self.end);
+            mark(k, &MarkedDepths { depth: &self.end, free: &self.end });
+        }
+        worn(cycles, &mut self.end);
+        if let Some(depths) = rate.sizes().too_deep(&self.end) {
+            return Err(WearStepFailed::TooDeep(depths));
+        }
+        depth.copy_from_slice(&self.end);
+        Ok(())
+    }
+
+    /// One sub-step of `step` cycles and a relative tolerance from `depth` to `self.end`, for the spectral radius `radius` [1/cycle].
     /// If its error fits the tolerance and the `credit` [m], counts it there and returns it relative to its
     /// share.
     fn attempt(
         &mut self,
         rate: &mut impl WearLaw,
         depth: &[f64],
-        step: f64,
+        (step, tolerance): (f64, f64),
         radius: f64,
         credit: &mut f64,
         stats: &mut WearStepStats,
@@ -190,7 +250,7 @@ impl WearStep {
             return Err(Refused { smaller: step * 0.5, error: excess });
         }
         let (error, added) = self.error(depth, step);
-        let share = self.tolerance * added;
+        let share = tolerance * added;
         let relative = if added > 0.0 { error / share } else { 0.0 };
         if error > share + SPENDABLE * *credit {
             let smaller = step * (0.8 / libm::cbrt(relative)).clamp(0.1, 0.5);

@@ -192,7 +192,11 @@ fn scar(contact: &Contact, history: &ContactHistory, points: usize) -> (f64, f64
     let mut rate = BoreWearRate::new(COEFFICIENT, WIDTH, contact, &profile);
     rate.freeze(history);
     let mut step = WearStep::new(points, 5e-3);
-    let mut copy = FinerBore::<BoreWearRate>::new(COEFFICIENT, WIDTH, contact, &profile, 5e-3);
+    let mut copy = FinerBore::new(
+        BoreWearRate::new(COEFFICIENT, WIDTH, contact, &profile.unworn(2 * points)),
+        2 * points,
+        5e-3,
+    );
     let (mut depth, mut worn) = (vec![0.0; points], WornAmounts::default());
     for _ in 0..8 {
         step.advance(&mut rate, &mut depth, 250.0, &[], |_, _| {}, &mut WearStepStats::default())

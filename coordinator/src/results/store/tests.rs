@@ -6,7 +6,7 @@ use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{BodyTrace, CycleHistory, Diagnostics, Evaluation, JointSummary, WornLife};
 use common::random::{Distribution, RandomVariable};
-use common::scene::{Fails, Life, LimitState, Output, OutputKind, StudySettings};
+use common::scene::{Fails, Life, LimitState, Output, OutputKind, StudySettings, WearModel};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
@@ -37,6 +37,7 @@ pub(super) fn scene() -> Scene {
             fails: Fails::Above,
         }],
         control_points_of_model: false,
+        wear: WearModel::default(),
         life: Life { period: 0.125, cycles: 2000, checkpoint_every: 1000, settle_cycles: 1, turn_of: None },
         conditions: vec![],
         study: StudySettings { population: 100, initial: 10, batch: 4, max_evaluations: 20, seed: 1 },
