@@ -1,14 +1,12 @@
-//! `coordinator compare`: a page with the curves of several finished studies, and the curves as CSV.
+//! `coordinator compare`: the curves of several finished studies on one page, and as CSV.
 
 use super::error::CommandError;
-use super::output::{check_destination, print, to_json, unusable};
+use super::output::{answer_with, check_destination, unusable};
 use super::stored_study::{scene_of, summary_of};
 use clap::Args;
 use common::scene::SceneSource;
 use coordinator::analyses::scene_difference::{DifferingKey, differing_keys};
-use coordinator::presentation::report::ReportError;
-use coordinator::presentation::report::compare::{ComparedStudy, check, csv, gain, html};
-use coordinator::results::result_files::{create_folder, write_text};
+use coordinator::presentation::report::compare::{ComparedStudy, answer, check, gain};
 use coordinator::results::store::CampaignFile;
 use coordinator::study::LEVELS;
 use serde::Serialize;
@@ -21,28 +19,17 @@ pub struct CompareArguments {
     /// Folders of the studies
     #[arg(required = true, num_args = 2.., value_name = "DIR")]
     pub dirs: Vec<PathBuf>,
-    /// The page, FILE.html, with the CSV file of the same name next to it; or the folder for compare.html and compare.csv
+    /// The page, FILE.html, with the files of the same name next to it; or the folder for compare.html, .md, .json and .csv
     #[arg(long, value_name = "DIR-or-FILE.html")]
     pub out: PathBuf,
 }
 
-/// Writes the page and its CSV, and prints the keys in which the scenes differ, the gains in life, and the paths.
+/// Writes the page with its files, and prints lives, gains in life and the keys in which the scenes differ.
 ///
 /// # Errors
 /// [`CommandError`] if a study is not finished, or the studies cannot be compared.
 pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), CommandError> {
-    let out = &arguments.out;
-    let is_folder = out.extension().is_none() || out.is_dir();
-    let page = &if is_folder { out.join("compare.html") } else { out.clone() };
-    let numbers = page.with_extension("csv");
-    if numbers == *page {
-        let fault = "is the name of the CSV file: expected a name that ends in .html".to_owned();
-        return Err(unusable(page, fault));
-    }
-    if !is_folder {
-        check_destination(Some(page))?;
-        check_destination(Some(&numbers))?;
-    }
+    let (folder, name) = destination(&arguments.out)?;
     let names = names(&arguments.dirs);
     let studies: Vec<ComparedStudy> =
         arguments.dirs.iter().zip(names).map(|(dir, name)| study(dir, name)).collect::<Result<_, _>>()?;
@@ -58,40 +45,32 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "\u{2013}".to_owned());
     let table: Vec<(String, Vec<String>)> =
         differing.iter().map(|row| (row.key.clone(), row.values.iter().map(value).collect())).collect();
-    if is_folder {
-        create_folder(out)?;
-    }
-    write_text(page, &html(&studies, &table).map_err(ReportError::from)?)?;
-    write_text(&numbers, &csv(&studies))?;
+    let [page, numbers] = ["html", "csv"].map(|end| folder.join(format!("{name}.{end}")));
     let gains = gains(&studies, &table);
-    if as_json {
-        let document = json!({ "page": page, "csv": numbers, "differences": differing, "gains": gains });
-        return print(&to_json(&document)?);
+    let document = json!({ "page": page, "csv": numbers, "differences": differing, "gains": gains });
+    answer_with(&answer(name, studies, &table), &document, Some(&folder), as_json)
+}
+
+/// Folder of the files, and their name without its ending.
+fn destination(out: &Path) -> Result<(PathBuf, String), CommandError> {
+    if out.is_dir() || out.extension().is_none() {
+        return Ok((out.to_owned(), "compare".to_owned()));
     }
-    let mut text = String::new();
-    for (key, values) in table.iter().take(MOST_LINES) {
-        text += &format!("{key}: {}\n", values.join(" | "));
+    match out.file_stem() {
+        Some(stem) if out.extension().is_some_and(|end| end == "html") => {
+            check_destination(Some(out))?;
+            let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
+            Ok((folder.unwrap_or(Path::new(".")).to_owned(), stem.to_string_lossy().into_owned()))
+        }
+        _ => Err(unusable(out, "expected a folder, or a name that ends in .html".to_owned())),
     }
-    if table.len() > MOST_LINES {
-        text += &format!("and {} further keys, see the page\n", table.len() - MOST_LINES);
-    }
-    for gain in gains.iter().filter(|gain| gain.limit_state == "total") {
-        text += &format!(
-            "life at R = {}, {} against {} [cycles]: {}\n",
-            gain.reliability, gain.study, studies[0].name, gain.in_words
-        );
-    }
-    print(&format!("{text}{}\n{}\n", page.display(), numbers.display()))
 }
 
 fn study(dir: &Path, name: String) -> Result<ComparedStudy, CommandError> {
     Ok(ComparedStudy { name, summary: summary_of(&CampaignFile::look(dir)?)? })
 }
 
-/// Most differing keys printed on the terminal.
-const MOST_LINES: usize = 12;
-
-/// GainInLife in life of a study against the first one.
+/// Gain in life of a study against the first one.
 #[derive(Debug, Serialize)]
 struct GainInLife {
     study: String,
@@ -103,8 +82,6 @@ struct GainInLife {
     /// Limits of its 95 % interval [cycles].
     lower: Option<f64>,
     upper: Option<f64>,
-    #[serde(skip)]
-    in_words: String,
 }
 
 /// Gains of all studies but the first, per curve and level; none for studies of a single checkpoint.
@@ -116,7 +93,7 @@ fn gains(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> Vec<
     let curves = first.summary.limit_states.iter().map(String::as_str).chain(["total"]);
     let of_curve = |name: &str| {
         let of_study = |k: usize, level: f64| {
-            let (change, in_words) = gain(studies, differing, k, (name, level));
+            let (change, _) = gain(studies, differing, k, (name, level));
             GainInLife {
                 study: studies[k].name.clone(),
                 limit_state: name.to_owned(),
@@ -124,7 +101,6 @@ fn gains(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> Vec<
                 cycles: change.map(|change| change.value),
                 lower: change.and_then(|change| change.lower),
                 upper: change.and_then(|change| change.upper),
-                in_words: in_words.replace('\u{a0}', " "),
             }
         };
         (1..studies.len()).flat_map(|k| LEVELS.map(|level| of_study(k, level))).collect::<Vec<_>>()

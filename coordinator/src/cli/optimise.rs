@@ -13,6 +13,7 @@ use coordinator::analyses::optimise::{
 };
 use coordinator::analyses::what_if::{json, redistributed};
 use coordinator::presentation::report::ReportError;
+use coordinator::presentation::report::compare::ComparedStudy;
 use coordinator::results::store::FurtherEvaluations;
 use coordinator::study::{ObservedOutcome, Problem, SampleRequest, complete_outcomes, simulate_samples};
 use std::path::PathBuf;
@@ -74,7 +75,9 @@ pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(
     let result = result.with_numerical_errors(&found.after);
     let mut document = json(&found, result.evaluations.added);
     document["optimum"] = serde_json::to_value(&result)?;
-    let curves = vec![("study".to_owned(), found.before), ("optimum".to_owned(), found.after)];
+    let curves = [("study", found.before), ("optimum", found.after)]
+        .map(|(name, summary)| ComparedStudy { name: name.to_owned(), summary })
+        .to_vec();
     let mut answer = answer(&result, &opened.study.scene().name, curves).map_err(ReportError::from)?;
     answer.files.push(("scene.toml".to_owned(), changed.text().to_owned()));
     answer_with(&answer, &document, arguments.out.as_deref(), verbosity.json)

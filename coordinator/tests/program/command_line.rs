@@ -259,7 +259,7 @@ fn tradeoff_measures_every_setting_and_writes_its_files() {
         out.to_str().unwrap(),
         "--quiet",
     ]);
-    for part in ["**draft**", "**balanced**", "| step-x1.41+jump-2000", "| wear |", "within twice"] {
+    for part in ["**draft**", "**balanced**", "| step-x1.41+jump-2000", "| stated | R |"] {
         assert!(table.contains(part), "no {part:?} in {table}");
     }
     assert_eq!(std::fs::read_to_string(out.join("tradeoff.md")).unwrap(), table);
@@ -274,8 +274,4 @@ fn tradeoff_measures_every_setting_and_writes_its_files() {
     assert!(value("max_wear_depth_error") < 4e-3, "{balanced}");
     assert!(value("max_wear_depth_within_twice") >= 0.95, "{balanced}");
     assert_eq!(value("failures"), 0.0);
-    for output in ["max_wear_depth", "coupler_joint_speed"] {
-        let svg = std::fs::read_to_string(out.join(format!("tradeoff-{output}.svg"))).unwrap();
-        assert!(svg.contains("<svg") && svg.contains("balanced"), "a figure of {output}");
-    }
 }

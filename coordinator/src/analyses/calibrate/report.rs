@@ -190,7 +190,7 @@ pub fn answer(found: &CalibrationResult, scene: &str) -> Answer {
     }
     parts.extend(found.conflicts.iter().map(|conflict| AnswerPart::Text(conflict_in_words(conflict))));
     Answer {
-        name: "calibration",
+        name: "calibration".to_owned(),
         title: format!("Calibration of {scene}"),
         parts,
         prints_markdown: true,

@@ -8,6 +8,7 @@ use super::space::DesignSpace;
 use crate::analyses::paired_results::curve_names;
 use crate::presentation::report::PlotError;
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
+use crate::presentation::report::compare::ComparedStudy;
 use crate::presentation::report::format::{count, percent, rounded_cycles, three_digits};
 use crate::presentation::report::life::{
     Included, LEVELS, LifeAt, life_and_limits, life_at, reliability, states_numerical_errors, unresolved_fall,
@@ -104,7 +105,7 @@ pub fn answer(report: &DesignReport<'_>) -> Result<Answer, PlotError> {
     drawn.sort_unstable();
     drawn.dedup();
     let curve =
-        |i: usize| -> (String, StudySummary) { (report.in_words(i), report.answers[i].summary.clone()) };
+        |i: usize| ComparedStudy { name: report.in_words(i), summary: report.answers[i].summary.clone() };
     let best = report.best.as_ref().map(|best| AnswerPart::Text(best_in_words(report, best)));
     let rest = [
         AnswerPart::Figures,
@@ -112,7 +113,7 @@ pub fn answer(report: &DesignReport<'_>) -> Result<Answer, PlotError> {
         AnswerPart::Notes("Errors", sentences(report)),
     ];
     Ok(Answer {
-        name: "designs",
+        name: "designs".to_owned(),
         title: "Designs".to_owned(),
         subtitle: format!("Scene: {}", report.answers[0].summary.scene),
         parts: best.into_iter().chain(rest).collect(),

@@ -4,10 +4,10 @@ use super::result::{
     Advice, Bound, FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, TargetState,
 };
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
+use crate::presentation::report::compare::ComparedStudy;
 use crate::presentation::report::format::{shortest, significant};
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::{Axis, Figure, Plot, PlotError, Scale, Series, Shape};
-use crate::results::summary::StudySummary;
 use crate::statistics::reliability::REACH;
 use common::random::{standard_normal_pdf, standard_normal_quantile};
 
@@ -18,12 +18,12 @@ use common::random::{standard_normal_pdf, standard_normal_quantile};
 pub fn answer(
     result: &OptimisationResult,
     scene: &str,
-    curves: Vec<(String, StudySummary)>,
+    curves: Vec<ComparedStudy>,
 ) -> Result<Answer, PlotError> {
     let tables = tables(result).into_iter().map(AnswerPart::Table);
     let notes = AnswerPart::Notes("Errors and prices", notes(result));
     Ok(Answer {
-        name: "optimum",
+        name: "optimum".to_owned(),
         title: "Optimum".to_owned(),
         subtitle: format!("Scene: {scene}"),
         parts: [AnswerPart::Text(verdict(result)), AnswerPart::Figures]

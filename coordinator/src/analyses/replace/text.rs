@@ -17,7 +17,7 @@ pub fn answer(report: &ReplacementReport, scene: &Scene) -> Answer {
     let mut parts = vec![AnswerPart::Table(numbers), rates(&report.rates)];
     parts.extend(inspections(report, scene));
     Answer {
-        name: "replace",
+        name: "replace".to_owned(),
         title: format!(
             "Age replacement for failures of {subject}: planned replacement {planned_cost}, failure {failure_cost} \
              (95 % intervals)"

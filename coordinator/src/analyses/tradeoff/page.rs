@@ -33,7 +33,7 @@ pub fn answer(
         parts.push(AnswerPart::Text(text));
     }
     Answer {
-        name: "tradeoff",
+        name: "tradeoff".to_owned(),
         title: format!("Accuracy settings of `{}`, against `reference`, at {points} points", scene.name),
         parts,
         files: vec![("tradeoff.csv".to_owned(), csv(scene, rows))],

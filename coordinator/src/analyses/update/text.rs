@@ -43,7 +43,7 @@ pub fn answer(report: &FleetReport) -> Result<Answer, PlotError> {
         parts.push(AnswerPart::Notes("To be checked", warnings));
     }
     Ok(Answer {
-        name: "update",
+        name: "update".to_owned(),
         title: format!("{counted} of {}", report.scene),
         subtitle: "Remaining life after the last observation, all lives in cycles; no simulation was made"
             .to_owned(),

@@ -4,6 +4,7 @@ use super::answer::{Agreement, WhatIf};
 use super::changes::{ChangedVariable, LawParameters};
 use crate::analyses::paired_results::{ChangeOfLife, curve_names};
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
+use crate::presentation::report::compare::ComparedStudy;
 use crate::presentation::report::format::{count, percent, shortest, signed_with_width, three_digits};
 use crate::presentation::report::life::{
     Included, LEVELS, life_and_limits, life_at, reliability, rows_that_matter, states_numerical_errors,
@@ -65,11 +66,13 @@ pub fn answer(found: &WhatIf, settings: &[String], added: usize, scene: &Scene, 
     let tables = tables.into_iter().flatten().map(AnswerPart::Table);
     let notes = AnswerPart::Notes("Errors", sentences(found, added, command));
     Answer {
-        name: "what-if",
+        name: "what-if".to_owned(),
         title: format!("What if: {typed}"),
         subtitle: format!("Scene: {}", found.after.scene),
         parts: std::iter::once(AnswerPart::Figures).chain(tables).chain([notes]).collect(),
-        curves: vec![("before".to_owned(), found.before.clone()), ("after".to_owned(), found.after.clone())],
+        curves: [("before", &found.before), ("after", &found.after)]
+            .map(|(name, summary)| ComparedStudy { name: name.to_owned(), summary: summary.clone() })
+            .to_vec(),
         ..Answer::default()
     }
 }

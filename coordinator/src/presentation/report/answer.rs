@@ -8,7 +8,6 @@ use super::tables::table;
 use super::{ReportError, write_figures};
 use crate::presentation::text_table::in_columns;
 use crate::results::result_files::{create_folder, write_text};
-use crate::results::summary::StudySummary;
 use maud::{Markup, Render, html};
 use std::path::{Path, PathBuf};
 
@@ -16,7 +15,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Answer {
     /// Name of its files without their ending.
-    pub name: &'static str,
+    pub name: String,
     /// Title, the first line of a terminal.
     pub title: String,
     /// Line below the title of the page.
@@ -26,7 +25,7 @@ pub struct Answer {
     /// Figures of the page before those of the curves.
     pub figures: Vec<Figure>,
     /// Alternatives whose curves are drawn, with their names: two or more of the same limit states and checkpoints.
-    pub curves: Vec<(String, StudySummary)>,
+    pub curves: Vec<ComparedStudy>,
     /// Further files by name.
     pub files: Vec<(String, String)>,
     /// True if it is printed as Markdown, false if in columns.
@@ -153,12 +152,7 @@ impl Answer {
     /// # Errors
     /// [`PlotError`].
     pub fn all_figures(&self) -> Result<Vec<Figure>, PlotError> {
-        let study = |(name, summary): &(String, StudySummary)| ComparedStudy {
-            name: name.clone(),
-            summary: summary.clone(),
-        };
-        let studies: Vec<ComparedStudy> = self.curves.iter().map(study).collect();
-        let curves = if studies.is_empty() { vec![] } else { figures(&studies)? };
+        let curves = if self.curves.is_empty() { vec![] } else { figures(&self.curves)? };
         Ok(self.figures.iter().cloned().chain(curves).collect())
     }
 
@@ -213,7 +207,7 @@ mod tests {
         };
         let short = Table { shown: Some((vec![2], "(1 of 3)".to_owned())), ..table("All", 3) };
         let answer = Answer {
-            name: "what-if",
+            name: "what-if".to_owned(),
             title: "What if: a < b".to_owned(),
             parts: vec![
                 AnswerPart::Text("**First** this.".to_owned()),
@@ -222,7 +216,9 @@ mod tests {
                 AnswerPart::Table(short),
                 AnswerPart::Notes("Errors", vec!["It is so.".to_owned()]),
             ],
-            curves: vec![("before".to_owned(), summary.clone()), ("after".to_owned(), summary)],
+            curves: ["before", "after"]
+                .map(|name| ComparedStudy { name: name.to_owned(), summary: summary.clone() })
+                .to_vec(),
             files: vec![("more.csv".to_owned(), "a\n".to_owned())],
             ..Answer::default()
         };

@@ -1,23 +1,21 @@
 //! Comparison of finished studies on one page: overlaid reliability curves, lives, and computing effort; and the curves
 //! as CSV.
 
+use super::answer::{Answer, AnswerPart, Table};
 use super::figure::Figure;
 use super::figures::{LifeAxis, capital, curve, file_name};
 use super::format::{UNKNOWN, count, duration};
 use super::life::{
-    Included, LEVELS, failure_probability, life_at, rows_that_matter, states_numerical_errors,
-    unresolved_fall,
+    Included, LEVELS, LifeAt, failure_probability, life_and_limits, life_at, rows_that_matter,
+    states_numerical_errors, unresolved_fall,
 };
 use super::life_change::change_between;
-use super::page::{self, wrapped};
 use super::palette::{Ink, SERIES};
 use super::plot::{Axis, Plot, PlotError, Series, Shape};
-use super::tables::{life_cell, table, table_of};
 use super::words;
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::{PerLimitState, StudySummary};
 use crate::statistics::reliability::paired::Change;
-use maud::{Markup, Render, html as markup};
 use std::collections::BTreeSet;
 use thiserror::Error;
 
@@ -97,50 +95,53 @@ pub fn check(studies: &[ComparedStudy]) -> Result<(), Incomparable> {
     Ok(())
 }
 
-/// Most differing keys in the table of the page.
-const MOST_KEYS: usize = 40;
+/// Most differing keys that a terminal shows.
+const MOST_KEYS: usize = 12;
 
-/// The page; a function of the studies and of the keys in which their scenes differ, `(key, value in each study)`.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn html(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> Result<String, PlotError> {
+/// The comparison; a function of the studies and of the keys in which their scenes differ, `(key, value in each study)`. `name` is that
+/// of its files.
+pub fn answer(name: String, studies: Vec<ComparedStudy>, differing: &[(String, Vec<String>)]) -> Answer {
     let names: Vec<&str> = studies.iter().map(|study| study.name.as_str()).collect();
-    let title = format!("Studies compared: {}", names.join(", "));
-    let scenes = scenes(studies).into_iter().collect::<Vec<_>>().join(", ");
-    let figures = figures(studies)?;
-    let body = markup! {
-        header { p.brand { "Hingewise" } h1 { (title) } p.meta { "Scenes: " (scenes) } }
-        h2 { "Reliability" }
-        @if figures.is_empty() { p.none { "These studies have a single checkpoint and therefore no curves." } }
-        (page::figures(&figures, "three"))
-        h2 { "Lives" }
-        @for name in studies[0].summary.curve_names() { h3 { (capital(name)) } (lives(studies, differing, name)) }
-        @if !studies[0].summary.is_static() {
-            p.none {
-                "Differences are lives minus those of " (studies[0].name) ". Their intervals take the samples and the surrogates of \
-                 the studies as independent. Where accuracy, contact laws or control points differ, they contain the numerical errors of \
-                 both studies; elsewhere they leave these out, which shift all lives in the same direction."
-            }
+    let first = &studies[0];
+    let is_static = first.summary.is_static();
+    let text = |text: &str| AnswerPart::Text(text.to_owned());
+    let mut parts = vec![AnswerPart::Figures];
+    if is_static {
+        parts.push(text("These studies have a single checkpoint and therefore no curves."));
+    }
+    parts.extend(first.summary.curve_names().map(|name| AnswerPart::Table(lives(&studies, differing, name))));
+    if !is_static {
+        parts.push(AnswerPart::Text(format!(
+            "Differences are lives minus those of {}. Their intervals take the samples and the surrogates of the studies as independent. \
+             Where accuracy, contact laws or control points differ, they contain the numerical errors of both studies; elsewhere they \
+             leave these out, which shift all lives in the same direction.",
+            first.name
+        )));
+    }
+    if studies.iter().any(|study| states_numerical_errors(&study.summary)) {
+        parts
+            .push(text("The intervals of the lives contain the stated numerical errors of the simulations."));
+    }
+    for study in &studies {
+        if let Some(note) = unresolved_fall(&study.summary) {
+            parts.push(AnswerPart::Text(format!("**Caution:** {}: {note}", study.name)));
         }
-        @if studies.iter().any(|study| states_numerical_errors(&study.summary)) {
-            p.none { "The intervals of the lives contain the stated numerical errors of the simulations." }
-        }
-        @for study in studies {
-            @if let Some(note) = unresolved_fall(&study.summary) {
-                p.note { strong { "Caution:" } " " (study.name) ": " (note) }
-            }
-        }
-        h2 { "Differences of the scenes" }
-        @if differing.is_empty() { p.none { "The scenes are the same." } }
-        @else { (differences(studies, differing)) }
-        @if differing.len() > MOST_KEYS {
-            p.none { "And " (differing.len() - MOST_KEYS) " further keys." }
-        }
-        h2 { "Settings and computing effort" }
-        (effort(studies))
-    };
-    Ok(wrapped(&title, &body))
+    }
+    parts.push(if differing.is_empty() {
+        text("The scenes are the same.")
+    } else {
+        AnswerPart::Table(differences(&names, differing))
+    });
+    parts.push(AnswerPart::Table(effort(&studies)));
+    Answer {
+        title: format!("Studies compared: {}", names.join(", ")),
+        subtitle: format!("Scenes: {}", scenes(&studies).into_iter().collect::<Vec<_>>().join(", ")),
+        files: vec![(format!("{name}.csv"), csv(&studies))],
+        name,
+        parts,
+        curves: studies,
+        ..Answer::default()
+    }
 }
 
 fn scenes(studies: &[ComparedStudy]) -> BTreeSet<&str> {
@@ -186,26 +187,32 @@ pub fn figures(studies: &[ComparedStudy]) -> Result<Vec<Figure>, PlotError> {
 }
 
 /// Lives of every study at the usual levels of reliability, or its probability of failure.
-fn lives(studies: &[ComparedStudy], differing: &[(String, Vec<String>)], name: &str) -> Markup {
+fn lives(studies: &[ComparedStudy], differing: &[(String, Vec<String>)], name: &str) -> Table {
     if studies[0].summary.is_static() {
         let rows = studies.iter().map(|study| {
             let row = study.summary.reliability.first();
-            let pf = row.map_or(UNKNOWN.to_string(), |row| failure_probability(row, name));
-            vec![study.name.render(), pf.render()]
+            vec![study.name.clone(), row.map_or(UNKNOWN.to_string(), |row| failure_probability(row, name))]
         });
-        return table(&["study", "probability of failure (95 %)"], rows);
+        return Table::new(capital(name), ["study", "probability of failure (95 %)"], rows);
     }
     let levels = LEVELS.map(|level| format!("at R = {level} (95 % interval)"));
-    let head: Vec<String> = std::iter::once("life [cycles]".to_string()).chain(levels).collect();
     let rows = studies.iter().map(|study| {
-        let lives = LEVELS.map(|level| life_cell(life_at(&study.summary, name, level, Included::All)));
-        std::iter::once(study.name.render()).chain(lives).collect()
+        let lives = LEVELS.map(|level| life_in_words(life_at(&study.summary, name, level, Included::All)));
+        [vec![study.name.clone()], lives.to_vec()].concat()
     });
     let gains = studies.iter().enumerate().skip(1).map(|(k, study)| {
-        let gains = LEVELS.map(|level| gain(studies, differing, k, (name, level)).1.render());
-        std::iter::once(format!("{} minus {}", study.name, studies[0].name).render()).chain(gains).collect()
+        let gains = LEVELS.map(|level| gain(studies, differing, k, (name, level)).1);
+        [vec![format!("{} minus {}", study.name, studies[0].name)], gains.to_vec()].concat()
     });
-    table(&head, rows.chain(gains))
+    let head = std::iter::once("life [cycles]".to_owned()).chain(levels);
+    Table::new(capital(name), head, rows.chain(gains))
+}
+
+fn life_in_words(life: LifeAt) -> String {
+    match life_and_limits(life) {
+        (life, limits) if limits.is_empty() => life,
+        (life, limits) => format!("{life} ({limits})"),
+    }
 }
 
 /// Change of a life, of a curve at a level, from the first study to study `k`, and in words. It contains numerical errors where
@@ -225,31 +232,32 @@ pub fn gain(
 }
 
 /// The keys in which the scenes differ, with their values.
-fn differences(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> Markup {
-    let head: Vec<&str> =
-        std::iter::once("key").chain(studies.iter().map(|study| study.name.as_str())).collect();
-    let rows = differing.iter().take(MOST_KEYS).map(|(key, values)| {
-        std::iter::once(key.render()).chain(values.iter().map(Render::render)).collect()
-    });
-    table(&head, rows)
+fn differences(names: &[&str], differing: &[(String, Vec<String>)]) -> Table {
+    let rows = differing.iter().map(|(key, values)| [std::slice::from_ref(key), values].concat());
+    let head = ["key"].into_iter().chain(names.iter().copied());
+    let more = differing.len().saturating_sub(MOST_KEYS);
+    let shown =
+        (more > 0).then(|| ((0..MOST_KEYS).collect(), format!("(and {more} further keys, see the page)")));
+    Table { shown, ..Table::new("Differences of the scenes", head, rows) }
 }
 
 /// Scene, method, accuracy, seed, evaluations and time of every study.
-fn effort(studies: &[ComparedStudy]) -> Markup {
-    table_of::<&ComparedStudy>(
-        &[
-            ("study", &|study| study.name.clone()),
-            ("scene", &|study| study.summary.scene.clone()),
-            ("method", &|study| study.summary.method.clone()),
-            ("accuracy", &|study| words::accuracy(&study.summary)),
-            ("seed", &|study| study.summary.seed.to_string()),
-            ("simulations", &|study| count(study.summary.evaluations.total as u64)),
-            ("of these without a result", &|study| count(study.summary.evaluations.failed as u64)),
-            ("time of the study", &|study| duration(study.summary.timing_s.total)),
-            ("version", &|study| study.summary.version.clone()),
-        ],
-        studies,
-    )
+fn effort(studies: &[ComparedStudy]) -> Table {
+    let head = "study | scene | method | accuracy | seed | simulations | without a result | time of the study | version";
+    let rows = studies.iter().map(|ComparedStudy { name, summary }| {
+        vec![
+            name.clone(),
+            summary.scene.clone(),
+            summary.method.clone(),
+            words::accuracy(summary),
+            summary.seed.to_string(),
+            count(summary.evaluations.total as u64),
+            count(summary.evaluations.failed as u64),
+            duration(summary.timing_s.total),
+            summary.version.clone(),
+        ]
+    });
+    Table::new("Settings and computing effort", head.split(" | "), rows).with_left(&[0, 1, 2, 3])
 }
 
 /// Every curve of every study: `study`, `limit_state`, `cycles`, `R`, `standard_error`, and the 95 % interval `lower`, `upper`,
@@ -295,25 +303,24 @@ mod tests {
     fn curves_lives_and_costs_of_all_stand_on_one_page() {
         let studies = two();
         check(&studies).unwrap();
-        let names: Vec<String> = figures(&studies).unwrap().into_iter().map(|figure| figure.name).collect();
-        assert_eq!(names, ["reliability-wear", "reliability-asymmetry", "reliability-total"]);
         let width = ("parameters.width".to_owned(), vec!["10 mm".to_owned(), "12 mm".to_owned()]);
-        let html = html(&studies, &[width]).unwrap();
-        roxmltree::Document::parse(&html[html.find("<body>").unwrap()..html.find("</html>").unwrap()])
-            .unwrap();
-        assert!(!html.contains("http") && !html.contains("<script"));
+        let answer = answer("compare".to_owned(), studies.to_vec(), &[width]);
+        let names: Vec<String> =
+            answer.all_figures().unwrap().into_iter().map(|figure| figure.name).collect();
+        assert_eq!(names, ["reliability-wear", "reliability-asymmetry", "reliability-total"]);
+        let markdown = answer.markdown();
         let life = life_and_limits(life_at(&studies[1].summary, "asymmetry", 0.5, Included::All)).0;
         for text in [
             life,
-            "<td>draft</td>".into(),
-            "<td>a &amp; b</td>".into(),
-            "<h3>Total</h3>".into(),
-            "<td>12 mm</td>".into(),
-            "<td>harder minus a &amp; b</td>".into(),
+            "| draft |".into(),
+            "| a & b |".into(),
+            "## Total".into(),
+            "| 12 mm |".into(),
+            "| harder minus a & b |".into(),
         ] {
-            assert!(html.contains(&text), "{text}");
+            assert!(markdown.contains(&text), "{text}");
         }
-        let csv = csv(&studies);
+        let csv = &answer.files[0].1;
         assert_eq!(csv.lines().count(), 1 + 2 * 3 * 72);
         let r = studies[1].summary.reliability[64].reliability["total"];
         assert!(csv.contains(&format!("harder,total,65000,{r:?},")), "{csv}");
