@@ -146,6 +146,11 @@ fn the_nominal_drive_is_simulated_as_the_tables_say() {
     assert_eq!(right.label, "right");
     let highest = right.angle.iter().copied().fold(f64::MIN, f64::max).to_degrees();
     close(shown("highest rocker angle, right", 2), highest, 0.011);
+    let left = &evaluation.first_cycle.as_ref().unwrap().bodies[1];
+    assert_eq!(left.label, "left");
+    let apart = right.angle.iter().zip(&left.angle).map(|(right, left)| (right - left).abs());
+    let apart = apart.fold(0.0, f64::max).to_degrees();
+    close(shown("rotations in joints 5 and 6, largest difference", 2), apart, 0.011);
     let rpm = 30.0 / std::f64::consts::PI;
     // Closed form of the links without mass: clearance alone.
     close(shown("difference, unworn", 2), rpm * evaluation.start[1].unwrap(), 0.05);

@@ -142,7 +142,7 @@ impl InLanes for Sharing<'_> {
 impl Sharing<'_> {
     /// `WORN` if the journal wears, by the rule `D`: compiled for each, since the cases within the loop take a third of the time.
     #[inline(always)]
-    fn share<R: Real, const WORN: bool, D: Distribution>(self, like: R) {
+    fn share<R: Real, const WORN: bool, D: ShareRule>(self, like: R) {
         let LocalArcs { ends, samples, unrolled, further, journal, .. } = self.arcs;
         let journal = if WORN { journal.as_ref() } else { None };
         let (unrolled, of_journal) = unrolled.split_at_mut(3 * self.profile.points());
@@ -250,7 +250,7 @@ impl ArcEnd {
 }
 
 /// A rule by which the wear of an arc is distributed over the control points.
-trait Distribution {
+trait ShareRule {
     /// Adds to the points of a surface their parts of the `amount` of an arc between two places.
     fn share_out(unrolled: &mut [f64], ends: [ArcEnd; 2], amount: f64);
 }
@@ -261,14 +261,14 @@ struct HatShares;
 /// To the points inside.
 struct PointsInside;
 
-impl Distribution for HatShares {
+impl ShareRule for HatShares {
     #[inline(always)]
     fn share_out(unrolled: &mut [f64], ends: [ArcEnd; 2], amount: f64) {
         share_out(unrolled, ends, amount);
     }
 }
 
-impl Distribution for PointsInside {
+impl ShareRule for PointsInside {
     #[inline(always)]
     fn share_out(unrolled: &mut [f64], [start, end]: [ArcEnd; 2], amount: f64) {
         let length = end.x - start.x;

@@ -24,6 +24,7 @@ mod n_four_bar;
 mod nominal;
 mod outputs;
 mod published;
+mod published_wear;
 mod quasi_static;
 mod rattling;
 mod restitution;
