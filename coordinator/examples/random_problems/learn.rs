@@ -1,5 +1,6 @@
 //! One random problem, learned once as `run` learns a scene without a section `[study]`.
 
+use super::known_lives::LifeComparison;
 use super::problem::{Class, RandomProblem};
 use super::truth::Truth;
 use coordinator::statistics::design::InputModel;
@@ -51,6 +52,8 @@ pub struct Run {
     pub truth: (f64, f64),
     /// Comparison at every checkpoint `(m,)`; empty if too many simulations failed.
     pub checkpoints: Vec<Comparison>,
+    /// Comparison of the lives that the checkpoints resolve; empty without wear.
+    pub lives: Vec<LifeComparison>,
     /// Stated surrogate error at the end of life [1].
     pub surrogate_error: f64,
     /// Failure probability by the true responses over the population that the engine classified [1].
@@ -123,6 +126,7 @@ pub fn learn(
         shape: (problem.dimension(), modes),
         truth: (truth.pf[m - 1], truth.standard_error[m - 1]),
         checkpoints: vec![],
+        lives: vec![],
         surrogate_error: f64::NAN,
         on_population: f64::NAN,
         calls,
@@ -142,22 +146,25 @@ fn compared(problem: &RandomProblem, truth: &Truth, learned: &CampaignResult, bl
     let m = problem.checkpoints();
     let stated = learned.reliability();
     let system = &stated[stated.len() - 1];
-    let checkpoints = (0..m).map(|n| Comparison {
+    let checkpoint = |n: usize| Comparison {
         pf: 1.0 - system[n].reliability,
         standard_error: system[n].standard_error,
         truth: truth.pf[n],
         truth_error: truth.standard_error[n],
-    });
+    };
+    let checkpoints: Vec<Comparison> = (0..m).map(checkpoint).collect();
     let population = &learned.classified.population;
     let of_system = learned.assessment.errors.by_curve.last().and_then(|errors| errors.last());
     let mut history = vec![0.0; m];
     let mut fails = |j: &usize| {
-        problem.running_maximum(population.standardised(*j), &mut history);
+        let z = problem.in_standard_deviations(&population.physical(*j));
+        problem.running_maximum(&z, &mut history);
         history[m - 1] >= truth.limit
     };
     let failed = (0..population.len()).filter(|j| fails(j)).count();
     Run {
-        checkpoints: checkpoints.collect(),
+        lives: LifeComparison::all(problem, truth, &checkpoints),
+        checkpoints,
         surrogate_error: learned.classified.condition.probability * of_system.copied().unwrap_or(f64::NAN),
         on_population: learned.classified.condition.probability * failed as f64 / population.len() as f64,
         population: population.len(),

@@ -5,10 +5,23 @@
 //! ```sh
 //! cargo run --release -p coordinator --example random_problems -- --half settle --samples 20000
 //! cargo run --release -p coordinator --example random_problems -- --half report --class islands --csv islands.csv
+//! cargo run --release -p coordinator --example random_problems -- --family bulk
+//! cargo run --release -p coordinator --example random_problems -- --family lives --count 60
 //! ```
+//!
+//! The family `bulk` has bumps, ridges and waves where most of the population lies, with failure probabilities of 1e-3 to
+//! 0.1. The family `lives` has wear over 20 to 60 checkpoints; a second table tells in how many problems the true lives at
+//! R = 0.99, 0.9 and 0.5 lie within the lives read from the limits of R(n).
 
+mod bulk;
+mod course;
+mod draw;
 mod family;
+mod first;
+mod known_lives;
 mod learn;
+mod lives;
+mod lives_table;
 mod problem;
 mod response;
 mod table;
@@ -16,6 +29,7 @@ mod truth;
 
 use clap::{Parser, ValueEnum};
 use coordinator::study::Settings;
+use family::Family;
 use std::error::Error;
 use std::fs::File;
 use std::io::Write;
@@ -33,13 +47,17 @@ enum Half {
 /// Learn a family of random problems of known failure probability
 #[derive(Debug, Parser)]
 struct Arguments {
+    /// Family of problems
+    #[arg(long, default_value = "first")]
+    family: Family,
     /// Half of the family: problems for settling on a method, or for reporting it
     #[arg(long, default_value = "settle")]
     half: Half,
     /// Number of problems of this half
     #[arg(long, default_value = "120", value_name = "N")]
     count: u64,
-    /// A class, several if repeated: islands, kink, fourier, lines, system, jump, history [default: all]
+    /// A class of the family, several if repeated: islands, kink, fourier, lines, system, jump, history; bumps, ridge,
+    /// periodic; lognormal, exponential, weibull, bimodal, wear, competing [default: all]
     #[arg(long, value_name = "NAME")]
     class: Vec<String>,
     /// A problem by its number, several if repeated [default: all]
@@ -73,13 +91,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{line}");
         csv.as_mut().map_or(Ok(()), |file| writeln!(file, "{line}"))
     };
+    let has_lives = arguments.family == Family::Lives;
     if !arguments.truths {
-        write(table::HEADER)?;
+        write(&format!("{}{}", table::HEADER, if has_lives { lives_table::HEADER } else { "" }))?;
     }
     let mut runs = Vec::new();
     for index in chosen(&arguments)? {
         let started = Instant::now();
-        let problem = family::problem(arguments.seed, index);
+        let problem = arguments.family.problem(arguments.seed, index);
         let truth = truth::truth(&problem);
         if arguments.truths {
             let (d, m) = (problem.dimension(), problem.checkpoints());
@@ -97,18 +116,22 @@ fn main() -> Result<(), Box<dyn Error>> {
         let samples = arguments.samples.unwrap_or(defaults.samples);
         let settings = Settings { samples, seed: index + 1, ..defaults };
         let run = learn::learn(&problem, &truth, settings, arguments.trace)?;
-        write(&table::line(&run))?;
+        let lives = if has_lives { lives_table::columns(&run) } else { String::new() };
+        write(&format!("{}{lives}", table::line(&run)))?;
         runs.push(run);
     }
     if !runs.is_empty() {
         println!("\n{}", table::markdown(&table::rows(&runs)));
+        if has_lives {
+            println!("{}", lives_table::markdown(&runs));
+        }
     }
     Ok(())
 }
 
 /// Numbers of the problems asked for.
 fn chosen(arguments: &Arguments) -> Result<Vec<u64>, String> {
-    let known = problem::Class::ALL.map(problem::Class::name);
+    let known = arguments.family.classes();
     if let Some(unknown) = arguments.class.iter().find(|name| !known.contains(&name.as_str())) {
         return Err(format!("--class {unknown}: unknown, allowed: {}", known.join(", ")));
     }
@@ -118,7 +141,7 @@ fn chosen(arguments: &Arguments) -> Result<Vec<u64>, String> {
     let offset = u64::from(arguments.half == Half::Report);
     let wanted = |index: &u64| {
         arguments.class.is_empty()
-            || arguments.class.iter().any(|name| name == family::class_of(*index).name())
+            || arguments.class.iter().any(|name| name == arguments.family.class_of(*index).name())
     };
     Ok((0..arguments.count).map(|i| 2 * i + offset).filter(wanted).collect())
 }

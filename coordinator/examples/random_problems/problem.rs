@@ -1,6 +1,7 @@
 //! A random problem: its variables, responses and life, and what a simulation of it returns.
 
-use super::response::{Growth, Response, dot, hash_to_normal, hash_to_unit};
+use super::course::Course;
+use super::response::{Response, dot, hash_to_normal, hash_to_unit};
 use common::failure::SimulationFailure;
 use common::random::Distribution;
 use coordinator::study::{Observed, ObservedOutcome};
@@ -24,12 +25,46 @@ pub enum Class {
     Jump,
     /// Histories over life, monotone or not.
     History,
+    /// Gaussian bumps and valleys.
+    Bumps,
+    /// Waves beyond a smooth step.
+    Ridge,
+    /// Waves throughout, with a bump.
+    Periodic,
+    /// A lognormal life.
+    Lognormal,
+    /// An exponential life.
+    Exponential,
+    /// A Weibull life.
+    Weibull,
+    /// Short lives beyond the threshold of a second variable.
+    Bimodal,
+    /// A product of powers of several variables.
+    Wear,
+    /// The lesser of two lives.
+    Competing,
 }
 
 impl Class {
     /// All classes, in the order of the tables.
-    pub const ALL: [Self; 7] =
-        [Self::Islands, Self::Kink, Self::Fourier, Self::Lines, Self::System, Self::Jump, Self::History];
+    pub const ALL: [Self; 16] = [
+        Self::Islands,
+        Self::Kink,
+        Self::Fourier,
+        Self::Lines,
+        Self::System,
+        Self::Jump,
+        Self::History,
+        Self::Bumps,
+        Self::Ridge,
+        Self::Periodic,
+        Self::Lognormal,
+        Self::Exponential,
+        Self::Weibull,
+        Self::Bimodal,
+        Self::Wear,
+        Self::Competing,
+    ];
 
     /// Name on the command line.
     pub const fn name(self) -> &'static str {
@@ -41,6 +76,15 @@ impl Class {
             Self::System => "system",
             Self::Jump => "jump",
             Self::History => "history",
+            Self::Bumps => "bumps",
+            Self::Ridge => "ridge",
+            Self::Periodic => "periodic",
+            Self::Lognormal => "lognormal",
+            Self::Exponential => "exponential",
+            Self::Weibull => "weibull",
+            Self::Bimodal => "bimodal",
+            Self::Wear => "wear",
+            Self::Competing => "competing",
         }
     }
 }
@@ -78,8 +122,8 @@ pub struct RandomProblem {
     pub modes: Vec<Response>,
     /// Unit of each limit state's output, over that of the response [1].
     pub units: Vec<f64>,
-    /// Growth over the life; `None` for one checkpoint.
-    pub growth: Option<Growth>,
+    /// Course over the life.
+    pub course: Course,
     /// Numerical noise.
     pub noise: Noise,
     /// Simulations that fail.
@@ -99,7 +143,7 @@ impl RandomProblem {
 
     /// Number of checkpoints m.
     pub fn checkpoints(&self) -> usize {
-        self.growth.as_ref().map_or(1, |growth| growth.checkpoints)
+        self.course.checkpoints()
     }
 
     /// Standardised point z `(d,)` [1] of independent standard normals u `(d,)` [1].
@@ -133,11 +177,7 @@ impl RandomProblem {
     }
 
     fn history(&self, mode: &Response, z: &[f64], history: &mut [f64]) {
-        let start = mode.value(z);
-        match &self.growth {
-            Some(growth) => growth.history(start, z, history),
-            None => history.fill(start),
-        }
+        self.course.history(mode.value(z), z, history);
     }
 
     /// What a simulation at x `(d,)` returns: each limit state's output, which fails at zero. `limit` and `spread` are
@@ -163,10 +203,14 @@ impl RandomProblem {
             history.iter().enumerate().map(|(n, y)| unit * (y - limit + noise(n))).collect::<Vec<f64>>()
         };
         let histories: Vec<Vec<f64>> = self.modes.iter().zip(&self.units).enumerate().map(output).collect();
-        if !self.noise.is_stated {
-            return Ok(Observed::exact(histories));
+        let mut observed = Observed::exact(histories);
+        if self.noise.is_stated {
+            observed.errors =
+                self.units.iter().map(|unit| vec![unit * self.noise.share * spread; m]).collect();
         }
-        let errors = self.units.iter().map(|unit| vec![unit * self.noise.share * spread; m]).collect();
-        Ok(Observed { errors, ..Observed::exact(histories) })
+        if matches!(self.course, Course::Wear { .. }) {
+            observed.start = self.units.iter().map(|unit| Some(-unit * limit)).collect();
+        }
+        Ok(observed)
     }
 }

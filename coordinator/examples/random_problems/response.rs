@@ -2,7 +2,6 @@
 //! several sums.
 
 use common::random::standard_normal_quantile;
-use std::f64::consts::TAU;
 
 /// One term of a sum, over the standardised variables z `(d,)` [1].
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +44,39 @@ pub enum Term {
         /// Place of the jump along the direction [1].
         edge: f64,
     },
+    /// height exp(-|z - centre|^2 / (2 width^2)); a valley with a height below zero
+    Bump {
+        /// Height [1].
+        height: f64,
+        /// Centre `(d,)` [1].
+        centre: Vec<f64>,
+        /// Width [1].
+        width: f64,
+    },
+    /// height (1 + tanh((w . z - edge) / width)) / 2
+    Step {
+        /// Height [1].
+        height: f64,
+        /// Direction w `(d,)` [1].
+        direction: Vec<f64>,
+        /// Place of the step along the direction [1].
+        edge: f64,
+        /// Width [1].
+        width: f64,
+    },
+    /// Product of a [`Term::Step`] and a [`Term::Wave`]
+    Ridge(Box<Term>, Box<Term>),
+    /// exponent ln(mean (1 + cov z_k)): the logarithm of a power of a positive variable
+    Logarithm {
+        /// Exponent [1].
+        exponent: f64,
+        /// Index k of the variable.
+        variable: usize,
+        /// Mean of the variable in the unit of the response.
+        mean: f64,
+        /// Its coefficient of variation [1].
+        cov: f64,
+    },
 }
 
 /// Scalar product.
@@ -68,6 +100,18 @@ impl Term {
                     0.0
                 }
             }
+            Self::Bump { height, centre, width } => {
+                let square: f64 = z.iter().zip(centre).map(|(z, c)| (z - c).powi(2)).sum();
+                height * (-0.5 * square / width.powi(2)).exp()
+            }
+            Self::Step { height, direction, edge, width } => {
+                0.5 * height * (1.0 + ((dot(direction, z) - edge) / width).tanh())
+            }
+            Self::Ridge(step, wave) => step.value(z) * wave.value(z),
+            Self::Logarithm { exponent, variable, mean, cov } => {
+                // Rounding leaves no value at or below zero.
+                exponent * (mean * (1.0 + cov * z[*variable]).max(f64::EPSILON)).ln()
+            }
         }
     }
 }
@@ -90,38 +134,6 @@ impl Response {
             Self::Sum(terms) => terms.iter().map(|term| term.value(z)).sum(),
             Self::Largest(parts) => parts.iter().map(|part| part.value(z)).fold(f64::NEG_INFINITY, f64::max),
             Self::Least(parts) => parts.iter().map(|part| part.value(z)).fold(f64::INFINITY, f64::min),
-        }
-    }
-}
-
-/// Growth of a response over the life; tau = (n + 1) / m runs over the checkpoints n.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Growth {
-    /// Number of checkpoints m.
-    pub checkpoints: usize,
-    /// Logarithm of the growth over the whole life.
-    pub log_rate: Response,
-    /// Exponent of tau [1].
-    pub exponent: f64,
-    /// Amplitude of the oscillation over the life [1]; zero for a monotone history.
-    pub amplitude: f64,
-    /// Periods of the oscillation in a life [1].
-    pub periods: f64,
-    /// Phase of the oscillation, in periods.
-    pub phase: Response,
-}
-
-impl Growth {
-    /// History `(m,)` of a response of first value `start` at z `(d,)` [1].
-    pub fn history(&self, start: f64, z: &[f64], history: &mut [f64]) {
-        let rate = self.log_rate.value(z).exp();
-        let phase = if self.amplitude == 0.0 { 0.0 } else { self.phase.value(z) };
-        for (n, y) in history.iter_mut().enumerate() {
-            let tau = (n + 1) as f64 / self.checkpoints as f64;
-            *y = start + rate * tau.powf(self.exponent);
-            if self.amplitude != 0.0 {
-                *y += self.amplitude * (TAU * (self.periods * tau + phase)).sin();
-            }
         }
     }
 }

@@ -6,7 +6,7 @@ use coordinator::study::StopReason;
 use std::fmt::Write;
 
 /// Stated errors beyond which a run counts as wrong.
-const FAR: f64 = 4.0;
+pub const FAR: f64 = 4.0;
 /// True probabilities outside of which a checkpoint of a history is not compared [1].
 const COMPARED: (f64, f64) = (1e-4, 0.9999);
 
@@ -74,7 +74,7 @@ pub struct Row {
 }
 
 /// Checkpoints of a run that are compared: all that are neither certain survival nor certain failure.
-fn compared(run: &Run) -> Vec<Comparison> {
+pub fn compared(run: &Run) -> Vec<Comparison> {
     let open = |c: &&Comparison| c.truth >= COMPARED.0 && c.truth <= COMPARED.1;
     if run.checkpoints.len() > 1 {
         run.checkpoints.iter().filter(open).copied().collect()
@@ -83,7 +83,8 @@ fn compared(run: &Run) -> Vec<Comparison> {
     }
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+/// The middle of some values, the upper one of two; NaN of none.
+pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
@@ -152,7 +153,8 @@ pub fn markdown(rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::family::{class_of, problem};
+    use crate::course::Course;
+    use crate::family::Family;
     use crate::truth::truth;
     use common::random::standard_normal_cdf;
     use coordinator::statistics::learning::Rule;
@@ -166,6 +168,7 @@ mod tests {
             shape: (2, 1),
             truth: (0.01, 0.0),
             checkpoints,
+            lives: vec![],
             surrogate_error: 1e-4,
             on_population: 0.01,
             calls: 50,
@@ -186,17 +189,17 @@ mod tests {
 
     #[test]
     fn half_of_either_half_is_hard_and_truths_agree_with_closed_forms() {
-        let hard = |index: &u64| matches!(class_of(*index), Class::Islands | Class::Kink);
+        let hard = |index: &u64| matches!(Family::First.class_of(*index), Class::Islands | Class::Kink);
         for half in 0..2 {
             assert_eq!((0..48).filter(|index| index % 2 == half).filter(hard).count(), 12);
         }
-        let mut plane = problem(1, 0);
+        let mut plane = Family::First.problem(1, 0);
         let response = crate::response::Term::Plane(vec![0.6, 0.8]);
         let d = 2;
         plane.variables.truncate(d);
         plane.variables.resize(d, plane.variables[0].clone());
         plane.modes = vec![crate::response::Response::Sum(vec![response])];
-        plane.growth = None;
+        plane.course = Course::Once;
         for (wanted, centres) in [(0.02, vec![vec![0.0; d]]), (1e-6, vec![vec![0.0; d], vec![2.85, 3.8]])] {
             (plane.wanted, plane.centres) = (wanted, centres);
             let truth = truth(&plane);

@@ -7,15 +7,17 @@
 //!
 //! which makes the mean of w times the indicator of failure unbiased for any centres. With up to three variables the points
 //! are those of a shifted lattice, with more they are random; either way in eight independent batches, whose
-//! spread gives the standard error.
+//! spread gives the standard error. Lives of known distribution have a closed form instead.
 //!
 //! # Source
 //! Balance heuristic: Veach, Guibas (1995); Owen, Zhou (2000), Safe and effective importance sampling. Lattices:
 //! generalised golden ratio, Roberts (2018).
 
+use super::course::Course;
+use super::known_lives::{failed_by, life_of_share};
 use super::problem::RandomProblem;
 use super::response::dot;
-use common::random::standard_normal_quantile;
+use common::random::{Distribution as Law, standard_normal_quantile};
 use rand::RngExt;
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -46,18 +48,44 @@ pub struct Truth {
 /// Weight and running maxima of one batch.
 struct Batch {
     weights: Vec<f64>,
-    /// Running maxima `(points, m)` row-major [1].
+    /// Running maxima `(points, kept)` row-major [1]; see [`kept`].
     maxima: Vec<f64>,
+}
+
+/// Checkpoints whose running maxima are kept: all, or the first where the others are its multiples.
+const fn kept(problem: &RandomProblem) -> usize {
+    match problem.course {
+        Course::Wear { .. } => 1,
+        _ => problem.course.checkpoints(),
+    }
 }
 
 /// Truth of a problem; the limit has the wanted probability at the end of life.
 pub fn truth(problem: &RandomProblem) -> Truth {
-    let m = problem.checkpoints();
+    match &problem.course {
+        Course::Wear { checkpoints, laws } if !laws.is_empty() => {
+            of_known_lives(laws, *checkpoints, problem.wanted)
+        }
+        _ => integrated(problem),
+    }
+}
+
+/// Truth of a problem whose life over the limit is the least of independent variables.
+fn of_known_lives(laws: &[Law], m: usize, wanted: f64) -> Truth {
+    let limit = m as f64 / life_of_share(laws, wanted);
+    let pf = (1..=m).map(|n| failed_by(laws, n as f64 / limit)).collect();
+    Truth { limit, spread: 0.0, pf, standard_error: vec![0.0; m] }
+}
+
+fn integrated(problem: &RandomProblem) -> Truth {
+    let (m, kept) = (problem.checkpoints(), kept(problem));
     let batches: Vec<Batch> = (0..BATCHES).into_par_iter().map(|batch| evaluate(problem, batch)).collect();
     let points: usize = batches.iter().map(|batch| batch.weights.len()).sum();
     let mut last: Vec<(f64, f64)> = Vec::with_capacity(points);
     for batch in &batches {
-        last.extend(batch.maxima.iter().skip(m - 1).step_by(m).copied().zip(batch.weights.iter().copied()));
+        let factor = (m / kept) as f64;
+        let of_batch = batch.maxima.iter().skip(kept - 1).step_by(kept).map(|y| y * factor);
+        last.extend(of_batch.zip(batch.weights.iter().copied()));
     }
     let moment = |power: i32| last.iter().map(|(y, w)| w * y.powi(power)).sum::<f64>() / points as f64;
     let spread = (moment(2) - moment(1).powi(2)).max(0.0).sqrt();
@@ -72,7 +100,7 @@ pub fn truth(problem: &RandomProblem) -> Truth {
     }
     let (mut pf, mut standard_error) = (Vec::with_capacity(m), Vec::with_capacity(m));
     for n in 0..m {
-        let shares: Vec<f64> = batches.iter().map(|batch| batch.share(n, m, limit)).collect();
+        let shares: Vec<f64> = batches.iter().map(|batch| batch.share(n, kept, limit)).collect();
         let mean = shares.iter().sum::<f64>() / shares.len() as f64;
         let variance = shares.iter().map(|share| (share - mean).powi(2)).sum::<f64>();
         let count = shares.len() as f64;
@@ -83,22 +111,25 @@ pub fn truth(problem: &RandomProblem) -> Truth {
 }
 
 impl Batch {
-    /// Estimate of the failure probability by checkpoint n [1].
-    fn share(&self, n: usize, m: usize, limit: f64) -> f64 {
-        let failed = self.weights.iter().enumerate().filter(|(j, _)| self.maxima[j * m + n] >= limit);
+    /// Estimate of the failure probability by checkpoint n [1] from `kept` running maxima of each point.
+    fn share(&self, n: usize, kept: usize, limit: f64) -> f64 {
+        let place = n.min(kept - 1);
+        let factor = (n - place + 1) as f64;
+        let failed =
+            self.weights.iter().enumerate().filter(|(j, _)| self.maxima[j * kept + place] * factor >= limit);
         failed.map(|(_, w)| w).sum::<f64>() / self.weights.len() as f64
     }
 }
 
 fn evaluate(problem: &RandomProblem, batch: u64) -> Batch {
-    let (d, m) = (problem.dimension(), problem.checkpoints());
+    let (d, kept) = (problem.dimension(), kept(problem));
     let mut rng = ChaCha12Rng::seed_from_u64(problem.index);
     rng.set_stream(batch);
     let centres = &problem.centres;
     let each = if d <= LATTICE_VARIABLES { LATTICE } else { RANDOM } / centres.len();
     let mut weights = Vec::with_capacity(each * centres.len());
-    let mut maxima = Vec::with_capacity(each * centres.len() * m);
-    let (mut u, mut z, mut history) = (vec![0.0; d], vec![0.0; d], vec![0.0; m]);
+    let mut maxima = Vec::with_capacity(each * centres.len() * kept);
+    let (mut u, mut z, mut history) = (vec![0.0; d], vec![0.0; d], vec![0.0; kept]);
     for centre in centres {
         let lattice = (d <= LATTICE_VARIABLES).then(|| Lattice::new(each, d, &mut rng));
         for i in 0..each {
