@@ -207,6 +207,7 @@ pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Marku
                 "."
             }
         }
+        @for choice in scene.wear.chosen() { p { "Wear: " (choice) "." } }
         @if !scene.conditions.is_empty() { (conditions(scene, written)) }
     }
 }
