@@ -50,10 +50,10 @@ mod samples;
 mod settings;
 mod step;
 mod stopped;
+mod stored_outcome;
 mod surrogate_rows;
 mod surrogates;
 mod untested;
-mod verification;
 
 #[cfg(test)]
 mod campaign_tests;
@@ -69,8 +69,6 @@ mod life_tests;
 mod lives_tests;
 #[cfg(test)]
 mod two_sided_tests;
-#[cfg(test)]
-mod verification_tests;
 
 pub use campaign::Campaign;
 pub use campaign_result::CampaignResult;
@@ -90,11 +88,8 @@ pub use round::Assessment;
 pub use samples::simulate_samples;
 pub use settings::{LARGEST_POPULATION, Method, SettingError, Settings, StudyAccuracy};
 pub use step::{CampaignError, SampleRequest, Step, StopReason};
+pub use stored_outcome::{SimulatedPoint, StoredOutcome, completed};
 pub use surrogates::Surrogate;
-pub use verification::{
-    SimulatedPoint, StoredOutcome, Verification, Verified, VerifiedRow, completed, first_failures, verify,
-    verify_study,
-};
 
 use crate::farm::evaluate::Evaluator;
 use crate::results::journal::Journal;

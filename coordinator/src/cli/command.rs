@@ -17,7 +17,6 @@ use super::status::StatusArguments;
 use super::study_options::{ResumeArguments, RunArguments};
 use super::tradeoff::TradeoffArguments;
 use super::update::UpdateArguments;
-use super::verify::VerifyArguments;
 use super::what_if::WhatIfArguments;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::fmt::Write;
@@ -32,7 +31,7 @@ const GROUPS: [(&str, &[&str]); 4] = [
 ];
 
 /// Commands that the first page of the help names without a description.
-const MORE: [&str; 6] = ["doctor", "verify", "tradeoff", "schema", "completions", "man"];
+const MORE: [&str; 5] = ["doctor", "tradeoff", "schema", "completions", "man"];
 
 const EXAMPLE: &str = "\
 Without a command, `coordinator --workers auto` runs a study with the options of `run`.
@@ -158,19 +157,8 @@ Examples:
   coordinator calibrate --scene my.toml --targets measured.toml
   coordinator calibrate --scene four-bar --targets measured.toml --accuracy draft --rounds 1 --json")]
     Calibrate(Box<CalibrateArguments>),
-    /// Validate the surrogates of a study against simulations that they were not fitted to
-    #[command(after_help = "\
-The surrogates with which the first study ended, found by repeating its learning, classify the points that the second \
-study simulated, so that the sampling error cancels. Studies need not be finished; nothing is simulated.
-
-Examples:
-  coordinator run --scene four-bar --out study
-  coordinator run --scene four-bar --method monte-carlo --samples 1000 --out direct
-  coordinator verify study --against direct
-  coordinator verify study --against direct --evaluations 50")]
-    Verify(VerifyArguments),
     /// A command that is an example of the sources now
-    #[command(name = "extremes", alias = "replay", hide = true, disable_help_flag = true)]
+    #[command(name = "extremes", aliases = ["replay", "verify"], hide = true, disable_help_flag = true)]
     Moved {
         /// What was given to it
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]

@@ -40,7 +40,6 @@ mod stored_study;
 mod study_options;
 mod tradeoff;
 mod update;
-mod verify;
 mod what_if;
 
 use command::{CommandArguments, CommandLine};
@@ -113,10 +112,9 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Designs(options) => designs::designs(&options, verbosity),
         CommandArguments::Optimise(options) => optimise::optimise(&options, verbosity),
         CommandArguments::Moved { .. } => Err(CommandError::refused(
-            "extremes, replay",
-            "now examples of the sources: cargo run --release -p worker --example extremes, -p coordinator --example replay",
+            "extremes, replay, verify",
+            "now examples of the sources: cargo run --release -p worker --example extremes, -p coordinator --example verify",
         )),
-        CommandArguments::Verify(options) => verify::verify(&options, json),
         CommandArguments::Simulate(options) => simulate::simulate(&options, verbosity),
         CommandArguments::Status(options) => status::status(&options, json),
         CommandArguments::Doctor(options) => doctor::doctor(&options, json),

@@ -11,7 +11,7 @@ use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, FILE_NAME, StoreError};
 use coordinator::results::summary::StudySummary;
 use coordinator::study::{
-    LifeModel, Method, Observed, Settings, SimulatedPoint, StoredOutcome, StudyError, learn_from_results,
+    LifeModel, Method, Observed, Settings, StoredOutcome, StudyError, learn_from_results,
 };
 use std::path::Path;
 
@@ -54,34 +54,6 @@ impl StoredStudy {
         self.source.nominal()
     }
 
-    /// The first property in which two studies differ so that their evaluations cannot be compared.
-    pub fn difference(&self, other: &Self) -> Option<&'static str> {
-        let (a, b) = (self.scene(), other.scene());
-        let accuracy = |study: &Self| study.settings.accuracy.setting.accuracy;
-        if a.variables != b.variables {
-            Some("random variables")
-        } else if a.limit_states != b.limit_states || a.outputs != b.outputs {
-            Some("limit states")
-        } else if a.life.checkpoints() != b.life.checkpoints() {
-            Some("checkpoints of life")
-        } else if accuracy(self) != accuracy(other) {
-            Some("accuracies")
-        } else {
-            None
-        }
-    }
-
-    /// The evaluations that gave a result, in the order of their numbers.
-    ///
-    /// # Errors
-    /// [`CommandError::Store`].
-    pub fn simulated(&self) -> Result<Vec<SimulatedPoint>, CommandError> {
-        let point = |StoredOutcome { sample, outcome }: StoredOutcome| {
-            Some(SimulatedPoint { sample, observed: outcome.ok()? })
-        };
-        Ok(self.outcomes()?.into_iter().filter_map(point).collect())
-    }
-
     /// All evaluations, failed ones included, in the order of their numbers.
     ///
     /// # Errors
@@ -98,7 +70,7 @@ impl StoredStudy {
 }
 
 /// The error of a command on a study that ended without a result, if it has.
-pub fn ended_without_result(campaign: &CampaignFile) -> Option<CommandError> {
+fn ended_without_result(campaign: &CampaignFile) -> Option<CommandError> {
     // A file that cannot be read any further has no known reason.
     let reason: String = campaign.document(END_DOCUMENT).ok()??;
     let fault = format!("this study ended without a result: {reason}");

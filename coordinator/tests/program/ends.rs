@@ -126,12 +126,7 @@ fn issue_all_simulations_fail_and_no_command_says_why() {
         contains(&study.refused(&run, 1), &[cause, &format!("`coordinator resume {method}` tries again")]);
         // One evaluation was enough to find out.
         assert_eq!(study.asked().len(), 1);
-        for command in [
-            "report METHOD",
-            "sensitivity METHOD",
-            "verify METHOD --rounds",
-            "compare METHOD METHOD --out c.html",
-        ] {
+        for command in ["report METHOD", "sensitivity METHOD", "compare METHOD METHOD --out c.html"] {
             contains(
                 &study.refused(&command.replace("METHOD", method), 2),
                 &["ended without a result", cause],
@@ -274,7 +269,6 @@ fn issue_reading_needed_a_write_lock() {
     }
     for (arguments, code, part) in [
         ("sensitivity first", 0, ""),
-        ("verify first --against direct", 0, ""),
         ("status first", 0, ""),
         ("report first", 2, "no file can be written here"),
         ("resume first", 2, "ermission denied"),
@@ -290,8 +284,6 @@ fn issue_reading_needed_a_write_lock() {
     for dir in ["first", "direct"] {
         set_mode(&study.file(dir), 0o755);
     }
-    // A study compared with itself: two readers of one file.
-    contains(&study.refused("verify first --against first", 2), &["usable simulations"]);
 }
 
 #[test]

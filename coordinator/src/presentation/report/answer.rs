@@ -1,6 +1,6 @@
 //! The answer of a command: texts, tables and figures in their order, on a terminal, in Markdown and as a page.
 
-use super::compare::{ComparedStudy, figures};
+use super::compared::{ComparedStudy, figures};
 use super::figure::Figure;
 use super::page::{self, wrapped};
 use super::plot::PlotError;

@@ -2,34 +2,25 @@
 //! as CSV.
 
 use super::answer::{Answer, AnswerPart, Table};
-use super::figure::Figure;
-use super::figures::{LifeAxis, capital, curve, file_name};
+use super::figures::capital;
 use super::format::{UNKNOWN, count, duration};
 use super::life::{
-    Included, LEVELS, LifeAt, failure_probability, life_and_limits, life_at, rows_that_matter,
-    states_numerical_errors, unresolved_fall,
+    Included, LEVELS, LifeAt, failure_probability, life_and_limits, life_at, states_numerical_errors,
+    unresolved_fall,
 };
 use super::life_change::change_between;
-use super::palette::{Ink, SERIES};
-use super::plot::{Axis, Plot, PlotError, Series, Shape};
+use super::palette::SERIES;
 use super::words;
 use crate::results::csv_table::{CsvTable, number};
-use crate::results::summary::{PerLimitState, StudySummary};
+use crate::results::summary::PerLimitState;
 use crate::statistics::reliability::paired::Change;
 use std::collections::BTreeSet;
 use thiserror::Error;
 
+pub use super::compared::ComparedStudy;
+
 /// Largest number of studies that one figure can distinguish.
 pub const MOST: usize = SERIES;
-
-/// A study to compare.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ComparedStudy {
-    /// Name in the comparison, unique.
-    pub name: String,
-    /// Result of the study.
-    pub summary: StudySummary,
-}
 
 /// Studies that cannot be compared.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -146,44 +137,6 @@ pub fn answer(name: String, studies: Vec<ComparedStudy>, differing: &[(String, V
 
 fn scenes(studies: &[ComparedStudy]) -> BTreeSet<&str> {
     studies.iter().map(|study| study.summary.scene.as_str()).collect()
-}
-
-/// One figure per limit state and one of the whole system, each with the curves and bands of all studies.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn figures(studies: &[ComparedStudy]) -> Result<Vec<Figure>, PlotError> {
-    if studies[0].summary.is_static() {
-        return Ok(vec![]);
-    }
-    // From the first failure in any study to the last survivor in any.
-    let matter = studies.iter().map(|study| rows_that_matter(&study.summary, 1));
-    let ends = matter.filter_map(|rows| Some((rows.first()?.cycles, rows.last()?.cycles)));
-    let Some((from, to)) = ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else { return Ok(vec![]) };
-    let axis = LifeAxis::new(&studies[0].summary);
-    let figure = |name: &str| {
-        let (mut bands, mut lines) = (Vec::new(), Vec::new());
-        for (k, ComparedStudy { name: study, summary }) in studies.iter().enumerate() {
-            let (points, band) = curve(summary, name, &axis);
-            bands.push(Series::unlisted(format!("{study}, band"), Ink::Series(k), Shape::Band(band)));
-            // Every second curve is dashed, so that coinciding curves stay visible.
-            let shape = if k % 2 == 1 { Shape::Dashed(points) } else { Shape::Line(points) };
-            lines.push(Series::new(study, Ink::Series(k), shape));
-        }
-        let title = if name == "total" {
-            "No failure of any kind".to_string()
-        } else {
-            format!("No failure by {name}")
-        };
-        Plot {
-            figure: &format!("reliability-{}", file_name(name)),
-            x: Axis::linear(axis.label, (axis.place(from), axis.place(to))),
-            y: Axis::linear("reliability R", (0.0, 1.0)),
-            series: &[bands, lines].concat(),
-        }
-        .figure(&title, "Bands: 95 % interval of sampling, surrogate and interpolation between the checkpoints, without numerical errors.")
-    };
-    studies[0].summary.curve_names().map(figure).collect()
 }
 
 /// Lives of every study at the usual levels of reliability, or its probability of failure.

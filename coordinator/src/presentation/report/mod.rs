@@ -6,6 +6,7 @@ pub mod answer;
 mod bars;
 mod chapters;
 pub mod compare;
+mod compared;
 pub mod drawing;
 mod figure;
 mod figures;

@@ -4,7 +4,7 @@
 //! Leaving one point out of a factor keeps the lengths that this very point helped to find. With 30 lengths
 //! from 136 results that is too favourable: for the asymmetry of `flapping-wing` it gives a Q2 of 0.99 and
 //! right variances to a surrogate whose squared errors at unseen samples are 2.5 times the predicted variance
-//! (`coordinator verify`). So the points are dealt out in turn to five folds, each fold is predicted by a
+//! (example `verify`). So the points are dealt out in turn to five folds, each fold is predicted by a
 //! surrogate whose lengths were fitted without it, and with e_i the error at point i:
 //!
 //!   Q2 = 1 - sum e_i^2 / sum (y_i - mean)^2,   square_i = e_i^2 / (sigma2 (s_i^2 + nugget + stated w_i)).

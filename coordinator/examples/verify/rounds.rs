@@ -1,120 +1,21 @@
 //! Active learning on the simulations of a direct Monte Carlo study: they take the place of the simulator, and their
 //! samples are the population. The error of every round is therefore known, and a change of the learner can be judged
 //! on a real mechanism in seconds.
-//!
-//! ```sh
-//! coordinator run --scene four-bar --method monte-carlo --samples 1000 --out direct
-//! cargo run --release -p coordinator --example replay -- direct --initial 40 --max-evaluations 100
-//! ```
 
-use clap::Parser;
+use crate::against::{first_failures, observations};
 use common::failure::SimulationFailure;
-use common::scene::{Scene, SceneSource};
-use coordinator::results::store::{CampaignFile, StoreError};
-use coordinator::statistics::learning::{LearningFunction, StoppingTargets, curves};
-use coordinator::statistics::surrogate::{Kernel, Trend};
+use common::scene::Scene;
+use coordinator::statistics::learning::{StoppingTargets, curves};
 use coordinator::study::{
-    Campaign, Observed, Plan, Problem, Settings, SimulatedPoint, StopReason, StudyError, Surrogate,
-    completed, first_failures,
+    Campaign, Observed, Plan, Problem, Settings, SimulatedPoint, StopReason, StudyError, Surrogate, completed,
 };
 use std::collections::HashMap;
-use std::error::Error;
-use std::path::PathBuf;
 use std::time::Instant;
 use thiserror::Error;
 
-/// Learn again from the samples of a direct Monte Carlo study
-#[derive(Debug, Parser)]
-struct Arguments {
-    /// Folder of a study with --method monte-carlo
-    dir: PathBuf,
-    /// Use the first N samples only
-    #[arg(long)]
-    samples: Option<usize>,
-    /// Evaluations of the initial design
-    #[arg(long)]
-    initial: Option<usize>,
-    /// Budget of evaluations
-    #[arg(long)]
-    max_evaluations: Option<usize>,
-    /// Evaluations under way at once
-    #[arg(long)]
-    batch: Option<usize>,
-    /// Learning function
-    #[arg(long)]
-    learning: Option<LearningFunction>,
-    /// Surrogate error at which learning may stop
-    #[arg(long)]
-    target_error: Option<f64>,
-    /// Correlation kernel of the surrogates
-    #[arg(long)]
-    kernel: Option<Kernel>,
-    /// Trend of the surrogates
-    #[arg(long)]
-    trend: Option<Trend>,
-}
-
-impl Arguments {
-    /// The scene's settings with the options, and the seed of the study.
-    fn settings(&self, scene: &Scene, seed: u64) -> Settings {
-        let mut settings = Settings { seed, ..Settings::from(scene) };
-        settings.initial = self.initial.unwrap_or(settings.initial);
-        settings.max_evaluations = self.max_evaluations.unwrap_or(settings.max_evaluations);
-        settings.batch = self.batch.unwrap_or(settings.batch);
-        settings.learning = self.learning.unwrap_or(settings.learning);
-        settings.target_error = self.target_error.or(settings.target_error);
-        settings.forms.kernel = self.kernel.or(settings.forms.kernel);
-        settings.forms.trend = self.trend.or(settings.forms.trend);
-        settings
-    }
-}
-
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments = Arguments::parse();
-    let campaign = CampaignFile::look(&arguments.dir)?;
-    let source = SceneSource::parse(&campaign.meta().scene_source, "study")?;
-    let scene = source.nominal();
-    let seed = Settings::from_stored(&campaign.meta().settings)?.seed;
-    let mut samples = Vec::new();
-    campaign.for_each(|stored| -> Result<(), StoreError> {
-        if let Ok(evaluation) = stored.outcome {
-            let observed = Observed::from_evaluation(evaluation);
-            samples.push(SimulatedPoint { sample: stored.sample, observed });
-        }
-        Ok(())
-    })?;
-    if samples.len() < 2 {
-        return Err("the study has no samples that were simulated".into());
-    }
-    let nominal = samples.remove(0);
-    samples.truncate(arguments.samples.unwrap_or(usize::MAX));
-    let settings = arguments.settings(scene, seed);
-    if samples.len() < settings.initial {
-        return Err(format!("{} samples are fewer than an initial design", samples.len()).into());
-    }
-    let found = replay(scene, &settings, &nominal, &samples)?;
-    println!("learning again, with the {} simulated samples as the population", samples.len());
-    println!(
-        "evaluations | stated error | true error | ratio | uncertain | kernel, trend, Q2 left out, Q2 crossed, factor"
-    );
-    for round in &found.rounds {
-        let uncertain = 100.0 * round.uncertain;
-        println!(
-            "{} | {:.4} | {:.4} | {:.2} | {uncertain:.1} % | {}",
-            round.evaluations,
-            round.stated_error,
-            round.true_error,
-            round.error_ratio,
-            round.surrogates.join("; ")
-        );
-    }
-    println!("stopped by {}, {:.1} s of learning", found.stopped_by, found.seconds);
-    Ok(())
-}
-
 /// An error of a replay.
 #[derive(Debug, Error)]
-enum ReplayError {
+pub enum ReplayError {
     /// The samples are not the first points of the population of this seed.
     #[error(
         "sample {0} is not that of the study's seed; expected a direct Monte Carlo run (--method monte-carlo) without failed \
@@ -128,31 +29,31 @@ enum ReplayError {
 
 /// One round of learning with its true error.
 #[derive(Debug, Clone, PartialEq)]
-struct Round {
+pub struct Round {
     /// Number of evaluations so far.
-    evaluations: usize,
+    pub evaluations: usize,
     /// Largest error that the surrogates state for any curve at any checkpoint [1].
-    stated_error: f64,
+    pub stated_error: f64,
     /// Largest difference of any curve at any checkpoint from the simulated one [1].
-    true_error: f64,
+    pub true_error: f64,
     /// Root mean square over curves and checkpoints of the grid of (difference / stated error) [1].
-    error_ratio: f64,
+    pub error_ratio: f64,
     /// Share of the population with U_c < 2.
-    uncertain: f64,
+    pub uncertain: f64,
     /// Per limit state: kernel, trend, smallest Q2 by leaving one out and by cross-validation, and the factor on the predicted
     /// variances.
-    surrogates: Vec<String>,
+    pub surrogates: Vec<String>,
 }
 
 /// Rounds of a replayed study, and the reason of its stop.
 #[derive(Debug, Clone, PartialEq)]
-struct Replayed {
+pub struct Replayed {
     /// Rounds in their order.
-    rounds: Vec<Round>,
+    pub rounds: Vec<Round>,
     /// The rule or budget that ended the learning.
-    stopped_by: String,
+    pub stopped_by: String,
     /// Time of learning [s].
-    seconds: f64,
+    pub seconds: f64,
 }
 
 /// Learns from the nominal evaluation and the evaluations of the population's first points, in its order, as a study
@@ -160,7 +61,7 @@ struct Replayed {
 ///
 /// # Errors
 /// [`ReplayError`].
-fn replay(
+pub fn replay(
     scene: &Scene,
     settings: &Settings,
     nominal: &SimulatedPoint,
@@ -172,7 +73,7 @@ fn replay(
     let targets = StoppingTargets { cov: f64::INFINITY, ..settings.targets() };
     let plan =
         Plan { largest_population: samples.len(), retry: false, targets, ..Plan::new(&settings, scene) };
-    let simulated: Vec<Vec<u32>> = first_failures(scene, samples);
+    let simulated: Vec<Vec<u32>> = first_failures(&problem, &observations(scene, &problem, samples));
     let views: Vec<&[u32]> = simulated.iter().map(Vec::as_slice).collect();
     let truth = curves(&views, problem.checkpoints.len());
     let points: Vec<SimulatedPoint> = samples.iter().chain([nominal]).cloned().collect();
@@ -240,7 +141,9 @@ fn round_of(campaign: &Campaign, truth: &[Vec<f64>]) -> Option<Round> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::scene::SceneSource;
     use coordinator::statistics::design::Population;
+    use coordinator::statistics::surrogate::Kernel;
 
     /// A limit state that fails earlier with x + 0.1 x y, at nine tenths of the life on average.
     fn simulated(sample: Vec<f64>) -> SimulatedPoint {
