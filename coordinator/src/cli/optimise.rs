@@ -105,12 +105,14 @@ fn search(
         return Ok(find(&basis, problem, 0, &mut none, &mut progress)?);
     }
     let mut evaluator = opened.evaluator(&arguments.farm, verbosity.quiet)?;
+    let correction = stored_correction(&opened.study.campaign)?;
     let OpenedStudy { study: StoredStudy { campaign, source, .. }, settings, .. } = opened;
     let mut journal = FurtherEvaluations::of(campaign);
     let mut next = basis.outcomes.len() as u64;
     let mut simulate = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, OptimiseError> {
         let (scene, evaluator) = (source.nominal(), evaluator.evaluator());
-        let found = simulate_samples(scene, settings, requests, next, evaluator, &mut journal)?;
+        let numbered = (next, correction.as_ref());
+        let found = simulate_samples(scene, settings, requests, numbered, evaluator, &mut journal)?;
         next += requests.len() as u64;
         Ok(found)
     };

@@ -4,10 +4,7 @@
 use super::figure::Figure;
 use super::figures::{LifeAxis, capital, curve, file_name};
 use super::format::{UNKNOWN, count, duration};
-use super::life::{
-    Included, LEVELS, failure_probability, life_at, rows_that_matter, states_numerical_errors,
-    unresolved_fall,
-};
+use super::life::{LEVELS, failure_probability, life_at, rows_that_matter, unresolved_fall};
 use super::life_change::change_between;
 use super::page::{self, wrapped};
 use super::palette::{Ink, SERIES};
@@ -115,16 +112,12 @@ pub fn html(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> R
         @if figures.is_empty() { p.none { "These studies have a single checkpoint and therefore no curves." } }
         (page::figures(&figures, "three"))
         h2 { "Lives" }
-        @for name in studies[0].summary.curve_names() { h3 { (capital(name)) } (lives(studies, differing, name)) }
+        @for name in studies[0].summary.curve_names() { h3 { (capital(name)) } (lives(studies, name)) }
         @if !studies[0].summary.is_static() {
             p.none {
-                "Differences are lives minus those of " (studies[0].name) ". Their intervals take the samples and the surrogates of \
-                 the studies as independent. Where accuracy, contact laws or control points differ, they contain the numerical errors of \
-                 both studies; elsewhere they leave these out, which shift all lives in the same direction."
+                "Differences are lives minus those of " (studies[0].name) ". Their intervals contain every error of both studies, which \
+                 are taken as independent."
             }
-        }
-        @if studies.iter().any(|study| states_numerical_errors(&study.summary)) {
-            p.none { "The intervals of the lives contain the stated numerical errors of the simulations." }
         }
         @for study in studies {
             @if let Some(note) = unresolved_fall(&study.summary) {
@@ -180,13 +173,13 @@ pub fn figures(studies: &[ComparedStudy]) -> Result<Vec<Figure>, PlotError> {
             y: Axis::linear("reliability R", (0.0, 1.0)),
             series: &[bands, lines].concat(),
         }
-        .figure(&title, "Bands: 95 % interval of sampling, surrogate and interpolation between the checkpoints, without numerical errors.")
+        .figure(&title, "Bands: 95 % interval of sampling, surrogate, interpolation between the checkpoints and numerical error.")
     };
     studies[0].summary.curve_names().map(figure).collect()
 }
 
 /// Lives of every study at the usual levels of reliability, or its probability of failure.
-fn lives(studies: &[ComparedStudy], differing: &[(String, Vec<String>)], name: &str) -> Markup {
+fn lives(studies: &[ComparedStudy], name: &str) -> Markup {
     if studies[0].summary.is_static() {
         let rows = studies.iter().map(|study| {
             let row = study.summary.reliability.first();
@@ -198,30 +191,19 @@ fn lives(studies: &[ComparedStudy], differing: &[(String, Vec<String>)], name: &
     let levels = LEVELS.map(|level| format!("at R = {level} (95 % interval)"));
     let head: Vec<String> = std::iter::once("life [cycles]".to_string()).chain(levels).collect();
     let rows = studies.iter().map(|study| {
-        let lives = LEVELS.map(|level| life_cell(life_at(&study.summary, name, level, Included::All)));
+        let lives = LEVELS.map(|level| life_cell(life_at(&study.summary, name, level)));
         std::iter::once(study.name.render()).chain(lives).collect()
     });
     let gains = studies.iter().enumerate().skip(1).map(|(k, study)| {
-        let gains = LEVELS.map(|level| gain(studies, differing, k, (name, level)).1.render());
+        let gains = LEVELS.map(|level| gain(studies, k, (name, level)).1.render());
         std::iter::once(format!("{} minus {}", study.name, studies[0].name).render()).chain(gains).collect()
     });
     table(&head, rows.chain(gains))
 }
 
-/// Change of a life, of a curve at a level, from the first study to study `k`, and in words. It contains numerical errors where
-/// these are not the same in both studies.
-pub fn gain(
-    studies: &[ComparedStudy],
-    differing: &[(String, Vec<String>)],
-    k: usize,
-    life: (&str, f64),
-) -> (Option<Change>, String) {
-    let [first, other] = [&studies[0].summary, &studies[k].summary];
-    let is_numerical = |key: &str| key.ends_with(".contact_law") || key.ends_with(".control_points");
-    let differ = first.accuracy_settings != other.accuracy_settings
-        || differing.iter().any(|(key, values)| is_numerical(key) && values[k] != values[0]);
-    let included = if differ { Included::All } else { Included::Statistical };
-    change_between([first, other], life, included)
+/// Change of a life, of a curve at a level, from the first study to study `k`, and in words.
+pub fn gain(studies: &[ComparedStudy], k: usize, life: (&str, f64)) -> (Option<Change>, String) {
+    change_between([&studies[0].summary, &studies[k].summary], life)
 }
 
 /// The keys in which the scenes differ, with their values.
@@ -302,7 +284,7 @@ mod tests {
         roxmltree::Document::parse(&html[html.find("<body>").unwrap()..html.find("</html>").unwrap()])
             .unwrap();
         assert!(!html.contains("http") && !html.contains("<script"));
-        let life = life_and_limits(life_at(&studies[1].summary, "asymmetry", 0.5, Included::All)).0;
+        let life = life_and_limits(life_at(&studies[1].summary, "asymmetry", 0.5)).0;
         for text in [
             life,
             "<td>draft</td>".into(),
@@ -323,30 +305,13 @@ mod tests {
     fn issue_a_gain_between_two_accuracies_contains_the_numerical_errors_of_both() {
         let mut studies = two();
         studies[1].summary = studies[0].summary.clone();
-        let width = |studies: &[ComparedStudy], differing: &[(String, Vec<String>)]| {
-            let change = gain(studies, differing, 1, ("total", 0.5)).0.unwrap();
-            change.upper.unwrap() - change.lower.unwrap()
-        };
-        let differs = |key: &str| vec![(key.to_owned(), vec!["36".to_owned(), "72".to_owned()])];
-        let statistical = width(&studies, &[]);
-        assert_eq!(width(&studies, &differs("joints.crank.width")), statistical);
-        let life = studies[0]
-            .summary
-            .lives
-            .iter()
-            .find(|l| (&*l.limit_state, l.reliability) == ("total", 0.5))
-            .unwrap();
+        let change = gain(&studies, 1, ("total", 0.5)).0.unwrap();
+        let lives = &studies[0].summary.lives;
+        let life = lives.iter().find(|l| (&*l.limit_state, l.reliability) == ("total", 0.5)).unwrap();
         let (value, range) = (life.cycles.unwrap(), life.whole_interval());
         let whole = 2.0 * (value - range.lower).hypot(range.upper.unwrap() - value);
-        for key in ["joints.crank.control_points", "joints.crank.contact_law"] {
-            let found = width(&studies, &differs(key));
-            assert!(
-                (found - whole).abs() < 1e-6 * whole && found > statistical,
-                "{found} {whole} {statistical}"
-            );
-        }
-        studies[1].summary.accuracy_settings = Some(common::accuracy::Accuracy::draft());
-        assert!((width(&studies, &[]) - whole).abs() < 1e-6 * whole);
+        let found = change.upper.unwrap() - change.lower.unwrap();
+        assert!((found - whole).abs() < 1e-6 * whole, "{found} {whole}");
     }
 
     #[test]

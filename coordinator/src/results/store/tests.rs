@@ -41,6 +41,7 @@ pub(super) fn scene() -> Scene {
         conditions: vec![],
         study: StudySettings { population: 100, initial: 10, batch: 4, max_evaluations: 20, seed: 1 },
         accuracy: NamedAccuracy::default(),
+        levels: vec![],
         simulator: None,
     }
 }
@@ -62,7 +63,7 @@ fn awkward(id: u64) -> Vec<f64> {
 }
 
 pub(super) fn request(id: u64) -> Request {
-    Request { id, sample: awkward(id), with_first_cycle: id == 0, accuracy: None }
+    Request { id, sample: awkward(id), with_first_cycle: id == 0, accuracy: None, level: 0 }
 }
 
 pub(super) fn finished(id: u64) -> Finished {
