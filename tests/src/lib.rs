@@ -89,6 +89,7 @@ pub fn campaign() -> CampaignSpec {
         wear_tolerance: 0.01,
         warm_up: 0.5,
         tier: Tier::Dynamic,
+        points: 1,
     };
     CampaignSpec {
         id: 17,

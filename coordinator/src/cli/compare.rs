@@ -63,7 +63,7 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     }
     write_text(page, &html(&studies, &table).map_err(ReportError::from)?)?;
     write_text(&numbers, &csv(&studies))?;
-    let gains = gains(&studies, &table);
+    let gains = gains(&studies);
     if as_json {
         let document = json!({ "page": page, "csv": numbers, "differences": differing, "gains": gains });
         return print(&to_json(&document)?);
@@ -108,7 +108,7 @@ struct GainInLife {
 }
 
 /// Gains of all studies but the first, per curve and level; none for studies of a single checkpoint.
-fn gains(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> Vec<GainInLife> {
+fn gains(studies: &[ComparedStudy]) -> Vec<GainInLife> {
     let first = &studies[0];
     if first.summary.is_static() {
         return vec![];
@@ -116,7 +116,7 @@ fn gains(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> Vec<
     let curves = first.summary.limit_states.iter().map(String::as_str).chain(["total"]);
     let of_curve = |name: &str| {
         let of_study = |k: usize, level: f64| {
-            let (change, in_words) = gain(studies, differing, k, (name, level));
+            let (change, in_words) = gain(studies, k, (name, level));
             GainInLife {
                 study: studies[k].name.clone(),
                 limit_state: name.to_owned(),

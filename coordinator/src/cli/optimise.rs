@@ -4,7 +4,7 @@
 use super::error::CommandError;
 use super::output::answer_with;
 use super::shared::{FarmArguments, Verbosity, whole};
-use super::stored_study::{OpenedStudy, StoredStudy};
+use super::stored_study::{OpenedStudy, StoredStudy, stored_correction};
 use clap::Args;
 use common::scene::{InputFile, Scene};
 use coordinator::analyses::optimise::{

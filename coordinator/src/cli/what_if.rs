@@ -4,7 +4,7 @@
 use super::error::CommandError;
 use super::output::answer_with;
 use super::shared::{FarmArguments, Verbosity, positive, share};
-use super::stored_study::{OpenedStudy, StoredStudy, failed};
+use super::stored_study::{OpenedStudy, StoredStudy, failed, stored_correction};
 use clap::Args;
 use coordinator::analyses::what_if::{answer, changed_scene, json, redistributed};
 use coordinator::presentation::terminal::Terminal;

@@ -22,7 +22,6 @@ pub use mechanism::{eccentricity, first_cycle};
 pub use points::report_with_samples;
 use points::{failure_point, prediction};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -244,6 +243,7 @@ pub fn study() -> TestStudy {
         curves,
         unresolved_fall: None,
         control_points: Vec::new(),
+        levels: None,
         scene: scene.name.clone(),
         version: "0.1.0".into(),
         seed: 20_260_101,

@@ -193,7 +193,6 @@ mod tests {
     use super::*;
     use crate::results::life_summary::LifeCurveRow;
     use crate::test_study;
-    use std::collections::BTreeMap;
 
     fn summary(curves: &[(&str, &[f64])]) -> StudySummary {
         let mut summary = test_study::study().summary;
@@ -205,8 +204,7 @@ mod tests {
                 cycles: 1000 * (k as u32 + 1),
                 reliability: curves.iter().map(|(name, r)| (name.to_string(), r[k])).collect(),
                 standard_error: curves.iter().map(|(name, _)| (name.to_string(), 0.1 / 1.96)).collect(),
-                numerical: BTreeMap::new(),
-                interval: BTreeMap::new(),
+                ..ReliabilityRow::default()
             })
             .collect();
         summary

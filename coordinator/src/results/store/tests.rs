@@ -262,7 +262,7 @@ fn a_file_of_the_first_layout_is_brought_up_with_its_stated_errors() {
     file.record(&request(5), &silent).unwrap();
     drop(file);
     let first_layout = "DROP TABLE output_error; DROP TABLE leg; ALTER TABLE evaluation DROP COLUMN stricter;
-        PRAGMA user_version = 1;";
+        ALTER TABLE evaluation DROP COLUMN level; PRAGMA user_version = 1;";
     Connection::open(&path).unwrap().execute_batch(first_layout).unwrap();
     let mut file = CampaignFile::open(dir.path()).unwrap();
     for id in 0..5 {
