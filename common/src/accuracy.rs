@@ -1,10 +1,15 @@
 //! Numerical settings of an evaluation, and three presets.
 
+mod levels;
 mod name;
 
+pub use levels::{LevelsError, MOST_LEVELS};
 pub use name::{AccuracyNameError, KNOBS, NamedAccuracy};
 
 use serde::{Deserialize, Serialize};
+
+/// Largest factor on control points [1].
+const MOST_POINTS: u32 = 64;
 
 /// Numerical settings of one evaluation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -25,6 +30,13 @@ pub struct Accuracy {
     pub warm_up: f64,
     /// Model of the motion that drives the wear.
     pub tier: Tier,
+    /// Factor on the numbers of control points of bores and guides, unless they are a part of the scene's model [1].
+    #[serde(default = "one")]
+    pub points: u32,
+}
+
+fn one() -> u32 {
+    1
 }
 
 /// Model of the motion between two wear steps.
@@ -72,6 +84,7 @@ impl Accuracy {
             wear_tolerance: 2e-2,
             warm_up: 0.05,
             tier: Tier::Automatic,
+            points: 1,
         }
     }
 
@@ -87,6 +100,7 @@ impl Accuracy {
             wear_tolerance: 5e-3,
             warm_up: 1.0,
             tier: Tier::Dynamic,
+            points: 1,
         }
     }
 
@@ -112,6 +126,7 @@ impl Accuracy {
             ("cycle_jump", (1..=1_000_000).contains(&self.cycle_jump)),
             ("wear_tolerance", (1e-9..=1.0).contains(&wear_tolerance)),
             ("warm_up", (0.0..=10.0).contains(&warm_up)),
+            ("points", (1..=MOST_POINTS).contains(&self.points)),
         ];
         checks.into_iter().find(|(_, is_right)| !is_right).map(|(setting, _)| setting)
     }

@@ -26,6 +26,7 @@ mod campaign;
 mod campaign_data;
 mod campaign_result;
 mod classified_population;
+mod correction;
 mod dispatching;
 mod error;
 mod exploring;
@@ -34,11 +35,13 @@ mod failures;
 mod from_results;
 mod interim;
 mod learner;
+mod levels;
 mod life_model;
 mod lives;
 mod monte_carlo;
 mod observations;
 mod outcome_check;
+mod pairs;
 mod plan;
 mod prediction_check;
 mod rare;
@@ -68,17 +71,21 @@ mod life_tests;
 #[cfg(test)]
 mod lives_tests;
 #[cfg(test)]
+mod pairs_tests;
+#[cfg(test)]
 mod two_sided_tests;
 
 pub use campaign::Campaign;
 pub use campaign_result::CampaignResult;
 pub use classified_population::ClassifiedPopulation;
+pub use correction::Correction;
 pub use error::StudyError;
 pub use failures::{Failed, Feasibility};
 pub use from_results::{
     FurtherLearning, Thresholds, campaign_from_results, complete_outcomes, learn_from_results,
     learn_with_surrogates, result_of,
 };
+pub use levels::FinerLevels;
 pub use life_model::{LifeModel, LifeResponses};
 pub use lives::LEVELS;
 pub use observations::{Observations, Observed, ObservedOutcome};
@@ -97,6 +104,7 @@ use crate::results::progress::{Observer, Progress};
 use common::scene::Scene;
 use dispatching::Dispatcher;
 use monte_carlo::DirectSimulation;
+use pairs::PairedCampaign;
 use result::from_learning;
 
 /// Runs a study of `scene` to its end: evaluations by `evaluator`, recorded in `journal`, reported to `observer`.
@@ -118,11 +126,16 @@ pub fn run(
     let mut dispatcher = Dispatcher::new(scene, stricter, settings.budget(), evaluator, journal, observer);
     let findings = match settings.method {
         Method::ActiveLearning | Method::AkMcs => {
-            let mut campaign = Campaign::new(problem, Plan::new(settings, scene));
+            let campaign = Campaign::new(problem, Plan::new(settings, scene));
+            let finer = settings.finer_accuracies(scene);
+            let mut campaign = PairedCampaign::new(scene, campaign, finer.len());
+            dispatcher = dispatcher.with_finer(finer);
             dispatcher.run(&mut campaign)?;
             dispatcher.notice(&Progress::Ending);
-            let learned = campaign.finish().expect("a campaign that is done has learned something");
-            from_learning(scene, settings, &learned)
+            let (learned, pairs) = campaign.finish().expect("a campaign that is done has learned something");
+            let mut findings = from_learning(scene, settings, &learned);
+            pairs.add_to(&mut findings.summary, scene, settings, &learned);
+            findings
         }
         Method::MonteCarlo | Method::LatinHypercube => {
             let mut direct = DirectSimulation::new(&problem, settings);

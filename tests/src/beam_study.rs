@@ -91,7 +91,7 @@ impl BeamStudy {
         let request = |id: u64| {
             let scale = |k: usize| 1.0 + 1e-3 * ((id * (k as u64 + 7)) % 101) as f64;
             let sample = self.source.means().iter().enumerate().map(|(k, mean)| mean * scale(k)).collect();
-            Request { id, sample, with_first_cycle: false, accuracy: None }
+            Request { id, sample, with_first_cycle: false, accuracy: None, level: 0 }
         };
         (0..count).map(request).collect()
     }

@@ -73,6 +73,7 @@ pub fn requests(ids: std::ops::Range<u64>) -> Vec<Request> {
         sample: vec![id as f64, 0.1 * id as f64],
         with_first_cycle: false,
         accuracy: None,
+        level: 0,
     })
     .collect()
 }
@@ -88,6 +89,7 @@ pub fn campaign() -> CampaignSpec {
         wear_tolerance: 0.01,
         warm_up: 0.5,
         tier: Tier::Dynamic,
+        points: 1,
     };
     CampaignSpec {
         id: 17,

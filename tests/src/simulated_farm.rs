@@ -127,7 +127,8 @@ fn chance(n: u64) -> f64 {
 pub fn simulate(plan: Plan) -> Figures {
     let tasks = plan.workers * plan.tasks_each;
     let mut world = World::new(plan, tasks);
-    let requests = |k| Request { id: k, sample: vec![k as f64], with_first_cycle: false, accuracy: None };
+    let requests =
+        |k| Request { id: k, sample: vec![k as f64], with_first_cycle: false, accuracy: None, level: 0 };
     for k in 0..plan.workers {
         world.event(Event::WorkerJoined(world.hands[k].id.clone()));
         world.at(plan.latency.mul_f64(chance(k as u64)), Happening::Notice(k));

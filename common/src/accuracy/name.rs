@@ -1,7 +1,7 @@
 //! Names of accuracies, for command lines, tables and files: a preset, or a preset with changed settings (knobs) such as
 //! `draft+step-x0.71` or `jump-4000` (short for `balanced+jump-4000`).
 
-use super::{Accuracy, Tier};
+use super::{Accuracy, MOST_POINTS, Tier};
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 use thiserror::Error;
@@ -19,6 +19,13 @@ impl NamedAccuracy {
     /// True for a preset without knobs.
     pub fn is_preset(&self) -> bool {
         Accuracy::NAMES.contains(&self.name.as_str())
+    }
+
+    /// The next finer level: time steps and blocks of half the length, twice the control points. `None` where a setting has come
+    /// to the end of its range.
+    pub fn finer(&self) -> Option<Self> {
+        let jump = (self.accuracy.cycle_jump / 2).max(1);
+        format!("{}+step-x0.5+jump-{jump}+points-x2", self.name).parse().ok()
     }
 }
 
@@ -66,7 +73,7 @@ pub enum AccuracyNameError {
 /// List of the knobs for messages and help texts.
 pub const KNOBS: &str = "step-xF: time steps longer by the factor F; jump-N: wear steps of at most N cycles; \
                          wear-tolerance-T; samples-N: of a cycle, for the wear; warm-up-W: cycles; steps-N: most \
-                         time steps of a cycle; dynamic: no quasi-static tier and no longer time steps where they make no difference";
+                         time steps of a cycle; points-xN: N times the control points; dynamic: no quasi-static tier and no longer time steps where they make no difference";
 
 impl FromStr for NamedAccuracy {
     type Err = AccuracyNameError;
@@ -95,8 +102,12 @@ fn with_knob(accuracy: Accuracy, part: &str) -> Result<Accuracy, AccuracyNameErr
     }
     type Turn = fn(Accuracy, f64) -> Accuracy;
     type Knob = (&'static str, &'static str, f64, f64, Turn);
-    let knobs: [Knob; 6] = [
+    let knobs: [Knob; 7] = [
         ("step-x", "0.05 to 20", 0.05, 20.0, |a, factor| a.refined(1.0 / factor)),
+        ("points-x", "whole numbers from 1 to 64", 1.0, f64::from(MOST_POINTS), |a, n| Accuracy {
+            points: a.points.saturating_mul(n as u32),
+            ..a
+        }),
         ("jump-", "whole numbers from 1 to 1000000", 1.0, 1e6, |a, n| Accuracy { cycle_jump: n as u32, ..a }),
         ("wear-tolerance-", "1e-9 to 1", 1e-9, 1.0, |a, t| Accuracy { wear_tolerance: t, ..a }),
         ("samples-", "whole numbers from 20 to 100000", 20.0, 1e5, |a, n| Accuracy {
@@ -150,6 +161,17 @@ mod tests {
     }
 
     #[test]
+    fn a_finer_level_is_named_by_its_changes() {
+        let level: NamedAccuracy = "draft+points-x3".parse().unwrap();
+        let finer = level.finer().unwrap();
+        let expected = Accuracy { cycle_jump: 4000, points: 6, ..level.accuracy.refined(2.0) };
+        assert_eq!((finer.accuracy, read(&finer.name)), (expected, expected));
+        let finest = finer.finer().unwrap().accuracy;
+        assert_eq!((finest.cycle_jump, finest.points), (2000, 12));
+        assert!(NamedAccuracy::from_str("points-x64").unwrap().finer().is_none());
+    }
+
+    #[test]
     fn errors_name_the_part_of_the_name() {
         for (name, said) in [
             ("exact", "\"exact\" is neither"),
@@ -163,6 +185,8 @@ mod tests {
             ("step-x-1", "0.05 to 20"),
             ("steps-10", "allowed for steps-: whole numbers from 1000"),
             ("wear-tolerance-inf", "1e-9 to 1"),
+            ("points-x0", "whole numbers from 1 to 64"),
+            ("points-x64+points-x2", "lead points out of its range"),
             ("draft+step-x20+step-x20+step-x20", "lead step_tolerance out of its range"),
         ] {
             let error = name.parse::<NamedAccuracy>().unwrap_err().to_string();

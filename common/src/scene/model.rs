@@ -51,6 +51,9 @@ pub struct Scene {
     /// Default accuracy of an evaluation.
     #[serde(default)]
     pub accuracy: NamedAccuracy,
+    /// Levels of accuracy of a study of this scene, the working accuracy first; empty where the scene names none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub levels: Vec<NamedAccuracy>,
     /// External simulator that evaluates a sample instead of this program. Such a scene has no bodies, joints or loads,
     /// and its random variables are the simulator's inputs.
     #[serde(default)]

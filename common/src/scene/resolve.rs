@@ -21,7 +21,7 @@ use super::section::Section;
 use super::simulator::{declared_life, declared_outputs, simulator};
 use super::variables::{variable_rows, variables};
 use super::wear_model::{WearModel, wear_model};
-use crate::accuracy::{AccuracyNameError, NamedAccuracy};
+use crate::accuracy::{AccuracyNameError, LevelsError, NamedAccuracy};
 use std::collections::{BTreeMap, BTreeSet};
 use toml::Table;
 
@@ -130,7 +130,7 @@ struct Parts {
     simulator: Option<Option<ExternalSimulator>>,
     model: Model,
     limit_states: Vec<Option<LimitState>>,
-    study: Option<(StudySettings, NamedAccuracy)>,
+    study: Option<(StudySettings, Levels)>,
 }
 
 impl Parts {
@@ -153,7 +153,7 @@ impl Parts {
     /// The scene, its variables and correlations still empty; none if a part is faulty.
     fn scene(self) -> Option<Scene> {
         let Head { name, title, control_points_of_model } = self.head?;
-        let (study, accuracy) = self.study?;
+        let (study, Levels { accuracy, levels }) = self.study?;
         let Model { bodies, joints, loads, gravity, outputs, wear, life } = self.model;
         Some(Scene {
             name,
@@ -172,6 +172,7 @@ impl Parts {
             life: life?,
             study,
             accuracy,
+            levels,
             simulator: match self.simulator {
                 Some(read) => Some(read?),
                 None => None,
@@ -242,11 +243,18 @@ fn head(file: &mut Section) -> Option<Head> {
     Some(Head { name: name?.to_owned(), title: title?.to_owned(), control_points_of_model: of_model? })
 }
 
-/// Reads `[study]`: defaults of a study of `variables` random variables, and the accuracy of a mechanism.
-fn study(file: &mut Section, simulates: bool, variables: usize) -> Option<(StudySettings, NamedAccuracy)> {
+/// Accuracy of an evaluation, and the levels of a study, of which it is the first.
+#[derive(Default)]
+struct Levels {
+    accuracy: NamedAccuracy,
+    levels: Vec<NamedAccuracy>,
+}
+
+/// Reads `[study]`: defaults of a study of `variables` random variables, and the accuracies of a mechanism.
+fn study(file: &mut Section, simulates: bool, variables: usize) -> Option<(StudySettings, Levels)> {
     let default = StudySettings::for_variables(variables);
     let Some(mut section) = file.section_if_any("study") else {
-        return Some((default, NamedAccuracy::default()));
+        return Some((default, Levels::default()));
     };
     let mut count = |key, default: usize| section.integer(key, 1..=COUNT_LIMIT, Some(default as i64));
     let population = count("population", default.population);
@@ -261,7 +269,7 @@ fn study(file: &mut Section, simulates: bool, variables: usize) -> Option<(Study
             section.out_of_range(key, bound.to_string(), format!(">= initial = {initial}"));
         }
     }
-    let accuracy = if simulates { accuracy(&mut section) } else { Some(NamedAccuracy::default()) };
+    let accuracy = if simulates { levels(&mut section) } else { Some(Levels::default()) };
     section.finish();
     let study = StudySettings {
         population: population? as usize,
@@ -273,10 +281,29 @@ fn study(file: &mut Section, simulates: bool, variables: usize) -> Option<(Study
     Some((study, accuracy?))
 }
 
-fn accuracy(section: &mut Section) -> Option<NamedAccuracy> {
+/// Reads `accuracy`, or `levels`, the first of which is the accuracy.
+fn levels(section: &mut Section) -> Option<Levels> {
     const EXPECTED: &str = "the name of an accuracy, e.g. \"balanced\" or \"balanced+jump-2000\"";
-    let name = section.text_or("accuracy", EXPECTED, "balanced")?;
-    name.parse()
-        .map_err(|error: AccuracyNameError| section.fault("accuracy", FaultKind::Accuracy(error)))
-        .ok()
+    const LIST: &str =
+        "one to three names of accuracies, from the coarsest to the finest, e.g. [\"draft\", \"balanced\"]";
+    if section.peek("levels").is_none() {
+        let name = section.text_or("accuracy", EXPECTED, "balanced")?;
+        return Some(Levels { accuracy: accuracy(section, "accuracy", name)?, levels: vec![] });
+    }
+    let names = section.texts("levels", LIST)?;
+    if section.get("accuracy").is_some() {
+        section.inconsistent("levels", "the first level is the accuracy; remove the key accuracy");
+        return None;
+    }
+    let named = names.iter().map(|name| accuracy(section, "levels", name));
+    let levels: Vec<NamedAccuracy> = named.collect::<Option<_>>()?;
+    match LevelsError::of(&levels) {
+        Some(error) => section.inconsistent("levels", error.to_string()),
+        None => return Some(Levels { accuracy: levels[0].clone(), levels }),
+    }
+    None
+}
+
+fn accuracy(section: &Section, key: &str, name: &str) -> Option<NamedAccuracy> {
+    name.parse().map_err(|error: AccuracyNameError| section.fault(key, FaultKind::Accuracy(error))).ok()
 }

@@ -24,6 +24,7 @@ fn accuracy() -> Accuracy {
         wear_tolerance: 0.02,
         warm_up: 0.5,
         tier: Tier::Dynamic,
+        points: 3,
     }
 }
 

@@ -187,6 +187,7 @@ fn accuracy(x: f64) -> Accuracy {
         wear_tolerance: 0.01,
         warm_up: 0.5,
         tier: Tier::Dynamic,
+        points: 2,
     }
 }
 

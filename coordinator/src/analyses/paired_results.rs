@@ -96,8 +96,8 @@ impl PairedResults {
                 let r = self.correlation(c, (nearest(life_before), nearest(life_after)));
                 let interval = |row: &LifeRow, value: f64, summary: &StudySummary| IntervalEstimate {
                     value,
-                    lower: row.interval.lower,
-                    upper: row.interval.upper,
+                    lower: row.whole_interval().lower,
+                    upper: row.whole_interval().upper,
                     sampling: self.sampling_of_life(summary, row),
                 };
                 Some(change(interval(b, life_before, before), interval(a, life_after, after), r))

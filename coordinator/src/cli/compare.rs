@@ -46,7 +46,7 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     let table: Vec<(String, Vec<String>)> =
         differing.iter().map(|row| (row.key.clone(), row.values.iter().map(value).collect())).collect();
     let [page, numbers] = ["html", "csv"].map(|end| folder.join(format!("{name}.{end}")));
-    let gains = gains(&studies, &table);
+    let gains = gains(&studies);
     let document = json!({ "page": page, "csv": numbers, "differences": differing, "gains": gains });
     answer_with(&answer(name, studies, &table), &document, Some(&folder), as_json)
 }
@@ -85,7 +85,7 @@ struct GainInLife {
 }
 
 /// Gains of all studies but the first, per curve and level; none for studies of a single checkpoint.
-fn gains(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> Vec<GainInLife> {
+fn gains(studies: &[ComparedStudy]) -> Vec<GainInLife> {
     let first = &studies[0];
     if first.summary.is_static() {
         return vec![];
@@ -93,7 +93,7 @@ fn gains(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> Vec<
     let curves = first.summary.limit_states.iter().map(String::as_str).chain(["total"]);
     let of_curve = |name: &str| {
         let of_study = |k: usize, level: f64| {
-            let (change, _) = gain(studies, differing, k, (name, level));
+            let (change, _) = gain(studies, k, (name, level));
             GainInLife {
                 study: studies[k].name.clone(),
                 limit_state: name.to_owned(),

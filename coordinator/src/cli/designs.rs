@@ -5,7 +5,7 @@ use super::error::CommandError;
 use super::farm::CommandEvaluator;
 use super::output::answer_with;
 use super::shared::{FarmArguments, Verbosity, positive, value};
-use super::stored_study::{OpenedStudy, StoredStudy, failed, known_outcomes};
+use super::stored_study::{OpenedStudy, StoredStudy, failed, known_outcomes, stored_correction};
 use clap::Args;
 use common::scene::Scene;
 use coordinator::analyses::designs::{
@@ -201,8 +201,10 @@ fn refine_with(
         Machines::Open(evaluator) => evaluator,
         Machines::ToOpen(farm) => own.insert(opened.evaluator(farm, verbosity.quiet)?),
     };
+    let correction = stored_correction(&opened.study.campaign)?;
     let campaign = &mut opened.study.campaign;
     let mut simulate = |learning: &FurtherLearning<'_>| -> Result<Vec<StoredOutcome>, DesignError> {
+        let learning = FurtherLearning { correction: correction.as_ref(), ..*learning };
         learning.learn(evaluator.evaluator(), &mut FurtherEvaluations::of(campaign), &mut Silent)?;
         Ok(known_outcomes(campaign).map_err(EvaluateError::from).map_err(StudyError::from)?)
     };

@@ -80,7 +80,7 @@ pub fn simulate(
 ) -> Result<String, CommandError> {
     let scene = source.nominal();
     let sample = source.sample_with(settings)?;
-    let request = Request { id: 0, sample, with_first_cycle: false, accuracy: None };
+    let request = Request { id: 0, sample, with_first_cycle: false, accuracy: None, level: 0 };
     let (mut found, end) = open_simulator(simulator, scene, 1)?.outcomes(&[request], &mut |_| ());
     end.map_err(CommandError::Evaluate)?;
     let lost = || CommandError::Evaluate(EvaluateError::NoOutcome { id: 0 });

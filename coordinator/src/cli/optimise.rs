@@ -4,7 +4,7 @@
 use super::error::CommandError;
 use super::output::answer_with;
 use super::shared::{FarmArguments, Verbosity, whole};
-use super::stored_study::{OpenedStudy, StoredStudy};
+use super::stored_study::{OpenedStudy, StoredStudy, stored_correction};
 use clap::Args;
 use common::scene::{InputFile, Scene};
 use coordinator::analyses::optimise::{
@@ -108,12 +108,14 @@ fn search(
         return Ok(find(&basis, problem, 0, &mut none, &mut progress)?);
     }
     let mut evaluator = opened.evaluator(&arguments.farm, verbosity.quiet)?;
+    let correction = stored_correction(&opened.study.campaign)?;
     let OpenedStudy { study: StoredStudy { campaign, source, .. }, settings, .. } = opened;
     let mut journal = FurtherEvaluations::of(campaign);
     let mut next = basis.outcomes.len() as u64;
     let mut simulate = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, OptimiseError> {
         let (scene, evaluator) = (source.nominal(), evaluator.evaluator());
-        let found = simulate_samples(scene, settings, requests, next, evaluator, &mut journal)?;
+        let numbered = (next, correction.as_ref());
+        let found = simulate_samples(scene, settings, requests, numbered, evaluator, &mut journal)?;
         next += requests.len() as u64;
         Ok(found)
     };

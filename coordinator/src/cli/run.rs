@@ -61,11 +61,12 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     } else {
         check_linkage(source.origin(), &source, scene)?;
     }
+    arguments.check_levels(scene)?;
     let mut settings = arguments.settings(scene);
     settings.check(scene)?;
     let threads = Some(local_slots(&arguments.farm)).filter(|slots| *slots > 0).unwrap_or_else(cores);
     let interrupted = interruption().map_err(CommandError::Signals)?;
-    let accuracy = &arguments.accuracy;
+    let accuracy = arguments.working_accuracy();
     settings.accuracy = accuracy.for_study(&source, settings.seed, threads, verbosity.quiet, interrupted)?;
     let dir = arguments.out.clone().unwrap_or_else(|| free_folder(&scene.name));
     let meta = CampaignMeta {
@@ -97,7 +98,7 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
     // A study that this version cannot go on with is refused before its file is brought up to the present layout.
     StoredStudy::look(dir)?;
     let mut study = StoredStudy::read(CampaignFile::open(dir)?)?;
-    let extended = extension.extended(&study.settings, study.campaign.count()?)?;
+    let extended = extension.extended(&study.settings, study.campaign.working_count()?)?;
     extended.check(study.scene())?;
     let mut repeated = 0;
     for worker in distrust {

@@ -11,7 +11,7 @@ use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, FILE_NAME, StoreError};
 use coordinator::results::summary::StudySummary;
 use coordinator::study::{
-    LifeModel, Method, Observed, Settings, StoredOutcome, StudyError, learn_from_results,
+    Correction, LifeModel, Method, Observed, Settings, StoredOutcome, StudyError, learn_from_results,
 };
 use std::path::Path;
 
@@ -54,7 +54,7 @@ impl StoredStudy {
         self.source.nominal()
     }
 
-    /// All evaluations, failed ones included, in the order of their numbers.
+    /// All evaluations at the working accuracy, failed ones included, in the order of their numbers.
     ///
     /// # Errors
     /// [`CommandError::Store`].
@@ -62,7 +62,9 @@ impl StoredStudy {
         let mut all = Vec::new();
         self.campaign.for_each(|stored| -> Result<(), StoreError> {
             let outcome = stored.outcome.map(Observed::from_evaluation);
-            all.push(StoredOutcome { sample: stored.sample, outcome });
+            if stored.level == 0 {
+                all.push(StoredOutcome { sample: stored.sample, outcome });
+            }
             Ok(())
         })?;
         Ok(all)
@@ -243,17 +245,49 @@ impl OpenedStudy {
         }
         // The surrogates are wanted, not the curves of the whole population.
         let settings = Settings { samples: settings.samples.min(SAMPLES), ..settings.clone() };
-        let learned = learn_from_results(scene, scene, &settings, &self.study.outcomes()?)
+        let outcomes = corrected(campaign, self.study.outcomes()?)?;
+        let learned = learn_from_results(scene, scene, &settings, &outcomes)
             .map_err(|error| CommandError::of_study(error, dir))?;
         Ok(LifeModel::new(scene, &learned))
     }
 }
 
-/// Sample and outcome of every simulation that a campaign file holds.
+/// The correction of a study's results by the pairs that its campaign file holds, if it has enough.
+///
+/// # Errors
+/// [`StoreError`].
+pub fn stored_correction(campaign: &CampaignFile) -> Result<Option<Correction>, StoreError> {
+    let mut finer = Vec::new();
+    campaign.for_each_finer(|level, sample, outcome| {
+        finer.push((level, StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) }));
+    })?;
+    if finer.is_empty() {
+        return Ok(None);
+    }
+    Ok(Correction::from_stored(&as_simulated(campaign)?, &finer))
+}
+
+/// Outcomes of a study, corrected where its pairs allow it.
+fn corrected(
+    campaign: &CampaignFile,
+    outcomes: Vec<StoredOutcome>,
+) -> Result<Vec<StoredOutcome>, StoreError> {
+    Ok(match stored_correction(campaign)? {
+        Some(correction) => correction.correct_all(outcomes),
+        None => outcomes,
+    })
+}
+
+/// Sample and outcome of every simulation at the working accuracy that a campaign file holds, corrected by its pairs.
 ///
 /// # Errors
 /// [`StoreError`].
 pub fn known_outcomes(campaign: &CampaignFile) -> Result<Vec<StoredOutcome>, StoreError> {
+    corrected(campaign, as_simulated(campaign)?)
+}
+
+/// The same outcomes as they were simulated.
+fn as_simulated(campaign: &CampaignFile) -> Result<Vec<StoredOutcome>, StoreError> {
     let mut all = Vec::new();
     campaign.for_each_known(|sample, outcome| {
         all.push(StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) });

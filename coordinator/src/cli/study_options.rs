@@ -4,10 +4,11 @@ use super::accuracy::AccuracyArguments;
 use super::monitor::MonitorArguments;
 use super::shared::{FarmArguments, positive, seed, share, word, word_or_auto};
 use clap::Args;
+use common::accuracy::{LevelsError, NamedAccuracy};
 use common::scene::Scene;
 use coordinator::statistics::learning::LearningFunction;
 use coordinator::statistics::surrogate::{Kernel, StatedErrors, Trend};
-use coordinator::study::{Method, SettingError, Settings};
+use coordinator::study::{FinerLevels, Method, SettingError, Settings};
 use std::path::PathBuf;
 
 /// A setting that may be left to the program: `None` for `auto`.
@@ -33,6 +34,17 @@ pub struct RunArguments {
     pub learner: LearnerArguments,
     #[command(flatten)]
     pub accuracy: AccuracyArguments,
+    /// Levels of accuracy, e.g. draft,balanced+jump-2000,reference (ak): surrogates learn at the first one, pairs of evaluations at the
+    /// same points correct their results to the second and third. One level alone: the errors that evaluations state remain [default: the
+    /// scene's, else two levels beyond the accuracy, each with half the time steps and blocks and twice the control points]
+    #[arg(
+        long,
+        value_name = "A,B,C",
+        value_delimiter = ',',
+        conflicts_with_all = ["accuracy", "max_error"],
+        help_heading = "Accuracy"
+    )]
+    pub levels: Vec<NamedAccuracy>,
     #[command(flatten)]
     pub farm: FarmArguments,
     /// Folder for the results, created if missing [default: hingewise-SCENE, or the next free number after it]
@@ -151,7 +163,7 @@ pub struct LearnerArguments {
     /// Evaluations of the initial design (ak)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub initial: Option<usize>,
-    /// Budget of evaluations (ak)
+    /// Budget of evaluations; those at finer levels come on top (ak)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub max_evaluations: Option<usize>,
     /// Evaluations under way at once after the initial design, half of them proposed together (ak). It changes the
@@ -180,10 +192,52 @@ pub struct LearnerArguments {
 }
 
 impl RunArguments {
+    /// Checks the levels, if any are given.
+    ///
+    /// # Errors
+    /// [`SettingError`].
+    pub fn check_levels(&self, scene: &Scene) -> Result<(), SettingError> {
+        let refuse = |allowed: String| {
+            let names: Vec<&str> = self.levels.iter().map(|level| level.name.as_str()).collect();
+            Err(SettingError { key: "levels", value: names.join(","), allowed })
+        };
+        if self.levels.is_empty() {
+            return Ok(());
+        }
+        if scene.simulator.is_some() {
+            return refuse("none with the scene's own simulator, which has no such setting".to_owned());
+        }
+        match LevelsError::of(&self.levels) {
+            Some(error) => refuse(error.to_string()),
+            None if self.method.method.unwrap_or_default() != Method::ActiveLearning
+                && self.levels.len() > 1 =>
+            {
+                refuse("one, unless surrogates learn from them with --method ak".to_owned())
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Options on the accuracy of the surrogates' evaluations: those given, or the first of the levels.
+    pub fn working_accuracy(&self) -> AccuracyArguments {
+        let first = self.levels.first().cloned();
+        AccuracyArguments {
+            accuracy: first.or_else(|| self.accuracy.accuracy.clone()),
+            ..self.accuracy.clone()
+        }
+    }
+
     /// Settings of a study of `scene`: its defaults, changed by the options. An accuracy for an error budget is still
     /// to be found.
     pub fn settings(&self, scene: &Scene) -> Settings {
         let mut settings = Settings::from(scene);
+        if self.accuracy != AccuracyArguments::default() {
+            // The scene's levels begin at another accuracy.
+            settings.levels = FinerLevels::Halved;
+        }
+        if let Ok((working, finer)) = FinerLevels::of_names(&self.levels) {
+            (settings.accuracy.setting, settings.levels) = (working, finer);
+        }
         replace(&mut settings.accuracy.setting, self.accuracy.accuracy.clone());
         settings.accuracy.max_error = self.accuracy.max_error;
         let MethodArguments { method, samples, seed, max_failed } = self.method;
@@ -245,6 +299,26 @@ mod tests {
         assert_eq!(found.max_evaluations, scene.study.max_evaluations);
         assert_eq!((found.forms.kernel, found.forms.trend), (Some(Kernel::Matern52), None));
         assert_eq!(found.targets().relative_error, 0.01);
+    }
+
+    #[test]
+    fn levels_are_the_working_accuracy_and_finer_ones() {
+        let source = SceneSource::builtin("four-bar").unwrap();
+        let scene = source.nominal();
+        let arguments = |names: &[&str]| RunArguments {
+            levels: names.iter().map(|name| name.parse().expect(name)).collect(),
+            ..Default::default()
+        };
+        let given = arguments(&["draft", "balanced", "reference"]);
+        let settings = given.settings(scene);
+        let finer: Vec<String> = settings.finer_levels(scene).into_iter().map(|level| level.name).collect();
+        assert_eq!((settings.accuracy.setting.name.as_str(), finer.len()), ("draft", 2));
+        assert_eq!(finer, ["balanced", "reference"]);
+        assert_eq!(given.working_accuracy().accuracy.unwrap().name, "draft");
+        assert_eq!((given.check_levels(scene), arguments(&["draft"]).check_levels(scene)), (Ok(()), Ok(())));
+        assert!(arguments(&["draft"]).settings(scene).finer_levels(scene).is_empty());
+        let refused = arguments(&["reference", "draft"]).check_levels(scene).unwrap_err().to_string();
+        assert!(refused.contains("levels = reference,draft") && refused.contains("not finer"), "{refused}");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use super::error::CommandError;
 use super::output::answer_with;
 use super::shared::{FarmArguments, Verbosity, positive, share};
-use super::stored_study::{OpenedStudy, StoredStudy, failed};
+use super::stored_study::{OpenedStudy, StoredStudy, failed, stored_correction};
 use clap::Args;
 use coordinator::analyses::what_if::{answer, changed_scene, json, redistributed};
 use coordinator::presentation::terminal::Terminal;
@@ -86,8 +86,10 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), 
         let further = refine.unwrap_or(opened.settings.max_evaluations);
         let mut evaluator = opened.evaluator(farm, verbosity.quiet)?;
         let mut terminal = Terminal::new(verbosity.quiet);
+        let correction = stored_correction(&opened.study.campaign)?;
         let StoredStudy { campaign, source, .. } = &mut opened.study;
         let learning = FurtherLearning {
+            correction: correction.as_ref(),
             changed: changed.nominal(),
             studied: source.nominal(),
             settings: &opened.settings,

@@ -11,9 +11,10 @@ pub struct LifeRow {
     pub reliability: f64,
     /// Life [cycles]; absent if it lies beyond the life studied, or if the checkpoints only bound it.
     pub cycles: Option<f64>,
-    /// Its 95 % interval: sampling, surrogate and interpolation between the checkpoints.
+    /// Its 95 % interval: sampling, surrogate, interpolation between the checkpoints, and numerical error of the simulations.
     pub interval: CyclesRange,
-    /// The 95 % interval with the numerical error of the simulations; absent if they state none.
+    /// In studies by earlier versions, whose `interval` leaves it out, the interval with the numerical error of the simulations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub with_numerical_error: Option<CyclesRange>,
 }
 
@@ -46,10 +47,24 @@ pub struct LifeCurveRow {
     pub lower: Vec<f64>,
     /// Upper limit `(g,)` [1].
     pub upper: Vec<f64>,
-    /// Lower limit with the numerical error of the simulations `(g,)` [1]; empty if they state none.
+    /// In studies by earlier versions, whose interval leaves it out, the lower limit with the numerical error of the simulations
+    /// `(g,)` [1].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub numerical_lower: Vec<f64>,
-    /// Upper limit with it `(g,)` [1].
+    /// In the same studies the upper limit with it `(g,)` [1].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub numerical_upper: Vec<f64>,
+}
+
+impl LifeCurveRow {
+    /// Lower and upper limits of the whole 95 % interval `(g,)` [1].
+    pub fn limits(&self) -> [&[f64]; 2] {
+        if self.numerical_lower.is_empty() {
+            [&self.lower, &self.upper]
+        } else {
+            [&self.numerical_lower, &self.numerical_upper]
+        }
+    }
 }
 
 /// An interval between two checkpoints that contains too much of the system's failures to be read.

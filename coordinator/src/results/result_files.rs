@@ -123,13 +123,12 @@ pub fn summary_json(summary: &StudySummary) -> Result<String, ResultFileError> {
 }
 
 /// `reliability.csv` as text: `cycles`, then `R_<limit state>, se_<limit state>` in the scene's order, then
-/// `R_total, se_total`; then, in the same order, `numerical_low_<limit state>, numerical_high_<limit state>`: R with all
-/// responses shifted by the numerical errors that the simulations state; then `low_<limit state>, high_<limit state>`, the 95 %
-/// interval of R without them.
+/// `R_total, se_total`; then, in the same order, `low_<limit state>, high_<limit state>`, the 95 % interval of R, every error that is
+/// known included.
 pub fn reliability_csv(summary: &StudySummary) -> String {
     let keys: Vec<&str> = summary.limit_states.iter().map(String::as_str).chain(["total"]).collect();
     let mut columns = vec!["cycles".to_owned()];
-    for [first, second] in [["R_", "se_"], ["numerical_low_", "numerical_high_"], ["low_", "high_"]] {
+    for [first, second] in [["R_", "se_"], ["low_", "high_"]] {
         columns.extend(keys.iter().flat_map(|key| [format!("{first}{key}"), format!("{second}{key}")]));
     }
     let mut table = CsvTable::new(&columns);
@@ -140,16 +139,15 @@ pub fn reliability_csv(summary: &StudySummary) -> String {
     for row in &summary.reliability {
         let estimates =
             keys.iter().flat_map(|key| [value(&row.reliability, key), value(&row.standard_error, key)]);
-        let numerical = keys.iter().flat_map(|key| ends(row.numerical.get(*key).copied()));
         let intervals = keys.iter().flat_map(|key| ends(row.interval_of(key)));
-        table.push([row.cycles.to_string()].into_iter().chain(estimates).chain(numerical).chain(intervals));
+        table.push([row.cycles.to_string()].into_iter().chain(estimates).chain(intervals));
     }
     table.into_text()
 }
 
 /// Writes `samples.csv`: one row per recorded evaluation with `id`, every random variable by name (SI), every
 /// output at every checkpoint as `<output>_<unit>@<cycles>` (empty if the evaluation failed), `failure`,
-/// `worker`, `wall_s`, `finished_at`.
+/// `worker`, `wall_s`, `finished_at`, and `level`, 0 for the working accuracy.
 ///
 /// # Errors
 /// [`ResultFileError`].
@@ -164,7 +162,7 @@ pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) ->
             let key = output.kind.unit().key(&output.name);
             columns.extend(checkpoints.iter().map(|cycles| format!("{key}@{cycles}")));
         }
-        columns.extend(["failure", "worker", "wall_s", "finished_at"].map(str::to_owned));
+        columns.extend(["failure", "worker", "wall_s", "finished_at", "level"].map(str::to_owned));
         writer.write_record(columns.iter().map(|name| plain_text(name).into_owned())).map_err(failed)?;
         campaign.for_each(|stored| {
             let mut cells = vec![stored.id.to_string()];
@@ -182,6 +180,7 @@ pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) ->
             let failure = stored.outcome.err().map_or(String::new(), |failure| failure.to_string());
             let [failure, worker] = [&failure, &stored.worker].map(|text| plain_text(text).into_owned());
             cells.extend([failure, worker, number(stored.wall), stored.finished_at.to_string()]);
+            cells.push(stored.level.to_string());
             writer.write_record(&cells).map_err(failed)
         })?;
         writer.flush().map_err(|source| ResultFileError::Write { path: path.into(), source })
@@ -218,7 +217,7 @@ mod tests {
         assert_eq!(keys(&json["evaluations"]), ["added", "failed", "initial", "total"]);
         assert_eq!(
             keys(&json["reliability"][0]),
-            ["asymmetry", "cycles", "interval", "numerical", "standard_error", "total", "wear"]
+            ["asymmetry", "cycles", "interval", "parts", "standard_error", "total", "wear"]
         );
         assert_eq!(
             keys(&json["moments"][0]),
@@ -265,9 +264,8 @@ mod tests {
         let mut lines = text.lines();
         assert_eq!(
             lines.next().unwrap(),
-            "cycles,R_wear,se_wear,R_asymmetry,se_asymmetry,R_total,se_total,numerical_low_wear,\
-             numerical_high_wear,numerical_low_asymmetry,numerical_high_asymmetry,numerical_low_total,\
-             numerical_high_total,low_wear,high_wear,low_asymmetry,high_asymmetry,low_total,high_total"
+            "cycles,R_wear,se_wear,R_asymmetry,se_asymmetry,R_total,se_total,\
+             low_wear,high_wear,low_asymmetry,high_asymmetry,low_total,high_total"
         );
         for (line, row) in lines.by_ref().zip(&summary.reliability) {
             let values: Vec<f64> = line.split(',').map(|value| value.parse().unwrap()).collect();
@@ -276,7 +274,7 @@ mod tests {
             assert_eq!(values[6], row.standard_error["total"]);
             assert_eq!(
                 (values[9], values[12]),
-                (row.numerical["asymmetry"].lower, row.numerical["total"].upper)
+                (row.interval["asymmetry"].lower, row.interval["total"].upper)
             );
         }
         assert_eq!(text.lines().count(), 73);
@@ -291,7 +289,7 @@ mod tests {
         write_samples_csv(&path, &campaign, &scene).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
-        assert_eq!(header.len(), 1 + scene.variables.len() + 2 * 72 + 4);
+        assert_eq!(header.len(), 1 + scene.variables.len() + 2 * 72 + 5);
         let at = |name: &str| header.iter().position(|column| *column == name).unwrap();
         let first: Vec<&str> = text.lines().nth(1).unwrap().split(',').collect();
         let stored = campaign.evaluation(0).unwrap().unwrap();

@@ -2,19 +2,17 @@
 //! be added to, but not changed. Keys of outputs are their name and unit, e.g. `max_wear_depth_m`.
 
 use super::control_points::ControlPointsRow;
+use super::level_summary::LevelsRow;
 use super::life_summary::{LifeCurveRow, LifeRow, UnresolvedFall};
 use super::point_summary::{FailurePointRow, PredictionRow};
+pub use super::reliability_summary::{PerLimitState, ReliabilityRange, ReliabilityRow};
 use super::scene_summary::{LimitRow, VariableRow, limit_rows, sha256, variable_rows};
 pub use super::surrogate_summary::{SurrogateRow, UntestedRow};
 pub use super::timing::{Timing, WorkerShare};
-use crate::statistics::reliability::REACH;
 use common::accuracy::Accuracy;
 use common::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, path::Path};
-
-/// One value per limit state, by name; [`StudySummary::limit_states`] has their order.
-pub type PerLimitState = BTreeMap<String, f64>;
 
 /// Version of the form of `summary.json`: a reader of this one reads later ones, which only add keys.
 pub const SCHEMA: u32 = 1;
@@ -45,6 +43,9 @@ pub struct StudySummary {
     pub accuracy_settings: Option<Accuracy>,
     /// Error budget of the accuracy as a share of the limits [1]; absent if the accuracy was given by name.
     pub max_error: Option<f64>,
+    /// Finer levels of accuracy and the differences that pairs of simulations showed; absent without any, and in studies by earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub levels: Option<LevelsRow>,
     /// Size of the final Monte Carlo population.
     pub population: usize,
     /// Condition of that population, if failures were too rare for an unconditional one.
@@ -250,47 +251,6 @@ pub struct EvaluationCounts {
     pub added: usize,
     /// Evaluations without a result.
     pub failed: usize,
-}
-
-/// Reliability at one checkpoint.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ReliabilityRow {
-    /// Checkpoint of life [cycles].
-    pub cycles: u32,
-    /// R(n) per limit state, and `total` for the series system; failures are absorbing.
-    #[serde(flatten)]
-    pub reliability: PerLimitState,
-    /// Standard error per curve: root of the sum of squares of sampling error, 1.5 times the surrogate error and the shift by
-    /// the numerical noise of the simulations.
-    pub standard_error: PerLimitState,
-    /// Range of R(n) with all responses shifted by their stated numerical errors to the unsafe and to the safe side. Not part
-    /// of the standard error; empty in studies by earlier versions.
-    #[serde(default)]
-    pub numerical: BTreeMap<String, ReliabilityRange>,
-    /// 95 % interval of R(n) per curve: R -+ 1.96 standard errors, where no failure or no survivor was seen the rule of three;
-    /// empty in studies by earlier versions.
-    #[serde(default)]
-    pub interval: BTreeMap<String, ReliabilityRange>,
-}
-
-impl ReliabilityRow {
-    /// 95 % interval of the reliability `key`, without the numerical error.
-    pub fn interval_of(&self, key: &str) -> Option<ReliabilityRange> {
-        let interval = self.interval.get(key).copied();
-        interval.or_else(|| {
-            let (r, reach) = (*self.reliability.get(key)?, REACH * *self.standard_error.get(key)?);
-            Some(ReliabilityRange { lower: (r - reach).max(0.0), upper: (r + reach).min(1.0) })
-        })
-    }
-}
-
-/// Range of a reliability: its 95 % interval, or its range under numerical errors.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct ReliabilityRange {
-    /// Lower limit; under numerical errors R with every response larger by its stated error.
-    pub lower: f64,
-    /// Upper limit; under numerical errors R with every response smaller by its stated error.
-    pub upper: f64,
 }
 
 /// Derivative of the probability of failure of one limit state with respect to one variable's parameters.

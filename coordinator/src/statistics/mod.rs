@@ -9,6 +9,7 @@
 //! | [`surrogate`] | Kriging models of the responses |
 //! | [`learning`] | which point is simulated next, and when to stop |
 //! | [`reliability`] | R(n) with its standard error, subset simulation |
+//! | [`levels`] | differences between levels of numerical accuracy, by pairs of simulations |
 //! | [`replacement`] | age replacement, replacement by inspection, hazard and mean life |
 //! | [`updating`] | the state of one unit from its measurements |
 //! | [`optimisation`] | minimum cost under constraints, discrete choices |
@@ -19,6 +20,7 @@
 pub mod design;
 pub mod goodness_of_fit;
 pub mod learning;
+pub mod levels;
 pub mod named;
 pub mod optimisation;
 pub mod reliability;

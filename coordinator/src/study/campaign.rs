@@ -31,7 +31,7 @@ const CONTRADICTION: f64 = 4.0;
 /// How far learning has come.
 #[derive(Debug, Default)]
 pub(super) struct LearningProgress {
-    stopping: Stopping,
+    pub(super) stopping: Stopping,
     /// The rounds so far.
     pub rounds: Vec<Round>,
     /// Assessment of all outcomes received; absent until the newest have been assessed.
@@ -267,7 +267,7 @@ impl Campaign {
 
     /// Draws a conditional population once more where the budget ends learning before it has settled: the last results
     /// may have shown failures outside the event it is conditional on. What changes counts as an error.
-    fn redraw_at_the_end(&mut self) -> Result<(), CampaignError> {
+    pub(super) fn redraw_at_the_end(&mut self) -> Result<(), CampaignError> {
         let Some(assessment) = self.progress.assessment.as_ref().filter(|_| self.classified.is_conditional())
         else {
             return Ok(());

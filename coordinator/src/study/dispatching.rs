@@ -1,6 +1,7 @@
 //! Dispatch of a study's samples: each sample becomes a numbered request, which is looked up in the campaign
 //! file and otherwise evaluated; outcomes are checked and returned in the order of the requests.
 
+use super::correction::Correction;
 use super::interim::InterimResult;
 use super::learner::{Learner, LearnerStep, run_learner};
 use super::observations::{Observed, ObservedOutcome};
@@ -39,12 +40,16 @@ pub(super) struct Dispatcher<'a> {
 struct Record<'a> {
     scene: &'a Scene,
     responses: ResponseLayout,
+    /// Correction of the outcomes by finer levels.
+    correction: Option<&'a Correction>,
     /// Names of the limit states and, last, of the system.
     names: Vec<String>,
     checkpoints: Vec<u32>,
     shape: EvaluationShape,
     /// Accuracy for the repetition of failed samples; `None` if nothing is repeated.
     stricter: Option<Accuracy>,
+    /// Accuracies of the finer levels, from level 1 on.
+    finer: Vec<Accuracy>,
     /// Bound on the evaluations, for the observer.
     budget: usize,
     journal: &'a mut dyn Journal,
@@ -72,10 +77,12 @@ impl<'a> Dispatcher<'a> {
         let record = Record {
             scene,
             responses: ResponseLayout::from_scene(scene),
+            correction: None,
             names: result::curve_names(scene),
             checkpoints: scene.life.checkpoints(),
             shape: EvaluationShape::of(scene),
             stricter,
+            finer: vec![],
             budget,
             journal,
             observer,
@@ -91,6 +98,18 @@ impl<'a> Dispatcher<'a> {
     /// Numbers the requests from `first` on, after evaluations that exist.
     pub fn numbered_from(mut self, first: u64) -> Self {
         (self.record.next_id, self.record.done) = (first, first as usize);
+        self
+    }
+
+    /// Evaluates requests of level k >= 1 at the accuracy `finer[k - 1]`.
+    pub fn with_finer(mut self, finer: Vec<Accuracy>) -> Self {
+        self.record.finer = finer;
+        self
+    }
+
+    /// Corrects all outcomes at the working accuracy by the difference of the levels, if one is known.
+    pub fn corrected_by(mut self, correction: Option<&'a Correction>) -> Self {
+        self.record.correction = correction;
         self
     }
 
@@ -322,8 +341,15 @@ impl StudyRequests<'_, '_> {
         share.0 += 1;
         share.1 += finished.wall;
         let id = finished.id;
-        let outcome =
-            finished.outcome.map(|found| self.record.responses.complete(Observed::from_evaluation(found)));
+        let Record { responses, correction, .. } = &*self.record;
+        let observed = |found| {
+            let observed = Observed::from_evaluation(found);
+            responses.complete(match correction {
+                Some(correction) => correction.correct(observed),
+                None => observed,
+            })
+        };
+        let outcome = finished.outcome.map(observed);
         let chunk = self.chunks.iter_mut().rev().find(|chunk| chunk.first <= id);
         let chunk = chunk.expect("every request has a chunk");
         chunk.outcomes[(id - chunk.first) as usize] = Some(outcome);
@@ -338,9 +364,13 @@ impl StudyRequests<'_, '_> {
         self.chunks.push_back(Chunk { first, outcomes: vec![None; size] });
         let mut missing = Vec::new();
         for (id, wanted) in (first..).zip(samples) {
-            let accuracy = self.record.stricter.filter(|_| wanted.stricter);
+            let accuracy = match usize::from(wanted.level) {
+                0 => self.record.stricter.filter(|_| wanted.stricter),
+                level => self.record.finer.get(level - 1).copied(),
+            };
             let with_first_cycle = id == 0 || (id == 1 && wanted.stricter); // The nominal point, or its repetition.
-            let request = Request { id, sample: wanted.sample, with_first_cycle, accuracy };
+            let request =
+                Request { id, sample: wanted.sample, with_first_cycle, accuracy, level: wanted.level };
             match recalled(self.record.journal, &request, &self.record.shape)? {
                 Some(finished) => {
                     self.record.note_evaluated(&finished, true);

@@ -10,6 +10,7 @@
 
 use super::campaign::Campaign;
 use super::campaign_result::CampaignResult;
+use super::correction::Correction;
 use super::dispatching::Dispatcher;
 use super::observations::ObservedOutcome;
 use super::plan::{Plan, Problem, ResponseLayout};
@@ -221,6 +222,8 @@ pub struct FurtherLearning<'a> {
     pub stored: &'a [StoredOutcome],
     /// Most simulations to add.
     pub further: usize,
+    /// Correction of their results, as that of the stored ones.
+    pub correction: Option<&'a Correction>,
 }
 
 impl FurtherLearning<'_> {
@@ -235,11 +238,12 @@ impl FurtherLearning<'_> {
         journal: &mut dyn Journal,
         observer: &mut dyn Observer,
     ) -> Result<CampaignResult, StudyError> {
-        let Self { changed, studied, settings, stored, further } = *self;
+        let Self { changed, studied, settings, stored, further, correction } = *self;
         let mut campaign = campaign_from_results(changed, studied, settings, stored, further);
         let stricter = Settings { method: Method::ActiveLearning, ..settings.clone() }.stricter(changed);
         Dispatcher::new(changed, stricter, stored.len() + further, evaluator, journal, observer)
             .numbered_from(stored.len() as u64)
+            .corrected_by(correction)
             .run(&mut campaign)?;
         Ok(campaign.finish().expect("a campaign that is done has a result"))
     }

@@ -4,8 +4,11 @@ use super::campaign::Campaign;
 use super::plan::Problem;
 use super::round::Assessment;
 use super::untested::Untested;
+use crate::results::reliability_summary::ErrorParts;
 use crate::results::summary::{PerLimitState, ReliabilityRange, ReliabilityRow, UntestedRow};
-use crate::statistics::reliability::{Condition, CurvePoint, half_width, reliability_curve};
+use crate::statistics::reliability::{
+    Condition, CurvePoint, half_width, reliability_curve, surrogate_error_at,
+};
 use std::collections::BTreeMap;
 
 /// Failure shares with the errors known for them.
@@ -39,7 +42,7 @@ impl InterimResult {
         self.failed.iter().enumerate().map(curve).collect()
     }
 
-    /// One row per checkpoint `(m,)`, without the numerical range. `names` are the names of the curves,
+    /// One row per checkpoint `(m,)`, without the numerical error. `names` are the names of the curves,
     /// `cycles` `(m,)` the checkpoints [cycles].
     pub fn rows(&self, names: &[String], cycles: &[u32]) -> Vec<ReliabilityRow> {
         let curves = self.curves();
@@ -48,7 +51,9 @@ impl InterimResult {
                 names.iter().zip(&curves).map(|(name, curve)| (name.clone(), of(&curve[n]))).collect()
             };
             let interval = |(c, name): (usize, &String)| (name.clone(), self.interval(c, n, &curves));
+            let parts = |(c, name): (usize, &String)| (name.clone(), self.parts(c, n, &curves[c][n]));
             ReliabilityRow {
+                parts: names.iter().enumerate().map(parts).collect(),
                 interval: names.iter().enumerate().map(interval).collect(),
                 cycles: *cycles,
                 reliability: value(|point| point.reliability),
@@ -57,6 +62,14 @@ impl InterimResult {
             }
         };
         cycles.iter().enumerate().map(row).collect()
+    }
+
+    /// Parts of the standard error of R at checkpoint `n` of curve `c`, whose point is `point`.
+    fn parts(&self, c: usize, n: usize, point: &CurvePoint) -> ErrorParts {
+        let of_share = self.surrogate.get(c).map_or(0.0, |errors| surrogate_error_at(n, errors));
+        let surrogate = (self.condition.probability * of_share).min(point.standard_error);
+        let sampling = (point.standard_error.powi(2) - surrogate.powi(2)).max(0.0).sqrt();
+        ErrorParts { sampling, surrogate, numerical: 0.0 }
     }
 
     /// 95 % interval of R at checkpoint `n` of curve `c`.

@@ -53,6 +53,8 @@ fn scene() -> Scene {
         conditions: vec![],
         study: StudySettings { population: 100_000, initial: 120, batch: 16, max_evaluations: 300, seed: 1 },
         accuracy: NamedAccuracy::default(),
+        // One level: no pairs.
+        levels: vec![NamedAccuracy::default()],
         simulator: None,
     }
 }

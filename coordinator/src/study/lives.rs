@@ -94,14 +94,13 @@ pub(super) fn add_simulated(
 }
 
 /// Reads curves, lives and the fall that the checkpoints do not resolve from the counts. `names` are those of the curves, the
-/// system last; `numerical` tells whether the simulations state errors.
+/// system last.
 pub(super) fn add_lives(
     summary: &mut StudySummary,
     counts: &LifeCounts,
     shares: &InterimResult,
     names: &[String],
     checkpoints: &[u32],
-    numerical: bool,
 ) {
     // A study with one checkpoint has no life.
     if checkpoints.len() < 2 {
@@ -123,38 +122,35 @@ pub(super) fn add_lives(
     let possible = |c: usize, time: f64| shares.untested.possible(c, 1.0 - system.lower_at(time));
     let bounded = |c: usize| curve(c).with_possible(|time| possible(c, time).unwrap_or(0.0));
     let curves: Vec<LifeCurve> = (0..names.len()).map(bounded).collect();
-    let row =
-        |(name, curve): (&String, &LifeCurve)| LEVELS.map(|level| life_row(name, curve, level, numerical));
+    let row = |(name, curve): (&String, &LifeCurve)| LEVELS.map(|level| life_row(name, curve, level));
     summary.lives = names.iter().zip(&curves).flat_map(row).collect();
     let of_system = &summary.lives[summary.lives.len() - LEVELS.len()..];
     let total = curves.last();
     summary.unresolved_fall = total.and_then(|total| unresolved_fall(total, shares, checkpoints, of_system));
-    let rows = names.iter().zip(curves).map(|(name, curve)| curve_row(name, curve, numerical));
+    let rows = names.iter().zip(curves).map(|(name, curve)| curve_row(name, curve));
     summary.curves = rows.collect();
 }
 
-fn life_row(name: &str, curve: &LifeCurve, level: f64, numerical: bool) -> LifeRow {
-    let range = |LifeAtLevel { lower, upper, .. }: LifeAtLevel| CyclesRange { lower, upper };
-    let found = curve.life_at(level, false);
+fn life_row(name: &str, curve: &LifeCurve, level: f64) -> LifeRow {
+    let LifeAtLevel { life, lower, upper } = curve.life_at(level);
     LifeRow {
         limit_state: name.to_owned(),
         reliability: level,
-        cycles: found.life,
-        interval: range(found),
-        with_numerical_error: numerical.then(|| range(curve.life_at(level, true))),
+        cycles: life,
+        interval: CyclesRange { lower, upper },
+        with_numerical_error: None,
     }
 }
 
-fn curve_row(name: &str, curve: LifeCurve, numerical: bool) -> LifeCurveRow {
-    let or_none = |limit: Vec<f64>| if numerical { limit } else { vec![] };
+fn curve_row(name: &str, curve: LifeCurve) -> LifeCurveRow {
     LifeCurveRow {
         limit_state: name.to_owned(),
         cycles: curve.cycles,
         reliability: curve.reliability,
         lower: curve.lower,
         upper: curve.upper,
-        numerical_lower: or_none(curve.unsafe_lower),
-        numerical_upper: or_none(curve.safe_upper),
+        numerical_lower: vec![],
+        numerical_upper: vec![],
     }
 }
 
@@ -180,7 +176,7 @@ fn unresolved_fall(
     };
     let k = (0..checkpoints.len()).find(falls).or_else(|| lives.iter().find_map(bounded))?;
     let (from, to) = (if k == 0 { 0 } else { checkpoints[k - 1] }, checkpoints[k]);
-    let between = |level: f64| total.life_at(level, false).life;
+    let between = |level: f64| total.life_at(level).life;
     // The fall as it was interpolated; otherwise all that is known is that it lies within the interval.
     let width = match (between(FALL.0), between(FALL.1)) {
         (Some(first), Some(last)) => last - first,

@@ -163,7 +163,7 @@ impl Learner for DirectSimulation<'_> {
             // not counted.
             self.chunks.push_back(0..0);
             let sample = self.problem.inputs.means();
-            return Ok(Step::Evaluate(vec![SampleRequest { sample, stricter: false }]));
+            return Ok(Step::Evaluate(vec![SampleRequest::new(sample)]));
         }
         if self.recorded == 0 {
             return Ok(Step::Wait);
@@ -177,7 +177,7 @@ impl Learner for DirectSimulation<'_> {
         }
         self.requested = range.end;
         self.chunks.push_back(range.clone());
-        let request = |j| SampleRequest { sample: self.population.physical(j), stricter: false };
+        let request = |j| SampleRequest::new(self.population.physical(j));
         Ok(Step::Evaluate(range.map(request).collect()))
     }
 

@@ -13,6 +13,9 @@ pub struct Observed {
     pub histories: Vec<Vec<f64>>,
     /// Stated numerical errors of the histories `(outputs)(m,)` [unit of the output], at least 0.
     pub errors: Vec<Vec<f64>>,
+    /// Spread of the difference to a finer level from point to point `(outputs)(m,)` [unit of the output]; empty where no pairs have
+    /// shown it.
+    pub rough: Vec<Vec<f64>>,
     /// Values at the start of life `(outputs,)` [unit of the output]; `None` where they are not known.
     pub start: Vec<Option<f64>>,
     /// Which histories are distances of others from a middle.
@@ -61,7 +64,7 @@ impl Observed {
     /// Histories `(outputs)(m,)` without numerical errors, from an unknown start.
     pub fn exact(histories: Vec<Vec<f64>>) -> Self {
         let errors = histories.iter().map(|history| vec![0.0; history.len()]).collect();
-        Self { errors, start: vec![None; histories.len()], histories, distances: vec![] }
+        Self { errors, rough: vec![], start: vec![None; histories.len()], histories, distances: vec![] }
     }
 
     /// Running maximum of the history of one output from the start of life `(m,)` [unit of the output].
@@ -184,6 +187,17 @@ impl Observations {
         self.matrix(|Observed { histories, errors, start, .. }| {
             errors_of_maximum(start[output], &histories[output], &errors[output])
         })
+    }
+
+    /// Spread of the difference to a finer level from point to point of one output `(m,)` [unit of the output]; `None` where no pairs
+    /// have shown it.
+    pub(super) fn rough(&self, output: usize) -> Option<&[f64]> {
+        self.results.last()?.rough.get(output).map(Vec::as_slice)
+    }
+
+    /// Replaces every result by what `change` makes of it.
+    pub(super) fn change(&mut self, change: impl Fn(Observed) -> Observed) {
+        self.results = std::mem::take(&mut self.results).into_iter().map(change).collect();
     }
 
     /// The matrix of a row of numbers of each result.

@@ -112,6 +112,9 @@ impl ResponseLayout {
             observed.histories.push(history);
             let errors = observed.errors[output].clone();
             observed.errors.push(errors);
+            if let Some(rough) = observed.rough.get(output).cloned() {
+                observed.rough.push(rough);
+            }
             observed.start.push(observed.start[output].map(|value| limit.response(value)));
             if let Some(middle) = limit.middle() {
                 let response = observed.histories.len() - 1;
@@ -148,6 +151,7 @@ mod tests {
         let observed = Observed {
             histories: vec![vec![1.0], vec![3.0]],
             errors: vec![vec![0.0], vec![0.5]],
+            rough: vec![],
             start: vec![None, Some(2.0)],
             distances: vec![],
         };

@@ -101,7 +101,10 @@ impl Requests {
     pub fn begin(&mut self, chunk: Vec<PendingSample>) -> Step {
         self.total += chunk.len();
         self.known.extend(chunk.iter().map(|pending| bits(&pending.z)));
-        let request = |p: &PendingSample| SampleRequest { sample: p.sample.clone(), stricter: p.stricter };
+        let request = |p: &PendingSample| SampleRequest {
+            stricter: p.stricter,
+            ..SampleRequest::new(p.sample.clone())
+        };
         let requests = chunk.iter().map(request).collect();
         self.chunks.push_back(chunk);
         Step::Evaluate(requests)

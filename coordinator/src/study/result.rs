@@ -186,7 +186,6 @@ impl Findings {
         let first_failure =
             |(n, cycles): (usize, &u32)| first_failure(limits, &first_failures, condition, *cycles, n);
         let numerical = self.lives.numerical_band();
-        let states_errors = scene.simulator.is_none() || numerical.most != numerical.least;
         let has_moments = !self.distributions.is_empty();
         let moments = |(n, cycles): (usize, &u32)| moments(scene, &self.distributions, *cycles, n);
         let derivatives = self.derivatives.iter();
@@ -197,7 +196,7 @@ impl Findings {
                 coefficient_of_variation: condition.cov,
                 levels: condition.levels,
             }),
-            reliability: self.reliability(states_errors.then_some(&numerical), &names, &cycles),
+            reliability: self.reliability(&numerical, &names, &cycles),
             first_failure: cycles.iter().enumerate().map(first_failure).collect(),
             untested: self.shares.untested_row(&names),
             moments: cycles.iter().enumerate().filter(|_| has_moments).map(moments).collect(),
@@ -206,7 +205,7 @@ impl Findings {
             workers,
             ..self.summary
         };
-        add_lives(&mut summary, &self.lives, &self.shares, &names, &cycles, states_errors);
+        add_lives(&mut summary, &self.lives, &self.shares, &names, &cycles);
         let history = |(output, at): (&Output, Vec<OutputDistribution>)| OutputHistory {
             output: output.name.clone(),
             cycles: cycles.clone(),
@@ -216,22 +215,22 @@ impl Findings {
         StudyResult { summary, distributions }
     }
 
-    /// R(n) of every curve, with its range under numerical errors unless the simulator states none.
+    /// R(n) of every curve with its interval, the numerical error included.
     fn reliability(
         &self,
-        numerical: Option<&NumericalBand>,
+        numerical: &NumericalBand,
         names: &[String],
         cycles: &[u32],
     ) -> Vec<ReliabilityRow> {
         let mut rows = self.shares.rows(names, cycles);
-        if let Some(numerical) = numerical {
-            let probability = self.shares.condition.probability;
-            for (n, row) in rows.iter_mut().enumerate() {
-                let range = |c: usize| ReliabilityRange {
+        let probability = self.shares.condition.probability;
+        for (n, row) in rows.iter_mut().enumerate() {
+            for (c, name) in names.iter().enumerate() {
+                let range = ReliabilityRange {
                     lower: 1.0 - probability * numerical.most[c][n],
                     upper: 1.0 - probability * numerical.least[c][n],
                 };
-                row.numerical = names.iter().enumerate().map(|(c, name)| (name.clone(), range(c))).collect();
+                row.add_numerical(name, range);
             }
         }
         rows

@@ -9,8 +9,8 @@ use super::surrogates::{FitOptions, GRID, Surrogate, fit_surrogates};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
-    Classification, ClassifiedMode, Coupled, CurveErrors, EARLY, Exploration, Figures, JointPool, Place,
-    SURROGATE_SAFETY, Selection, SelectionOptions, UNCERTAIN, choose_pool, classify_cached,
+    Classification, ClassifiedMode, Coupled, CurveErrors, EARLY, Exploration, Figures, JointPool, Mode,
+    Place, SURROGATE_SAFETY, Selection, SelectionOptions, UNCERTAIN, choose_pool, classify_cached,
     coupled_criterion, curves, dominance, estimate_errors, explore, farthest, noise_shifts, sample_of_open,
     widest_gap, with_system,
 };
@@ -219,9 +219,13 @@ pub(super) fn assess(
     let pool = joint_pool(input, &surrogates, &coupled, &closed);
     let mut rng = open_stream(input.plan.settings.seed, Stream::Realisations(input.round));
     let errors = estimate_errors(&modes, &coupled, &pool, &mut rng);
-    // The noise of the simulations, in units of the enlarged standard deviations.
-    let noise_of = |s: &Surrogate| (s.model.correlation().noise() / s.inflation()).sqrt();
-    let noise: Vec<f64> = surrogates.iter().map(noise_of).collect();
+    // The noise of the simulations, in units of the enlarged standard deviations. The surrogates have taken it off; what pairs of
+    // levels show of it is known, so that the difference of the two counts.
+    let noise_of = |(s, mode): (&Surrogate, &Mode)| {
+        let unexplained = s.model.correlation().noise() - s.rough_share(observations.rough(mode.output));
+        (unexplained.abs() / s.inflation()).sqrt()
+    };
+    let noise: Vec<f64> = surrogates.iter().zip(&problem.modes).map(noise_of).collect();
     let noise_shift = noise_shifts(&modes, &noise);
 
     let governing = governing_checkpoint(&curves[curves.len() - 1]);

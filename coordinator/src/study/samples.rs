@@ -1,5 +1,6 @@
 //! Simulation of samples that no campaign of a study has requested: each is looked up in the journal first, and recorded there.
 
+use super::correction::Correction;
 use super::dispatching::Dispatcher;
 use super::learner::Learner;
 use super::observations::ObservedOutcome;
@@ -35,7 +36,7 @@ impl Learner for GivenSamples<'_> {
 }
 
 /// Outcomes of the requests in their order, complete in the sense of [`super::complete_outcomes`]. Requests are numbered
-/// from `first` on; what the journal holds is not simulated again.
+/// from `first` on; what the journal holds is not simulated again. Results are corrected where a `correction` is known.
 ///
 /// # Errors
 /// [`StudyError`]; finished simulations are in the journal by then.
@@ -43,13 +44,14 @@ pub fn simulate_samples(
     scene: &Scene,
     settings: &Settings,
     requests: &[SampleRequest],
-    first: u64,
+    (first, correction): (u64, Option<&Correction>),
     evaluator: &mut dyn Evaluator,
     journal: &mut dyn Journal,
 ) -> Result<Vec<ObservedOutcome>, StudyError> {
     let mut given = GivenSamples { samples: Some(requests), outcomes: None };
     Dispatcher::new(scene, settings.stricter(scene), requests.len(), evaluator, journal, &mut Silent)
         .numbered_from(first)
+        .corrected_by(correction)
         .run(&mut given)?;
     Ok(given.outcomes.unwrap_or_default())
 }

@@ -1,6 +1,7 @@
 //! Settings of one study: the scene's defaults, changed by the command line, checked here, and stored in the campaign
 //! file, so that `resume` repeats the same study.
 
+use super::levels::FinerLevels;
 use crate::statistics::learning::{LearningFunction, StoppingTargets};
 use crate::statistics::named::named;
 use crate::statistics::surrogate::{FormSettings, StatedErrors};
@@ -114,6 +115,9 @@ pub struct Settings {
     /// of later legs (`resume --samples`).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub larger_populations: Vec<usize>,
+    /// Levels of accuracy finer than the working one (active learning). Campaign files written before this setting existed have none.
+    #[serde(default, skip_serializing_if = "FinerLevels::is_none")]
+    pub levels: FinerLevels,
 }
 
 fn ignored() -> StatedErrors {
@@ -144,7 +148,12 @@ impl From<&Scene> for Settings {
     /// The defaults of a scene: active learning with its `[study]` and its accuracy.
     fn from(scene: &Scene) -> Self {
         let accuracy = StudyAccuracy { setting: scene.accuracy.clone(), max_error: None };
-        Self { accuracy, ..Self::from(scene.study) }
+        let levels = match FinerLevels::of_names(&scene.levels) {
+            Ok((_, finer)) => finer,
+            // A checked scene without levels.
+            Err(_) => FinerLevels::Halved,
+        };
+        Self { accuracy, levels, ..Self::from(scene.study) }
     }
 }
 
@@ -165,6 +174,7 @@ impl From<StudySettings> for Settings {
             target_error: None,
             memory: MEMORY,
             larger_populations: Vec::new(),
+            levels: FinerLevels::None,
         }
     }
 }
@@ -292,7 +302,7 @@ mod tests {
     use common::scene::SceneSource;
 
     /// Settings as campaign files have held them since target errors were introduced.
-    const STORED: &str = r#"{"method":"ak","accuracy":ACCURACY,"samples":4000,"initial":16,"batch":12,"max_evaluations":40,"seed":3,"stated_errors":"fitted","learning":"gain","kernel":"matern52","trend":"auto","max_failed":0.2,"target_error":null}"#;
+    const STORED: &str = r#"{"method":"ak","accuracy":ACCURACY,"samples":4000,"initial":16,"batch":12,"max_evaluations":40,"seed":3,"stated_errors":"fitted","learning":"gain","kernel":"matern52","trend":"auto","max_failed":0.2,"target_error":null,"levels":"halved"}"#;
 
     fn settings() -> Settings {
         let source = SceneSource::builtin("four-bar").unwrap();
@@ -328,8 +338,12 @@ mod tests {
         assert_eq!(serde_json::to_string(&settings).unwrap(), stored);
         let (before, _) = stored.split_once(",\"stated_errors\"").unwrap();
         let early = read(&format!("{before}}}"));
-        let expected =
-            Settings { stated_errors: StatedErrors::Ignored, forms: FormSettings::default(), ..settings };
+        let expected = Settings {
+            stated_errors: StatedErrors::Ignored,
+            forms: FormSettings::default(),
+            levels: FinerLevels::None,
+            ..settings
+        };
         assert_eq!(early, expected);
     }
 

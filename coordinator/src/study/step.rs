@@ -12,6 +12,15 @@ pub struct SampleRequest {
     pub sample: Vec<f64>,
     /// True for the repetition of a failed simulation, at a stricter setting.
     pub stricter: bool,
+    /// Level of accuracy, 0 for the working accuracy of the study.
+    pub level: u8,
+}
+
+impl SampleRequest {
+    /// A first simulation of a sample `(d,)` [SI] at the working accuracy.
+    pub fn new(sample: Vec<f64>) -> Self {
+        Self { sample, stricter: false, level: 0 }
+    }
 }
 
 /// The next step of a campaign.

@@ -221,6 +221,18 @@ impl Surrogate {
         self.outlier = distances.reduce(f64::max).filter(|distance| *distance > OUTLIER);
     }
 
+    /// Variance of the roughness `(m,)` [unit of the output] over that of the process, a mean over the fitted checkpoints [1]; 0 without
+    /// any.
+    pub(super) fn rough_share(&self, rough: Option<&[f64]>) -> f64 {
+        let Some(rough) = rough else { return 0.0 };
+        let sigma2 = self.model.sigma2();
+        let share = |n: &usize| {
+            let rough = rough[n % rough.len()];
+            if sigma2[*n] > 0.0 { rough * rough / sigma2[*n] } else { 0.0 }
+        };
+        self.fitted_on.iter().map(share).sum::<f64>() / self.fitted_on.len() as f64
+    }
+
     /// Factor on the predicted variances [1], at least 1: the mean of squared errors over predicted variances
     /// of the cross-validation, or of leave-one-out if there is none, averaged over the checkpoints.
     pub fn inflation(&self) -> f64 {

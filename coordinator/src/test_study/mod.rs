@@ -22,7 +22,6 @@ pub use mechanism::{eccentricity, first_cycle};
 pub use points::report_with_samples;
 use points::{failure_point, prediction};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -65,20 +64,23 @@ fn reliabilities(cycles: u32, scene: &Scene, shift: f64) -> PerLimitState {
 
 fn reliability_row(cycles: u32, scene: &Scene) -> ReliabilityRow {
     let reliability = reliabilities(cycles, scene, 0.0);
-    let mut upper = reliabilities(cycles, scene, -1.0);
-    let numerical = reliabilities(cycles, scene, 1.0).into_iter();
-    ReliabilityRow {
+    let interval = |r: f64| {
+        let reach = 1.96 * error_of(r);
+        ReliabilityRange { lower: (r - reach).max(0.0), upper: (r + reach).min(1.0) }
+    };
+    let of_curves = || reliability.iter().map(|(name, r)| (name.clone(), *r));
+    let mut row = ReliabilityRow {
         cycles,
-        standard_error: reliability.iter().map(|(name, r)| (name.clone(), error_of(*r))).collect(),
-        interval: BTreeMap::new(),
-        numerical: numerical
-            .map(|(name, lower)| {
-                let upper = upper.remove(&name).unwrap();
-                (name, ReliabilityRange { lower, upper })
-            })
-            .collect(),
-        reliability,
+        standard_error: of_curves().map(|(name, r)| (name, error_of(r))).collect(),
+        interval: of_curves().map(|(name, r)| (name, interval(r))).collect(),
+        reliability: reliability.clone(),
+        ..ReliabilityRow::default()
+    };
+    let [upper, lower] = [-1.0, 1.0].map(|shift| reliabilities(cycles, scene, shift));
+    for name in reliability.keys() {
+        row.add_numerical(name, ReliabilityRange { lower: lower[name], upper: upper[name] });
     }
+    row
 }
 
 /// Standard error of a reliability.
@@ -96,10 +98,10 @@ fn life_curve(name: &str, scene: &Scene) -> LifeCurveRow {
     LifeCurveRow {
         limit_state: name.to_owned(),
         reliability: curve(0.0, 0.0),
-        lower: curve(0.0, -1.0),
-        upper: curve(0.0, 1.0),
-        numerical_lower: curve(1.0, -1.0),
-        numerical_upper: curve(-1.0, 1.0),
+        lower: curve(1.0, -1.0),
+        upper: curve(-1.0, 1.0),
+        numerical_lower: vec![],
+        numerical_upper: vec![],
         cycles: times.iter().map(|t| f64::from(*t)).collect(),
     }
 }
@@ -120,7 +122,7 @@ fn lives(curve: &LifeCurveRow) -> Vec<LifeRow> {
         reliability: level,
         cycles: reached(&curve.reliability, level),
         interval: range(&curve.lower, &curve.upper, level),
-        with_numerical_error: Some(range(&curve.numerical_lower, &curve.numerical_upper, level)),
+        with_numerical_error: None,
     };
     [0.99, 0.9, 0.5].map(row).to_vec()
 }
@@ -241,6 +243,7 @@ pub fn study() -> TestStudy {
         curves,
         unresolved_fall: None,
         control_points: Vec::new(),
+        levels: None,
         scene: scene.name.clone(),
         version: "0.1.0".into(),
         seed: 20_260_101,
@@ -352,7 +355,7 @@ pub fn campaign(dir: &Path) -> CampaignFile {
     let d = scene.variables.len() as u64;
     for id in 0..12 {
         let sample = (0..d).map(|k| 1.0 + 0.01 * ((id * d + k) as f64).sin()).collect();
-        let request = Request { id, sample, with_first_cycle: id == 0, accuracy: None };
+        let request = Request { id, sample, with_first_cycle: id == 0, accuracy: None, level: 0 };
         let failure =
             SimulationFailure::TooManySteps { cycle: 61_000, time: 0.05, joint: None, bound: 200_000 };
         let outcome = if id == 7 { Err(failure) } else { Ok(evaluation(id, &scene)) };

@@ -103,7 +103,8 @@ impl Study {
 }
 
 fn requests(count: u64) -> Vec<Request> {
-    let request = |id: u64| Request { id, sample: vec![id as f64], with_first_cycle: false, accuracy: None };
+    let request =
+        |id: u64| Request { id, sample: vec![id as f64], with_first_cycle: false, accuracy: None, level: 0 };
     (0..count).map(request).collect()
 }
 

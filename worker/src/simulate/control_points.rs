@@ -71,6 +71,36 @@ pub(crate) async fn with_control_points(
     Ok(Some(NumberedScene { scene, counts, cycles }))
 }
 
+/// The scene with `factor` [1] times its control points, on bores and on guides, where intervals of a guide are halved, see
+/// [`Accuracy::points`]. `None` if nothing changes: the factor is 1, or the points are a part of the scene's model.
+pub(crate) fn with_more_points(scene: &Scene, factor: u32) -> Option<Scene> {
+    if factor == 1 || scene.control_points_of_model {
+        return None;
+    }
+    let mut finer = scene.clone();
+    multiply(&mut finer, factor as usize);
+    finer.conditions.iter_mut().for_each(|condition| multiply(&mut condition.scene, factor as usize));
+    Some(finer)
+}
+
+fn multiply(scene: &mut Scene, factor: usize) {
+    for joint in &mut scene.joints {
+        match &mut joint.kind {
+            JointKind::Clearance(clearance) => {
+                if let ControlPoints::Number(points) = &mut clearance.control_points {
+                    *points *= factor;
+                }
+            }
+            JointKind::Guide(guide) => {
+                if let Some(wear) = &mut guide.wear {
+                    wear.control_points = factor * (wear.control_points - 1) + 1;
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
 fn is_open(kind: &JointKind) -> bool {
     matches!(kind, JointKind::Clearance(clearance) if clearance.control_points == ControlPoints::ByArc)
 }

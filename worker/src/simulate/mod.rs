@@ -73,7 +73,7 @@ use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::Scene;
 use conditions::assemble;
-use control_points::{NumberedScene, with_control_points};
+use control_points::{NumberedScene, with_control_points, with_more_points};
 use cycle_history::FirstCycle;
 use finish::finish;
 use life_history::LifeHistory;
@@ -183,6 +183,8 @@ async fn simulate_stages(
         Err(failure) => return failed(failure),
     };
     let scene = numbered.as_ref().map_or(scene, |numbered| &numbered.scene);
+    let finer = with_more_points(scene, accuracy.points);
+    let scene = finer.as_ref().unwrap_or(scene);
     let mut runs = match assemble(&queue, scene, accuracy) {
         Ok(runs) => runs,
         Err(failure) => return failed(failure),

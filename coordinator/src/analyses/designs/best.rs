@@ -2,7 +2,7 @@
 
 use super::answer::DesignAnswer;
 use crate::analyses::paired_results::{ChangeOfLife, PairedResults};
-use crate::presentation::report::life::{Included, LifeAt, life_at};
+use crate::presentation::report::life::{LifeAt, life_at};
 use crate::statistics::reliability::paired::Change;
 use serde::Serialize;
 
@@ -44,7 +44,7 @@ impl Objective {
     /// The objective of a design, and whether it is a lower bound; `None` where it is not known.
     fn value(self, answer: &DesignAnswer) -> Option<(f64, bool)> {
         match self {
-            Self::Life { level } => match life_at(&answer.summary, TOTAL, level, Included::Statistical) {
+            Self::Life { level } => match life_at(&answer.summary, TOTAL, level) {
                 LifeAt::Cycles { life, .. } => Some((life, false)),
                 LifeAt::Beyond { end, .. } => Some((end, true)),
                 LifeAt::Unworn { .. } | LifeAt::Between { .. } => None,

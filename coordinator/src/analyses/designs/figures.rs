@@ -4,7 +4,7 @@ use super::answer::DesignAnswer;
 use super::best::Best;
 use super::space::DesignSpace;
 use crate::presentation::report::format::shortest;
-use crate::presentation::report::life::{Included, LEVELS, LifeAt, life_at};
+use crate::presentation::report::life::{LEVELS, LifeAt, life_at};
 use crate::presentation::report::palette::{Ink, SERIES};
 use crate::presentation::report::{Axis, Figure, Plot, PlotError, Series, Shape};
 
@@ -34,7 +34,7 @@ pub fn figures(
 
 /// Life of the system with its limits; `None` where it is not resolved.
 fn life(answer: &DesignAnswer, level: f64) -> Option<Limited> {
-    match life_at(&answer.summary, "total", level, Included::All) {
+    match life_at(&answer.summary, "total", level) {
         LifeAt::Cycles { life, lower, upper } => {
             Some((answer.values[0], life, lower, upper.unwrap_or(end(answer))))
         }
@@ -65,10 +65,7 @@ fn lives(space: &DesignSpace, answers: &[DesignAnswer]) -> Result<Figure, PlotEr
     plot(
         space,
         "design-life",
-        (
-            "Life against the design",
-            "Bands: 95 % interval with the stated numerical errors; dots: designs assessed.",
-        ),
+        ("Life against the design", "Bands: 95 % interval; dots: designs assessed."),
         ("life [cycles]", range_of_lives(answers)),
         &curves.collect::<Vec<_>>(),
     )

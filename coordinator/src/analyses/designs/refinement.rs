@@ -69,6 +69,7 @@ pub fn refine<E: From<DesignError>>(
         };
         let further = study.settings.batch.min(left);
         let learning = FurtherLearning {
+            correction: None,
             changed: &candidates[worst].scene,
             studied: study.augmented,
             settings: study.settings,

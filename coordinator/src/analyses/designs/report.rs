@@ -11,7 +11,7 @@ use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::compare::ComparedStudy;
 use crate::presentation::report::format::{count, percent, rounded_cycles, three_digits};
 use crate::presentation::report::life::{
-    Included, LEVELS, LifeAt, life_and_limits, life_at, reliability, states_numerical_errors, unresolved_fall,
+    LEVELS, LifeAt, life_and_limits, life_at, reliability, unresolved_fall,
 };
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::StudySummary;
@@ -144,7 +144,7 @@ fn table(report: &DesignReport<'_>) -> Table {
     let row = |i: usize| {
         let DesignAnswer { values, summary, .. } = &report.answers[i];
         let life = |level: f64| {
-            let (life, limits) = life_and_limits(life_at(summary, "total", level, Included::All));
+            let (life, limits) = life_and_limits(life_at(summary, "total", level));
             if limits.is_empty() { life } else { format!("{life} ({limits})") }
         };
         let at = cycles.map(|cycles| {
@@ -186,11 +186,6 @@ fn sentences(report: &DesignReport<'_>) -> Vec<String> {
                 .to_owned(),
         );
     }
-    if states_numerical_errors(&report.answers[0].summary) {
-        all.push(
-            "The intervals of the lives contain the stated numerical errors of the simulations.".to_owned(),
-        );
-    }
     if !report.refined.is_reached() {
         all.push(format!(
             "The estimated surrogate error of R is up to {} (a study stops at {}); more simulations where it arises reduce it: \
@@ -219,7 +214,7 @@ fn best_in_words(report: &DesignReport<'_>, best: &Best) -> String {
     let (what, value) = match best.objective {
         Objective::Life { level } => {
             // The digits of the table.
-            let found = life_at(&report.answers[best.index].summary, "total", level, Included::All);
+            let found = life_at(&report.answers[best.index].summary, "total", level);
             let life = match found {
                 LifeAt::Cycles { .. } => life_and_limits(found).0,
                 _ => rounded_cycles(best.value, if best.value < 100.0 { 1.0 } else { 10.0 }),

@@ -233,7 +233,7 @@ fn front_row(point: &FrontPoint) -> Vec<String> {
 fn notes(result: &OptimisationResult) -> Vec<String> {
     let mut notes = vec![
         "Reliabilities have 95 % intervals. That of the optimum is integrated along lines over the surrogates; its interval \
-         contains the surrogate error and the numerical errors that the simulations state. The counted one is that of a population \
+         contains the surrogate error and the numerical error of the simulations. The counted one is that of a population \
          that the surrogates classify at the optimum, without numerical errors."
             .to_owned(),
     ];

@@ -1,6 +1,7 @@
 //! Result of an optimisation as data; the fields are the keys of its JSON.
 
-use crate::results::summary::StudySummary;
+use crate::results::summary::{ReliabilityRange, StudySummary};
+use crate::statistics::reliability::REACH;
 use serde::Serialize;
 
 /// What the optimum asks for, compared with the study's design.
@@ -128,17 +129,18 @@ impl OptimisedTarget {
 
 impl OptimisationResult {
     /// The result with the numerical errors in the intervals of its reliabilities: those of `optimum`, the study's answer for the
-    /// optimum. R may be lower by its statistical error and its numerical range together.
+    /// optimum.
     #[must_use]
     pub fn with_numerical_errors(mut self, optimum: &StudySummary) -> Self {
         let judged = |mut target: OptimisedTarget| {
             let row = optimum.reliability.iter().find(|row| row.cycles == target.cycles);
             let name = target.limit_state.map_or("total", |place| optimum.limit_states[place].as_str());
-            let range = row.and_then(|row| Some((row.reliability.get(name)?, row.numerical.get(name)?)));
-            if let Some((r, range)) = range {
-                let [lower, upper] = target.interval;
-                target.interval = [lower - (r - range.lower).max(0.0), upper + (range.upper - r).max(0.0)]
-                    .map(|end| end.clamp(0.0, 1.0));
+            if let Some(parts) = row.and_then(|row| row.parts.get(name)) {
+                let ([lower, upper], r) = (target.interval, target.reliability);
+                let reach = REACH * parts.numerical;
+                let range = ReliabilityRange { lower: r - reach, upper: r + reach };
+                let ReliabilityRange { lower, upper } = ReliabilityRange { lower, upper }.widened(r, range);
+                target.interval = [lower, upper];
             }
             target.judged(self.feasible)
         };

@@ -4,6 +4,7 @@ use super::TargetState::{Met, MetWithinErrors};
 use super::*;
 use crate::analyses::designs::DesignSpace;
 use crate::analyses::quantity::ShownUnit;
+use crate::results::reliability_summary::ErrorParts;
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::Mode;
 use crate::statistics::optimisation::CostModel;
@@ -336,8 +337,8 @@ fn issue_a_target_is_met_only_by_the_whole_interval_with_the_numerical_errors() 
     row.cycles = 1;
     summary.limit_states = ["a", "b", "c"].map(str::to_owned).to_vec();
     row.reliability.insert("c".to_owned(), 0.999);
-    let range = crate::results::summary::ReliabilityRange { lower: 0.5, upper: 1.0 };
-    row.numerical.insert("c".to_owned(), range);
+    let parts = ErrorParts { numerical: 0.26, ..ErrorParts::default() };
+    row.parts.insert("c".to_owned(), parts);
     let reliability = found.targets[2].reliability;
     let judged = found.with_numerical_errors(&summary);
     assert_eq!(states(&judged), [MetWithinErrors; 3]);

@@ -213,15 +213,9 @@ pub fn replace(
 ) -> Result<ReplacementReport, ReplacementError> {
     check_costs(costs)?;
     let row = curve_of(summary, name)?;
-    // With every error that is known.
-    let or =
-        |with: &'_ [f64], without: &'_ [f64]| if with.is_empty() { without.to_vec() } else { with.to_vec() };
-    let mut curve = BoundedCurve {
-        cycles: row.cycles.clone(),
-        reliability: row.reliability.clone(),
-        lower: or(&row.numerical_lower, &row.lower),
-        upper: or(&row.numerical_upper, &row.upper),
-    };
+    let [lower, upper] = row.limits().map(<[f64]>::to_vec);
+    let mut curve =
+        BoundedCurve { cycles: row.cycles.clone(), reliability: row.reliability.clone(), lower, upper };
     let best_of = |curve: &SurvivalCurve| {
         let (best, end) = (costs.best_age(curve), curve.end());
         let cost_rate = costs.rate(curve, end);

@@ -200,13 +200,7 @@ fn reliability(scene: &Scene, posterior: &UnitPosterior, now: f64) -> Vec<Reliab
             (p * (1.0 - p) / effective_size.max(1.0)).sqrt()
         };
         let standard_error = r.iter().map(|(name, r)| (name.clone(), error(r))).collect();
-        ReliabilityRow {
-            cycles,
-            reliability: r,
-            standard_error,
-            numerical: BTreeMap::new(),
-            interval: BTreeMap::new(),
-        }
+        ReliabilityRow { cycles, reliability: r, standard_error, ..ReliabilityRow::default() }
     };
     std::iter::once(now as u32).chain(later).map(row).collect()
 }

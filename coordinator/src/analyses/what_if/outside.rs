@@ -21,6 +21,7 @@ pub(super) fn widen(summary: &mut StudySummary, share: f64) {
             let Some(ReliabilityRange { mut lower, mut upper }) = row.interval_of(&name) else { continue };
             down(&mut lower);
             up(&mut upper);
+            row.numerical.remove(&name);
             row.interval.insert(name, ReliabilityRange { lower, upper });
         }
     }

@@ -7,8 +7,7 @@ use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::compare::ComparedStudy;
 use crate::presentation::report::format::{count, percent, shortest, signed_with_width, three_digits};
 use crate::presentation::report::life::{
-    Included, LEVELS, life_and_limits, life_at, reliability, rows_that_matter, states_numerical_errors,
-    unresolved_fall,
+    LEVELS, life_and_limits, life_at, reliability, rows_that_matter, unresolved_fall,
 };
 use crate::presentation::report::life_change::change_of_life;
 use crate::results::summary::{FirstFailureRow, StudySummary};
@@ -164,15 +163,14 @@ fn lives_table(answer: &WhatIf) -> Option<Table> {
         return None;
     }
     let cell = |summary: &StudySummary, name: &str, level: f64| {
-        let (life, limits) = life_and_limits(life_at(summary, name, level, Included::All));
+        let (life, limits) = life_and_limits(life_at(summary, name, level));
         if limits.is_empty() { life } else { format!("{life} ({limits})") }
     };
     let change = |name: &str, level: f64| {
         let is_asked =
             |row: &&ChangeOfLife| row.limit_state == name && row.reliability.to_bits() == level.to_bits();
         let found = answer.lives.iter().find(is_asked).and_then(|row| row.cycles);
-        let [before, after] = [&answer.before, &answer.after]
-            .map(|summary| life_at(summary, name, level, Included::Statistical));
+        let [before, after] = [&answer.before, &answer.after].map(|summary| life_at(summary, name, level));
         change_of_life(found, before, after)
     };
     let mut names = curve_names(&answer.before);
@@ -244,16 +242,9 @@ fn sentences(answer: &WhatIf, added: usize, command: &str) -> Vec<String> {
     ));
     all.push(
         "Both populations are made from the same random numbers, so the sampling error of a change is smaller than that of \
-         its two values; their surrogate errors are taken as independent."
+         its two values; their other errors are taken as independent."
             .to_owned(),
     );
-    if states_numerical_errors(&answer.after) {
-        all.push(
-            "The intervals of the lives contain the stated numerical errors of the simulations; those of the changes do not, \
-             because these errors shift both lives in the same direction."
-                .to_owned(),
-        );
-    }
     let differs = |agreement: &&Agreement| agreement.stated > 0.0 || agreement.largest_difference > 0.0;
     if let Some(agreement) = answer.agreement.as_ref().filter(differs) {
         all.push(format!(

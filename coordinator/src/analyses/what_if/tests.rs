@@ -190,6 +190,7 @@ fn further_simulations_reduce_the_error_and_leave_the_study_as_it_is() {
         ask(&study, changed.nominal()).unwrap()
     };
     let further = FurtherLearning {
+        correction: None,
         changed: changed.nominal(),
         studied: scene,
         settings: &settings,

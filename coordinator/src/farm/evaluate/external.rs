@@ -96,7 +96,7 @@ mod tests {
     }
 
     fn batch(count: u64) -> Vec<Request> {
-        let request = |id| Request { id, sample: vec![], with_first_cycle: false, accuracy: None };
+        let request = |id| Request { id, sample: vec![], with_first_cycle: false, accuracy: None, level: 0 };
         (0..count).map(request).collect()
     }
 

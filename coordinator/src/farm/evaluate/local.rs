@@ -172,7 +172,13 @@ mod tests {
 
     fn batch(count: u64) -> Vec<Request> {
         (0..count)
-            .map(|id| Request { id, sample: vec![id as f64], with_first_cycle: false, accuracy: None })
+            .map(|id| Request {
+                id,
+                sample: vec![id as f64],
+                with_first_cycle: false,
+                accuracy: None,
+                level: 0,
+            })
             .collect()
     }
 

@@ -25,12 +25,19 @@ pub struct Request {
     pub with_first_cycle: bool,
     /// Numerical settings, if they differ from those of the evaluator.
     pub accuracy: Option<Accuracy>,
+    /// Level of accuracy in its study: 0 for the working accuracy, also where a failed evaluation is repeated.
+    pub level: u8,
 }
 
 impl Request {
     /// A request without the first cycle, at an accuracy of its own.
     pub fn at(id: u64, sample: Vec<f64>, accuracy: Accuracy) -> Self {
-        Self { id, sample, with_first_cycle: false, accuracy: Some(accuracy) }
+        Self { id, sample, with_first_cycle: false, accuracy: Some(accuracy), level: 0 }
+    }
+
+    /// True for the repetition of a failed evaluation at a stricter setting.
+    pub fn is_stricter(&self) -> bool {
+        self.accuracy.is_some() && self.level == 0
     }
 }
 

@@ -4,10 +4,7 @@
 use super::answer::{Answer, AnswerPart, Table};
 use super::figures::capital;
 use super::format::{UNKNOWN, count, duration};
-use super::life::{
-    Included, LEVELS, LifeAt, failure_probability, life_and_limits, life_at, states_numerical_errors,
-    unresolved_fall,
-};
+use super::life::{LEVELS, LifeAt, failure_probability, life_and_limits, life_at, unresolved_fall};
 use super::life_change::change_between;
 use super::palette::SERIES;
 use super::words;
@@ -100,18 +97,13 @@ pub fn answer(name: String, studies: Vec<ComparedStudy>, differing: &[(String, V
     if is_static {
         parts.push(text("These studies have a single checkpoint and therefore no curves."));
     }
-    parts.extend(first.summary.curve_names().map(|name| AnswerPart::Table(lives(&studies, differing, name))));
+    parts.extend(first.summary.curve_names().map(|name| AnswerPart::Table(lives(&studies, name))));
     if !is_static {
         parts.push(AnswerPart::Text(format!(
-            "Differences are lives minus those of {}. Their intervals take the samples and the surrogates of the studies as independent. \
-             Where accuracy, contact laws or control points differ, they contain the numerical errors of both studies; elsewhere they \
-             leave these out, which shift all lives in the same direction.",
+            "Differences are lives minus those of {}. Their intervals contain every error of both studies, which are taken as \
+             independent.",
             first.name
         )));
-    }
-    if studies.iter().any(|study| states_numerical_errors(&study.summary)) {
-        parts
-            .push(text("The intervals of the lives contain the stated numerical errors of the simulations."));
     }
     for study in &studies {
         if let Some(note) = unresolved_fall(&study.summary) {
@@ -140,7 +132,7 @@ fn scenes(studies: &[ComparedStudy]) -> BTreeSet<&str> {
 }
 
 /// Lives of every study at the usual levels of reliability, or its probability of failure.
-fn lives(studies: &[ComparedStudy], differing: &[(String, Vec<String>)], name: &str) -> Table {
+fn lives(studies: &[ComparedStudy], name: &str) -> Table {
     if studies[0].summary.is_static() {
         let rows = studies.iter().map(|study| {
             let row = study.summary.reliability.first();
@@ -150,11 +142,11 @@ fn lives(studies: &[ComparedStudy], differing: &[(String, Vec<String>)], name: &
     }
     let levels = LEVELS.map(|level| format!("at R = {level} (95 % interval)"));
     let rows = studies.iter().map(|study| {
-        let lives = LEVELS.map(|level| life_in_words(life_at(&study.summary, name, level, Included::All)));
+        let lives = LEVELS.map(|level| life_in_words(life_at(&study.summary, name, level)));
         [vec![study.name.clone()], lives.to_vec()].concat()
     });
     let gains = studies.iter().enumerate().skip(1).map(|(k, study)| {
-        let gains = LEVELS.map(|level| gain(studies, differing, k, (name, level)).1);
+        let gains = LEVELS.map(|level| gain(studies, k, (name, level)).1);
         [vec![format!("{} minus {}", study.name, studies[0].name)], gains.to_vec()].concat()
     });
     let head = std::iter::once("life [cycles]".to_owned()).chain(levels);
@@ -168,20 +160,9 @@ fn life_in_words(life: LifeAt) -> String {
     }
 }
 
-/// Change of a life, of a curve at a level, from the first study to study `k`, and in words. It contains numerical errors where
-/// these are not the same in both studies.
-pub fn gain(
-    studies: &[ComparedStudy],
-    differing: &[(String, Vec<String>)],
-    k: usize,
-    life: (&str, f64),
-) -> (Option<Change>, String) {
-    let [first, other] = [&studies[0].summary, &studies[k].summary];
-    let is_numerical = |key: &str| key.ends_with(".contact_law") || key.ends_with(".control_points");
-    let differ = first.accuracy_settings != other.accuracy_settings
-        || differing.iter().any(|(key, values)| is_numerical(key) && values[k] != values[0]);
-    let included = if differ { Included::All } else { Included::Statistical };
-    change_between([first, other], life, included)
+/// Change of a life, of a curve at a level, from the first study to study `k`, and in words.
+pub fn gain(studies: &[ComparedStudy], k: usize, life: (&str, f64)) -> (Option<Change>, String) {
+    change_between([&studies[0].summary, &studies[k].summary], life)
 }
 
 /// The keys in which the scenes differ, with their values.
@@ -262,7 +243,7 @@ mod tests {
             answer.all_figures().unwrap().into_iter().map(|figure| figure.name).collect();
         assert_eq!(names, ["reliability-wear", "reliability-asymmetry", "reliability-total"]);
         let markdown = answer.markdown();
-        let life = life_and_limits(life_at(&studies[1].summary, "asymmetry", 0.5, Included::All)).0;
+        let life = life_and_limits(life_at(&studies[1].summary, "asymmetry", 0.5)).0;
         for text in [
             life,
             "| draft |".into(),
@@ -283,30 +264,13 @@ mod tests {
     fn issue_a_gain_between_two_accuracies_contains_the_numerical_errors_of_both() {
         let mut studies = two();
         studies[1].summary = studies[0].summary.clone();
-        let width = |studies: &[ComparedStudy], differing: &[(String, Vec<String>)]| {
-            let change = gain(studies, differing, 1, ("total", 0.5)).0.unwrap();
-            change.upper.unwrap() - change.lower.unwrap()
-        };
-        let differs = |key: &str| vec![(key.to_owned(), vec!["36".to_owned(), "72".to_owned()])];
-        let statistical = width(&studies, &[]);
-        assert_eq!(width(&studies, &differs("joints.crank.width")), statistical);
-        let life = studies[0]
-            .summary
-            .lives
-            .iter()
-            .find(|l| (&*l.limit_state, l.reliability) == ("total", 0.5))
-            .unwrap();
+        let change = gain(&studies, 1, ("total", 0.5)).0.unwrap();
+        let lives = &studies[0].summary.lives;
+        let life = lives.iter().find(|l| (&*l.limit_state, l.reliability) == ("total", 0.5)).unwrap();
         let (value, range) = (life.cycles.unwrap(), life.whole_interval());
         let whole = 2.0 * (value - range.lower).hypot(range.upper.unwrap() - value);
-        for key in ["joints.crank.control_points", "joints.crank.contact_law"] {
-            let found = width(&studies, &differs(key));
-            assert!(
-                (found - whole).abs() < 1e-6 * whole && found > statistical,
-                "{found} {whole} {statistical}"
-            );
-        }
-        studies[1].summary.accuracy_settings = Some(common::accuracy::Accuracy::draft());
-        assert!((width(&studies, &[]) - whole).abs() < 1e-6 * whole);
+        let found = change.upper.unwrap() - change.lower.unwrap();
+        assert!((found - whole).abs() < 1e-6 * whole, "{found} {whole}");
     }
 
     #[test]

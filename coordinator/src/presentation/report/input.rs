@@ -118,6 +118,9 @@ impl ReportInput {
         input.command = campaign.meta().command.clone();
         let mut stated = StatedErrorCollector::default();
         campaign.for_each(|stored| {
+            if stored.level > 0 {
+                return Ok(());
+            }
             match stored.outcome {
                 Ok(evaluation) => {
                     input.work.add(&evaluation.diagnostics, stored.wall);

@@ -38,26 +38,14 @@ pub enum LifeAt {
     },
 }
 
-/// Errors that the interval of a life contains.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Included {
-    /// Sampling, surrogate and interpolation.
-    Statistical,
-    /// These and the numerical errors that the simulations state.
-    All,
-}
-
 /// Life at which the reliability `key` (a limit state or `total`) falls to `level`, one of [`LEVELS`]. A study by an earlier
 /// version, which stored no lives, has the checkpoints around it as limits.
-pub fn life_at(summary: &StudySummary, key: &str, level: f64, included: Included) -> LifeAt {
+pub fn life_at(summary: &StudySummary, key: &str, level: f64) -> LifeAt {
     let is_asked = |row: &&LifeRow| row.limit_state == key && row.reliability.to_bits() == level.to_bits();
     let Some(row) = summary.lives.iter().find(is_asked) else {
         return between_checkpoints(summary, key, level);
     };
-    let CyclesRange { lower, upper } = match included {
-        Included::All => row.whole_interval(),
-        Included::Statistical => row.interval,
-    };
+    let CyclesRange { lower, upper } = row.whole_interval();
     let end = end_of_life(summary);
     let falls = summary.reliability.last().is_some_and(|row| row.reliability.get(key) <= Some(&level));
     let first = summary.curves.iter().find(|curve| curve.limit_state == key);
@@ -73,11 +61,6 @@ pub fn life_at(summary: &StudySummary, key: &str, level: f64, included: Included
 /// End of the life studied [cycles].
 pub fn end_of_life(summary: &StudySummary) -> f64 {
     summary.reliability.last().map_or(0.0, |row| f64::from(row.cycles))
-}
-
-/// True if the intervals of the lives contain numerical errors.
-pub fn states_numerical_errors(summary: &StudySummary) -> bool {
-    summary.lives.iter().any(|row| row.with_numerical_error.is_some())
 }
 
 /// Checkpoints between which the limits of R fall to `level`.
@@ -210,7 +193,6 @@ mod tests {
     use super::*;
     use crate::results::life_summary::LifeCurveRow;
     use crate::test_study;
-    use std::collections::BTreeMap;
 
     fn summary(curves: &[(&str, &[f64])]) -> StudySummary {
         let mut summary = test_study::study().summary;
@@ -222,8 +204,7 @@ mod tests {
                 cycles: 1000 * (k as u32 + 1),
                 reliability: curves.iter().map(|(name, r)| (name.to_string(), r[k])).collect(),
                 standard_error: curves.iter().map(|(name, _)| (name.to_string(), 0.1 / 1.96)).collect(),
-                numerical: BTreeMap::new(),
-                interval: BTreeMap::new(),
+                ..ReliabilityRow::default()
             })
             .collect();
         summary
@@ -243,7 +224,7 @@ mod tests {
     }
 
     fn text(summary: &StudySummary) -> (String, String) {
-        let (life, limits) = life_and_limits(life_at(summary, "total", 0.5, Included::All));
+        let (life, limits) = life_and_limits(life_at(summary, "total", 0.5));
         (life.replace('\u{a0}', " "), limits.replace('\u{a0}', " "))
     }
 
@@ -251,9 +232,7 @@ mod tests {
     fn a_life_contains_the_numerical_error_and_has_the_digits_of_its_interval() {
         let known = with_life(Some(2403.7), 2301.2, Some(2512.9));
         assert_eq!(text(&known), ("2 400".into(), "2 300 to 2 510".into()));
-        let LifeAt::Cycles { lower, .. } = life_at(&known, "total", 0.5, Included::Statistical) else {
-            panic!()
-        };
+        let LifeAt::Cycles { lower, .. } = life_at(&known, "total", 0.5) else { panic!() };
         assert_eq!(lower, 2380.0);
         assert_eq!(
             text(&with_life(Some(2403.7), 1100.0, Some(3900.0))),
@@ -268,11 +247,8 @@ mod tests {
         // Without stored lives the checkpoints are the limits.
         let mut old = with_life(None, 0.0, None);
         old.lives.clear();
-        assert_eq!(
-            life_at(&old, "total", 0.5, Included::All),
-            LifeAt::Between { lower: 2000.0, upper: Some(3000.0) }
-        );
-        assert_eq!(life_at(&old, "total", 0.2, Included::All), LifeAt::Beyond { lower: 3000.0, end: 3000.0 });
+        assert_eq!(life_at(&old, "total", 0.5), LifeAt::Between { lower: 2000.0, upper: Some(3000.0) });
+        assert_eq!(life_at(&old, "total", 0.2), LifeAt::Beyond { lower: 3000.0, end: 3000.0 });
         assert_eq!(governing(&old).unwrap().cycles, 3000);
         assert_eq!(unresolved_fall(&old), None);
         old.unresolved_fall = Some(crate::results::life_summary::UnresolvedFall {
@@ -322,7 +298,7 @@ mod tests {
         let summary = summary(&[("wear", &[1.0, 1.0]), ("total", &[1.0, 1.0])]);
         assert!(leaders(&summary).is_empty());
         assert_eq!(rows_that_matter(&summary, 3).len(), 2);
-        let beyond = life_at(&summary, "total", 0.5, Included::All);
+        let beyond = life_at(&summary, "total", 0.5);
         assert_eq!(beyond, LifeAt::Beyond { lower: 2000.0, end: 2000.0 });
     }
 }

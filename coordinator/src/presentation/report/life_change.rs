@@ -2,7 +2,7 @@
 //! only bounded.
 
 use super::format::rounded_cycles;
-use super::life::{Included, LifeAt, life_at};
+use super::life::{LifeAt, life_at};
 use crate::results::summary::StudySummary;
 use crate::statistics::reliability::paired::{Change, IntervalEstimate, change};
 
@@ -13,13 +13,12 @@ pub fn change_of_life(known: Option<Change>, before: LifeAt, after: LifeAt) -> S
 }
 
 /// The change of a life between two studies with independent samples, of the curve `name` at `level`, and in words; `None` where
-/// one of the lives is not resolved. The errors `included` are taken as independent.
+/// one of the lives is not resolved. All errors are taken as independent.
 pub fn change_between(
     [before, after]: [&StudySummary; 2],
     (name, level): (&str, f64),
-    included: Included,
 ) -> (Option<Change>, String) {
-    let [before, after] = [before, after].map(|summary| life_at(summary, name, level, included));
+    let [before, after] = [before, after].map(|summary| life_at(summary, name, level));
     let estimate = |life: LifeAt| match life {
         LifeAt::Cycles { life, lower, upper } => {
             // Without a correlation the part of sampling plays no role.

@@ -12,6 +12,7 @@ mod figure;
 mod figures;
 mod grooves;
 mod input;
+pub mod levels;
 pub mod life;
 pub mod life_change;
 mod mechanism;

@@ -2,7 +2,7 @@
 
 use super::format::{count, percent, with_unit};
 use super::input::ReportInput;
-use super::life::{Included, LifeAt, governing, life_and_limits, life_at, states_numerical_errors};
+use super::life::governing;
 use super::stated_errors::StatedAt;
 use super::tables::table_of;
 use common::scene::LimitState;
@@ -46,7 +46,7 @@ fn of_limit(state: &LimitState, error: f64) -> String {
     percent(error.abs() / state.scale())
 }
 
-/// Meaning and size of the stated errors, and their effect on the life; empty if no evaluation states errors.
+/// Meaning and size of the stated errors, and their place in the intervals; empty if no evaluation states errors.
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let Some(row) = governing(&input.summary) else { return vec![] };
     let sizes: Vec<String> = input
@@ -69,9 +69,15 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
         count(row.cycles.into()),
         sizes.join("; ")
     )];
-    if !input.summary.is_static() {
-        text.extend(effect_on_life(input));
-    }
+    text.push(
+        if input.summary.levels.is_some() {
+            "Pairs of simulations at finer levels correct the results, and their error takes the place of the stated one in all intervals."
+        } else {
+            "In the intervals of R and of the lives every response is off by its stated error in the same direction; a finer accuracy, finer \
+             levels and, for the wear, more control points reduce that, more simulations do not."
+        }
+        .to_owned(),
+    );
     let shares: Vec<String> = input
         .summary
         .surrogates
@@ -89,24 +95,6 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
     text
 }
 
-/// Effect of the stated errors on the interval of the life at R = 0.5.
-pub fn effect_on_life(input: &ReportInput) -> Option<String> {
-    let summary = &input.summary;
-    let limits = |included| match life_at(summary, "total", 0.5, included) {
-        known @ LifeAt::Cycles { .. } => Some(life_and_limits(known).1),
-        LifeAt::Unworn { .. } | LifeAt::Between { .. } | LifeAt::Beyond { .. } => None,
-    };
-    if !states_numerical_errors(summary) {
-        return None;
-    }
-    let (with, without) = (limits(Included::All)?, limits(Included::Statistical)?);
-    Some(format!(
-        "The 95 % interval of the life at R = 0.5 is {without} cycles without the numerical errors, and {with} if in \
-         addition every response is off by its stated error in the same direction. The latter is not a standard error: a finer \
-         accuracy and, for the wear, more control points reduce it, more simulations do not."
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -119,7 +107,7 @@ mod tests {
         // 0.25 of 30 um, 0.1 of 25 r/min.
         assert!(text.contains("max wear depth 0.8 %, at most 0.8 %"), "{text}");
         assert!(text.contains("angular velocity difference 0.4 %, at most 0.4 %"), "{text}");
-        assert!(text.contains("interval of the life at R = 0.5 is 65 "), "{text}");
+        assert!(text.contains("off by its stated error in the same direction"), "{text}");
         assert!(text.contains("5.0 % for wear"), "{text}");
         let mut silent = input.clone();
         silent.stated.clear();

@@ -4,8 +4,8 @@ use super::figures::{rows_at_governing, words};
 use super::format::{UNKNOWN, count, duration, fixed, percent, three_digits, with_unit};
 use super::grooves::GroovedJoint;
 use super::input::ReportInput;
-use super::life::{self, Included, LEVELS, LifeAt, life_and_limits, life_at, states_numerical_errors};
-use crate::results::summary::{ReliabilityRange, ReliabilityRow, Round, SensitivityRow, WorkerShare};
+use super::life::{self, LEVELS, LifeAt, life_and_limits, life_at};
+use crate::results::summary::{ReliabilityRow, Round, SensitivityRow, WorkerShare};
 use crate::statistics::reliability::REACH;
 use common::outputs::COUNTERS;
 use common::random::Distribution;
@@ -89,29 +89,15 @@ fn missing_digits(rows: &[Row], column: usize) -> Vec<Option<String>> {
     wholes.iter().map(|whole| whole.and_then(missing)).collect()
 }
 
-/// Reliability with its 95 % interval at these checkpoints; next to it, where the study has it, R with all responses shifted by
-/// their numerical errors.
+/// Reliability with its 95 % interval at these checkpoints.
 pub fn reliability(input: &ReportInput, rows: &[ReliabilityRow]) -> Markup {
     let names: Vec<&str> =
         input.scene.limit_states.iter().map(|state| state.name.as_str()).chain(["total"]).collect();
-    let numerical = rows.iter().any(|row| !row.numerical.is_empty());
-    let mut head = vec!["cycles".to_string()];
-    for name in &names {
-        head.push(format!("R {name} (95 %)"));
-        head.extend(numerical.then(|| "under numerical errors".to_string()));
-    }
-    let range = |range: &ReliabilityRange| {
-        html! { small { (fixed(range.lower, 3)) "–" (fixed(range.upper, 3)) } }
-    };
-    let cells = |row: &ReliabilityRow| {
-        let mut cells = vec![count(row.cycles.into()).render()];
-        for name in &names {
-            cells.push(life::reliability(row, name).render());
-            if numerical {
-                cells.push(row.numerical.get(*name).map_or_else(|| UNKNOWN.render(), range));
-            }
-        }
-        cells
+    let head = names.iter().map(|name| format!("R {name} (95 %)"));
+    let head: Vec<String> = std::iter::once("cycles".to_owned()).chain(head).collect();
+    let cells = |row: &ReliabilityRow| -> Vec<Markup> {
+        let of_curves = names.iter().map(|name| life::reliability(row, name).render());
+        std::iter::once(count(row.cycles.into()).render()).chain(of_curves).collect()
     };
     table(&head, rows.iter().map(cells))
 }
@@ -122,37 +108,27 @@ pub fn life_cell(life: LifeAt) -> Markup {
     html! { (life) @if !limits.is_empty() { " " small { (limits) } } }
 }
 
-/// Lives at the usual levels of reliability, in total and per limit state, with their 95 % intervals; in the last
-/// column the interval of the total without the numerical errors.
+/// Lives at the usual levels of reliability, in total and per limit state, with their 95 % intervals.
 pub fn lives(input: &ReportInput) -> Markup {
     let summary = &input.summary;
     let mut names = vec!["total"];
     if summary.limit_states.len() > 1 {
         names.extend(summary.limit_states.iter().map(String::as_str));
     }
-    let numerical = states_numerical_errors(summary);
     let mut head = vec!["life [cycles] at"];
     let titles: Vec<String> = names
         .iter()
         .map(|name| format!("{} (95 %)", if *name == "total" { input.subject() } else { name }))
         .collect();
     head.extend(titles.iter().map(String::as_str));
-    let without = format!("{} without numerical error (95 %)", input.subject());
-    head.extend(numerical.then_some(without.as_str()));
-    let cells = |level: &f64| {
-        let cell = |name: &str, included: Included| life_cell(life_at(summary, name, *level, included));
-        let mut cells = vec![html! { "R = " (level) }];
-        cells.extend(names.iter().map(|name| cell(name, Included::All)));
-        cells.extend(numerical.then(|| cell("total", Included::Statistical)));
-        cells
+    let cells = |level: &f64| -> Vec<Markup> {
+        let lives = names.iter().map(|name| life_cell(life_at(summary, name, *level)));
+        std::iter::once(html! { "R = " (level) }).chain(lives).collect()
     };
     html! {
         (table(&head, LEVELS.iter().map(cells)))
-        @if numerical {
-            p.none {
-                "95 %: interval of sampling, surrogates, interpolation between checkpoints and, where not excluded, the stated \
-                 numerical errors of the simulations, all with the same sign."
-            }
+        p.none {
+            "95 %: interval of sampling, surrogates, interpolation between checkpoints and numerical error of the simulations."
         }
     }
 }

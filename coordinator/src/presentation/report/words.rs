@@ -4,8 +4,7 @@ use super::figures::shares_of_failures;
 use super::format::{count, duration, fixed, number_of_cycles, percent, short_percent, whole};
 use super::input::ReportInput;
 use super::life::{
-    Included, LEVELS, LifeAt, failure_probability, governing, leaders, life_and_limits, life_at,
-    states_numerical_errors, unresolved_fall,
+    LEVELS, LifeAt, failure_probability, governing, leaders, life_and_limits, life_at, unresolved_fall,
 };
 use super::plot::tick_label;
 use crate::results::summary::StudySummary;
@@ -13,12 +12,9 @@ use common::scene::Fails;
 
 /// The life of the system at a level as a card: the life, and its interval or why there is none.
 pub fn life(summary: &StudySummary, level: f64) -> (String, String) {
-    let found = life_at(summary, "total", level, Included::All);
+    let found = life_at(summary, "total", level);
     let (life, limits) = life_and_limits(found);
     let below = match found {
-        LifeAt::Cycles { .. } if states_numerical_errors(summary) => {
-            format!("95 % interval {limits}, widened by the stated numerical error")
-        }
         LifeAt::Cycles { .. } => format!("95 % interval {limits}"),
         LifeAt::Unworn { .. } if limits.is_empty() => "too many exceed a limit unworn".into(),
         LifeAt::Unworn { .. } => format!("95 % interval {limits}"),
@@ -55,7 +51,7 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
                 "{} of the {}s reach {}",
                 whole_percent(*level),
                 input.subject(),
-                cycles(life_at(summary, "total", *level, Included::All))
+                cycles(life_at(summary, "total", *level))
             )
         })
         .collect();
@@ -64,7 +60,6 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
     text.extend(failures_over_life(input));
     text.push(effort(summary));
     text.extend(failed_runs(summary));
-    text.extend(super::stated::effect_on_life(input));
     text
 }
 

@@ -1,15 +1,15 @@
 //! The summary printed at the end of a study.
 
 use crate::presentation::control_points::control_points_notes;
-use crate::presentation::format::{count, duration, fixed};
+use crate::presentation::format::{count, duration};
+use crate::presentation::report::levels::parts_and_levels;
 use crate::presentation::report::life::{
-    Included, LEVELS, LifeAt, life_and_limits, life_at, rows_that_matter, states_numerical_errors,
-    unresolved_fall,
+    LEVELS, LifeAt, life_and_limits, life_at, rows_that_matter, unresolved_fall,
 };
 use crate::presentation::report::untested::{no_simulated_failure, steps_and_noise};
 use crate::presentation::report::{failure_probability, reliability};
 use crate::presentation::text_table::in_columns;
-use crate::results::summary::{ReliabilityRange, StudySummary};
+use crate::results::summary::StudySummary;
 use std::path::Path;
 
 /// The summary printed at the end of a study: R around its fall, lives, stopping reason, effort, files.
@@ -38,6 +38,9 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
     if let Some(command) = summary.convergence.command_to_go_on(dir) {
         text += &format!("the study ended before its targets were met; go on with `{command}`\n");
     }
+    for line in parts_and_levels(summary) {
+        text += &format!("{line}\n");
+    }
     for note in steps_and_noise(summary) {
         text += &format!("{note}\n");
     }
@@ -46,8 +49,12 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
     let [first, then] =
         if summary.is_direct() { ["nominal", "samples"] } else { ["initial", "added by learning"] };
     text += &format!(
-        "evaluations: {} ({} {first}, {} {then}, {} failed)\n",
-        counts.total, counts.initial, counts.added, counts.failed
+        "evaluations: {} ({} {first}, {} {then}{}, {} failed)\n",
+        counts.total,
+        counts.initial,
+        counts.added,
+        summary.levels.as_ref().map_or(String::new(), |levels| format!(", {} finer", levels.evaluations)),
+        counts.failed
     );
     let workers = summary.workers_in_a_run();
     text += &format!(
@@ -77,44 +84,17 @@ fn over_life(summary: &StudySummary, names: &[&str]) -> String {
     let mut text = in_columns(&table, &[]);
     text.push('\n');
     for level in LEVELS {
-        let found = life_at(summary, "total", level, Included::All);
+        let found = life_at(summary, "total", level);
         let (life, limits) = life_and_limits(found);
         let unit = if matches!(found, LifeAt::Unworn { .. }) { "" } else { " cycles" };
         let limits =
             if limits.is_empty() { "95 % bound".to_owned() } else { format!("95 % interval {limits}") };
         text += &format!("life at R = {level}: {life}{unit} ({limits})\n");
     }
-    if states_numerical_errors(summary) {
-        let (_, without) = life_and_limits(life_at(summary, "total", 0.5, Included::Statistical));
-        text += "intervals of lives include the stated numerical errors (all with the same sign)";
-        text += &if without.is_empty() {
-            "\n".to_owned()
-        } else {
-            format!("; without them, life at R = 0.5: {without}\n")
-        };
-        text += &widest_numerical_range(summary);
-    }
     if let Some(note) = unresolved_fall(summary) {
         text += &format!("caution: {note}\n");
     }
     text
-}
-
-/// Where the stated numerical errors move R of the system most, against the interval shown; empty where they move it less.
-fn widest_numerical_range(summary: &StudySummary) -> String {
-    let width = |range: &ReliabilityRange| range.upper - range.lower;
-    let rows = summary.reliability.iter().filter_map(|row| {
-        let (numerical, shown) = (row.numerical.get("total")?, row.interval_of("total")?);
-        (width(numerical) > width(&shown)).then_some((row, numerical))
-    });
-    rows.max_by(|a, b| width(a.1).total_cmp(&width(b.1))).map_or(String::new(), |(row, range)| {
-        format!(
-            "intervals of R do not include them; with them, R total({}) is {} to {}\n",
-            count(row.cycles.into()),
-            fixed(range.lower, 2),
-            fixed(range.upper, 2)
-        )
-    })
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ impl Journal for FurtherEvaluations<'_> {
 }
 
 impl CampaignFile {
-    /// Calls `visit` with sample `(d,)` (SI) and outcome of every recorded evaluation: first those of the study in the order
+    /// Calls `visit` with sample `(d,)` (SI) and outcome of every recorded evaluation at the working accuracy: first those of the study in the order
     /// of their numbers, then the others in the order in which they were recorded.
     ///
     /// # Errors
@@ -47,17 +47,40 @@ impl CampaignFile {
         &self,
         mut visit: impl FnMut(Vec<f64>, EvaluationResult),
     ) -> Result<(), StoreError> {
-        self.each_row("WHERE stricter < 2 ORDER BY id < 0, abs(id)", |row| {
+        self.each_known("= 0", |_, sample, outcome| visit(sample, outcome))
+    }
+
+    /// Calls `visit` with level, sample `(d,)` (SI) and outcome of every recorded evaluation at a finer level, in the same order.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn for_each_finer(
+        &self,
+        visit: impl FnMut(u8, Vec<f64>, EvaluationResult),
+    ) -> Result<(), StoreError> {
+        self.each_known("> 0", visit)
+    }
+
+    fn each_known(
+        &self,
+        level: &str,
+        mut visit: impl FnMut(u8, Vec<f64>, EvaluationResult),
+    ) -> Result<(), StoreError> {
+        let column = self.level_column();
+        let rest = format!("WHERE stricter < 2 AND {column} {level} ORDER BY id < 0, abs(id)");
+        self.each_row(&rest, |row| {
             let (sample, outcome) = self.decoded(&row)?;
-            visit(sample, outcome);
+            visit(row.level, sample, outcome);
             Ok(())
         })
     }
 
     /// The recorded outcome of this sample at this accuracy under any number, as that of the request.
     fn find_sample(&self, request: &Request) -> Result<Option<Finished>, StoreError> {
-        let sql = format!("SELECT {COLUMNS} FROM evaluation WHERE sample = ?1 AND stricter = ?2");
-        let of_request = params![exact::sample_to_bytes(&request.sample), request.accuracy.is_some()];
+        let sql =
+            format!("SELECT {COLUMNS} FROM evaluation WHERE sample = ?1 AND stricter = ?2 AND level = ?3");
+        let sample = exact::sample_to_bytes(&request.sample);
+        let of_request = params![sample, request.is_stricter(), request.level];
         let found = self.query(|connection| {
             connection.prepare_cached(&sql)?.query_row(of_request, RawEvaluation::read).optional()
         })?;

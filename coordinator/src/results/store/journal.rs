@@ -76,7 +76,7 @@ impl CampaignFile {
         match self.find(request) {
             Err(StoreError::AnotherStudy { .. }) | Ok(None) if request.id > 0 => {
                 let sample = exact::sample_to_bytes(&request.sample);
-                self.move_to(to_key(request.id), &sample, request.accuracy.is_some())?;
+                self.move_to(to_key(request.id), &sample, (request.is_stricter(), request.level))?;
                 self.find(request)
             }
             found => found,
@@ -86,7 +86,7 @@ impl CampaignFile {
     /// The outcome recorded under the number of a request.
     fn find(&self, request: &Request) -> Result<Option<Finished>, StoreError> {
         let sql = format!("SELECT {COLUMNS}, with_first_cycle, stricter FROM evaluation WHERE id = ?1");
-        let read = |row: &Row<'_>| Ok((RawEvaluation::read(row)?, row.get(6)?, row.get(7)?));
+        let read = |row: &Row<'_>| Ok((RawEvaluation::read(row)?, row.get(7)?, row.get(8)?));
         let found: Option<(RawEvaluation, bool, bool)> = self.query(|connection| {
             connection.prepare_cached(&sql)?.query_row([to_key(request.id)], read).optional()
         })?;
@@ -98,7 +98,7 @@ impl CampaignFile {
         if with_first_cycle != request.with_first_cycle {
             return Err(another("wish for the first cycle"));
         }
-        if is_stricter != request.accuracy.is_some() {
+        if is_stricter != request.is_stricter() || found.level != request.level {
             return Err(another("accuracy"));
         }
         let outcome = self.outcome(found.id, &found.outcome)?;
@@ -183,8 +183,8 @@ impl CampaignFile {
         transaction
             .prepare_cached(
                 "INSERT INTO evaluation
-                 (id, failure, worker, wall_s, finished_at, with_first_cycle, sample, outcome, stricter)
-                 VALUES (?1, ?2, ?3, ?4, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?5, ?6, ?7, ?8)",
+                 (id, failure, worker, wall_s, finished_at, with_first_cycle, sample, outcome, stricter, level)
+                 VALUES (?1, ?2, ?3, ?4, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?5, ?6, ?7, ?8, ?9)",
             )?
             .execute(params![
                 key,
@@ -194,7 +194,8 @@ impl CampaignFile {
                 request.with_first_cycle,
                 exact::sample_to_bytes(&request.sample),
                 outcome,
-                request.accuracy.is_some(),
+                request.is_stricter(),
+                request.level,
             ])?;
         let values = std::iter::once(Value::from(key)).chain(request.sample.iter().map(|v| Value::from(*v)));
         let sql = insert_statement("input", "evaluation", &self.inputs);

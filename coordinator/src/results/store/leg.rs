@@ -151,21 +151,26 @@ impl CampaignFile {
         Ok(ids.len())
     }
 
-    /// Gives number `id` to the recorded evaluation of this sample, if there is one; an evaluation of another sample that
+    /// Gives number `id` to the recorded evaluation of this sample at this level, if there is one; an evaluation of another sample that
     /// has the number is set aside.
     ///
     /// # Errors
     /// [`StoreError`].
-    pub(super) fn move_to(&mut self, id: i64, sample: &[u8], is_stricter: bool) -> Result<(), StoreError> {
+    pub(super) fn move_to(
+        &mut self,
+        id: i64,
+        sample: &[u8],
+        (is_stricter, level): (bool, u8),
+    ) -> Result<(), StoreError> {
         self.query(|connection| {
             let found: Option<i64> = connection
                 .prepare_cached(
                     "SELECT id FROM (
-                       SELECT id FROM evaluation WHERE id > ?1 AND sample = ?2 AND stricter = ?3
-                       UNION ALL SELECT id FROM evaluation WHERE id < 0 AND sample = ?2 AND stricter = ?3
+                       SELECT id FROM evaluation WHERE id > ?1 AND sample = ?2 AND stricter = ?3 AND level = ?4
+                       UNION ALL SELECT id FROM evaluation WHERE id < 0 AND sample = ?2 AND stricter = ?3 AND level = ?4
                      ) ORDER BY id < 0, abs(id) LIMIT 1",
                 )?
-                .query_row(params![id, sample, is_stricter], |row| row.get(0))
+                .query_row(params![id, sample, is_stricter, level], |row| row.get(0))
                 .optional()?;
             let occupied = "SELECT count(*) > 0 FROM evaluation WHERE id = ?1";
             let occupied: bool = connection.prepare_cached(occupied)?.query_row([id], |row| row.get(0))?;

@@ -71,6 +71,37 @@ fn a_repetition_with_finer_steps_is_no_other_evaluation() {
 }
 
 #[test]
+fn levels_of_a_sample_are_other_evaluations_and_earlier_files_have_none() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    record(&mut file, 0..2);
+    let finer = Request { accuracy: Some(Accuracy::default()), level: 1, ..renumbered(2, 1) };
+    assert_eq!(file.finished(&finer).unwrap(), None);
+    file.record(&finer, &Finished { id: 2, ..finished(4) }).unwrap();
+    // A later leg requests the pair under another number, and its working accuracy first.
+    assert_eq!(file.finished(&Request { id: 2, ..request(7) }).unwrap(), None);
+    assert!(file.finished(&Request { id: 5, ..finer.clone() }).unwrap().is_some());
+    assert_eq!((file.count().unwrap(), file.working_count().unwrap()), (3, 2));
+    let of_file = |file: &CampaignFile| {
+        let (mut working, mut levels) = (0, vec![]);
+        file.for_each_known(|_, _| working += 1).unwrap();
+        file.for_each_finer(|level, sample, _| levels.push((level, sample))).unwrap();
+        (working, levels)
+    };
+    assert_eq!(of_file(&file), (2, vec![(1, finer.sample.clone())]));
+    drop(file);
+    let third_layout = "DELETE FROM evaluation WHERE level > 0; ALTER TABLE evaluation DROP COLUMN level;
+        PRAGMA user_version = 3;";
+    Connection::open(dir.path().join(FILE_NAME)).unwrap().execute_batch(third_layout).unwrap();
+    let look = CampaignFile::look(dir.path()).unwrap();
+    assert_eq!((look.working_count().unwrap(), of_file(&look)), (2, (2, vec![])));
+    assert_eq!(look.evaluation(1).unwrap().unwrap().level, 0);
+    drop(look);
+    let file = CampaignFile::open(dir.path()).unwrap();
+    assert_eq!(of_file(&file), (2, vec![]));
+}
+
+#[test]
 fn a_study_without_a_result_forgets_its_failures() {
     let dir = tempfile::tempdir().unwrap();
     let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
@@ -126,7 +157,8 @@ fn a_file_of_the_second_layout_gets_its_first_leg() {
     file.record(&renumbered(4, 3), &Finished { id: 4, ..finished(4) }).unwrap();
     drop(file);
     let second_layout =
-        "DROP TABLE leg; ALTER TABLE evaluation DROP COLUMN stricter; PRAGMA user_version = 2;";
+        "DROP TABLE leg; ALTER TABLE evaluation DROP COLUMN stricter; ALTER TABLE evaluation DROP COLUMN level;
+        PRAGMA user_version = 2;";
     Connection::open(dir.path().join(FILE_NAME)).unwrap().execute_batch(second_layout).unwrap();
 
     // It can be read as it is.

@@ -6,6 +6,8 @@
 //!
 //! Version 2 had no legs: version 3 records the settings of the study as its first leg. The repetitions of failed
 //! simulations, which follow them under the same sample, are marked.
+//!
+//! Version 3 had no levels of accuracy: all its evaluations are at the working accuracy.
 
 use super::value_tables::{table_columns, write_stated_errors};
 use super::{StoreError, exact, schema};
@@ -26,7 +28,12 @@ pub fn migrate(path: &Path, connection: &mut Connection, found: i64) -> Result<(
     if found < 2 {
         add_stated_errors(path, &transaction)?;
     }
-    add_legs(&transaction).map_err(failed)?;
+    if found < 3 {
+        add_legs(&transaction).map_err(failed)?;
+    }
+    transaction
+        .execute_batch("ALTER TABLE evaluation ADD COLUMN level INTEGER NOT NULL DEFAULT 0;")
+        .map_err(failed)?;
     transaction.pragma_update(None, "user_version", schema::SCHEMA_VERSION).map_err(failed)?;
     transaction.commit().map_err(failed)
 }

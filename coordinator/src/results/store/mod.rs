@@ -67,6 +67,8 @@ pub struct CampaignFile {
     created_at: String,
     inputs: Vec<String>,
     outputs: Vec<String>,
+    /// Whether the file has a column for the level of accuracy.
+    has_levels: bool,
     /// When the log was last written into the file.
     log_written: Option<Instant>,
     /// What is held until the file is closed.
@@ -174,6 +176,7 @@ impl CampaignFile {
         let created_at = value("created_at")?;
         let inputs = value_tables::table_columns(&connection, "input").map_err(failed)?;
         let outputs = value_tables::table_columns(&connection, "output").map_err(failed)?;
+        let has_levels = version(&path, &connection)? == schema::SCHEMA_VERSION;
         Ok(Self {
             connection,
             dir: dir.into(),
@@ -181,6 +184,7 @@ impl CampaignFile {
             created_at,
             inputs,
             outputs,
+            has_levels,
             log_written: None,
             _held: held,
         })

@@ -11,6 +11,8 @@ use serde::de::DeserializeOwned;
 pub struct StoredEvaluation {
     /// Number of the evaluation.
     pub id: u64,
+    /// Level of accuracy in its study, 0 for the working accuracy.
+    pub level: u8,
     /// Values of the random variables `(d,)`, SI.
     pub sample: Vec<f64>,
     /// What came of it.
@@ -23,8 +25,8 @@ pub struct StoredEvaluation {
     pub finished_at: String,
 }
 
-/// Columns of [`RawEvaluation`].
-pub(super) const COLUMNS: &str = "id, sample, outcome, worker, coalesce(wall_s, 0.0), finished_at";
+/// Columns of [`RawEvaluation`] in the present layout.
+pub(super) const COLUMNS: &str = "id, sample, outcome, worker, coalesce(wall_s, 0.0), finished_at, level";
 
 /// A row of the table `evaluation`.
 pub(super) struct RawEvaluation {
@@ -34,6 +36,7 @@ pub(super) struct RawEvaluation {
     pub worker: String,
     pub wall: f64,
     finished_at: String,
+    pub level: u8,
 }
 
 impl RawEvaluation {
@@ -46,17 +49,36 @@ impl RawEvaluation {
             worker: row.get(3)?,
             wall: row.get(4)?,
             finished_at: row.get(5)?,
+            level: row.get(6)?,
         })
     }
 }
 
 impl CampaignFile {
-    /// Number of recorded evaluations.
+    /// Number of recorded evaluations, those of finer levels included.
     ///
     /// # Errors
     /// [`StoreError`].
     pub fn count(&self) -> Result<usize, StoreError> {
         self.count_where("id >= 0")
+    }
+
+    /// Number of recorded evaluations at the working accuracy.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn working_count(&self) -> Result<usize, StoreError> {
+        self.count_where(&format!("id >= 0 AND {} = 0", self.level_column()))
+    }
+
+    /// The column of the level; a file of an earlier layout that is only looked at has none.
+    pub(super) fn level_column(&self) -> &'static str {
+        if self.has_levels { "level" } else { "0" }
+    }
+
+    /// The columns of [`RawEvaluation`] in this file.
+    fn columns(&self) -> String {
+        COLUMNS.replace("level", self.level_column())
     }
 
     /// Number of recorded evaluations that failed.
@@ -79,7 +101,7 @@ impl CampaignFile {
     /// [`StoreError`].
     pub fn evaluation(&self, id: u64) -> Result<Option<StoredEvaluation>, StoreError> {
         let Ok(key) = i64::try_from(id) else { return Ok(None) };
-        let sql = format!("SELECT {COLUMNS} FROM evaluation WHERE id = ?1");
+        let sql = format!("SELECT {} FROM evaluation WHERE id = ?1", self.columns());
         let found =
             self.query(|connection| connection.query_row(&sql, [key], RawEvaluation::read).optional())?;
         found.map(|row| self.decode(row)).transpose()
@@ -102,7 +124,7 @@ impl CampaignFile {
         rest: &str,
         mut visit: impl FnMut(RawEvaluation) -> Result<(), E>,
     ) -> Result<(), E> {
-        let sql = format!("SELECT {COLUMNS} FROM evaluation {rest}");
+        let sql = format!("SELECT {} FROM evaluation {rest}", self.columns());
         let mut statement = self.query(|connection| connection.prepare(&sql))?;
         let mut rows = self.query(|_| statement.query_map([], RawEvaluation::read))?;
         while let Some(row) = self.query(|_| rows.next().transpose())? {
@@ -121,9 +143,9 @@ impl CampaignFile {
 
     fn decode(&self, row: RawEvaluation) -> Result<StoredEvaluation, StoreError> {
         let (sample, outcome) = self.decoded(&row)?;
-        let RawEvaluation { id, worker, wall, finished_at, .. } = row;
+        let RawEvaluation { id, worker, wall, finished_at, level, .. } = row;
         let id = u64::try_from(id).map_err(|error| self.encoding(format!("number {id}"), error))?;
-        Ok(StoredEvaluation { id, sample, outcome, worker, wall, finished_at })
+        Ok(StoredEvaluation { id, level, sample, outcome, worker, wall, finished_at })
     }
 
     /// Rounds of learning noted so far, in order.

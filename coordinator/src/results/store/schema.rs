@@ -3,14 +3,15 @@
 //! `output_error` (the numerical error that an evaluation states of each value of `output`, same columns and units),
 //! `learning_round`, `document` (results as JSON), `leg` (settings, command and version of every leg; those of the first
 //! leg but for its settings are also in `campaign`, whose settings are those of the last leg). `evaluation.stricter` is 1
-//! for the repetition of a failed simulation with finer time steps, and 2 for an outcome that does not fit the scene. Numbers below zero are evaluations that are no part of
+//! for the repetition of a failed simulation with finer time steps, and 2 for an outcome that does not fit the scene; `evaluation.level` is the level of accuracy, 0 for
+//! the working accuracy of the study. Numbers below zero are evaluations that are no part of
 //! the result, see [`super::leg`] and [`super::further`].
 //!
 //! The columns `sample` and `outcome` of `evaluation` are what the program reads back: little-endian f64 and
 //! CBOR, exact to the last bit, where SQL's REAL would lose a negative zero and a NaN. The tables `input`,
 //! `output` and `output_error` repeat them for queries.
 //!
-//! Version 1 had no table `output_error`, version 2 no table `leg` and no column `stricter`; see [`super::migration`].
+//! Version 1 had no table `output_error`, version 2 no table `leg` and no column `stricter`, version 3 no column `level`; see [`super::migration`].
 
 use common::scene::Scene;
 use rusqlite::{Connection, params};
@@ -20,7 +21,7 @@ use std::collections::BTreeSet;
 pub const APPLICATION_ID: i64 = 0x4867_7743;
 
 /// Version of this layout, in `PRAGMA user_version`.
-pub const SCHEMA_VERSION: i64 = 3;
+pub const SCHEMA_VERSION: i64 = 4;
 
 /// The table of results.
 pub const DOCUMENT: &str =
@@ -55,7 +56,8 @@ CREATE TABLE evaluation (
   with_first_cycle INTEGER NOT NULL,
   sample BLOB NOT NULL,
   outcome BLOB NOT NULL,
-  stricter INTEGER NOT NULL DEFAULT 0
+  stricter INTEGER NOT NULL DEFAULT 0,
+  level INTEGER NOT NULL DEFAULT 0
 );
 CREATE TABLE input (
   evaluation INTEGER PRIMARY KEY REFERENCES evaluation (id){inputs}

@@ -42,6 +42,7 @@ pub(super) fn scene() -> Scene {
         conditions: vec![],
         study: StudySettings { population: 100, initial: 10, batch: 4, max_evaluations: 20, seed: 1 },
         accuracy: NamedAccuracy::default(),
+        levels: vec![],
         simulator: None,
     }
 }
@@ -63,7 +64,7 @@ fn awkward(id: u64) -> Vec<f64> {
 }
 
 pub(super) fn request(id: u64) -> Request {
-    Request { id, sample: awkward(id), with_first_cycle: id == 0, accuracy: None }
+    Request { id, sample: awkward(id), with_first_cycle: id == 0, accuracy: None, level: 0 }
 }
 
 pub(super) fn finished(id: u64) -> Finished {
@@ -262,7 +263,7 @@ fn a_file_of_the_first_layout_is_brought_up_with_its_stated_errors() {
     file.record(&request(5), &silent).unwrap();
     drop(file);
     let first_layout = "DROP TABLE output_error; DROP TABLE leg; ALTER TABLE evaluation DROP COLUMN stricter;
-        PRAGMA user_version = 1;";
+        ALTER TABLE evaluation DROP COLUMN level; PRAGMA user_version = 1;";
     Connection::open(&path).unwrap().execute_batch(first_layout).unwrap();
     let mut file = CampaignFile::open(dir.path()).unwrap();
     for id in 0..5 {

@@ -119,8 +119,8 @@ impl Selection {
         })
     }
 
-    /// - U of each member `(p,)` [1], the smallest over modes and checkpoints of U over the weight of mode s at
-    /// place `member * a + n`; minus infinity where a point is known.
+    /// The negative of U of each member `(p,)` [1]: the smallest over modes and checkpoints, over the `weight` of mode s at
+    /// place `member * a + n`.
     fn scores(&self, modes: &[Classification], weight: impl Fn((usize, usize)) -> f64) -> Vec<f64> {
         let a = modes[0].grid();
         let score_of = |(i, j): (usize, &usize)| {

@@ -98,7 +98,7 @@ pub fn reliability_curve(
 }
 
 /// Surrogate error of the share at checkpoint `n` [1], see [`reliability_curve`].
-pub(super) fn surrogate_error_at(n: usize, surrogate: &[(usize, f64)]) -> f64 {
+pub fn surrogate_error_at(n: usize, surrogate: &[(usize, f64)]) -> f64 {
     match (surrogate.first(), surrogate.last()) {
         (Some((first, _)), Some((last, _))) if (*first..=*last).contains(&n) => {
             surrogate.iter().min_by_key(|(at, _)| at.abs_diff(n)).map_or(0.0, |(_, error)| *error)

@@ -46,9 +46,9 @@ pub enum LifeEstimate {
     Earliest,
     /// Longest life that they allow.
     Latest,
-    /// Shortest life with the response larger by its stated numerical error.
+    /// Best estimate with the response larger by its numerical error.
     Unsafe,
-    /// Longest life with the response smaller by its stated numerical error.
+    /// Best estimate with the response smaller by its numerical error.
     Safe,
     /// Best estimate with the response larger by its predicted standard deviation.
     Larger,
@@ -65,7 +65,7 @@ pub type ModeLives = [LifePosition; ESTIMATES];
 /// Errors of the values of one response at the checkpoints.
 #[derive(Debug, Clone, Copy)]
 pub struct ResponseErrors<'a> {
-    /// Stated numerical errors `(m,)` [unit of the output].
+    /// Numerical errors, the same for all points `(m,)` [unit of the output].
     pub numerical: &'a [f64],
     /// Predicted standard deviations `(m,)` [unit of the output]; empty for simulated values.
     pub predicted: &'a [f64],
@@ -100,8 +100,8 @@ pub fn mode_lives(
         let start = track.start.map(|start| start + sign * of[0]);
         place(k, share, &Track { values: room, start, ..*track }.crossing(k, threshold))
     };
-    lives[LifeEstimate::Unsafe as usize] = shifted(errors.numerical, 1.0, |c| c.earliest);
-    lives[LifeEstimate::Safe as usize] = shifted(errors.numerical, -1.0, |c| c.latest);
+    lives[LifeEstimate::Unsafe as usize] = shifted(errors.numerical, 1.0, |c| c.best);
+    lives[LifeEstimate::Safe as usize] = shifted(errors.numerical, -1.0, |c| c.best);
     let best = lives[LifeEstimate::Best as usize];
     let predicted = errors.predicted;
     let mut by_prediction =

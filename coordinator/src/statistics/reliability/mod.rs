@@ -37,6 +37,7 @@ mod subset;
 pub use crossing::{Crossing, Track};
 pub use curve::{
     Condition, CurvePoint, REACH, coefficient_of_variation, governing_checkpoint, reliability_curve,
+    surrogate_error_at,
 };
 pub use distribution::{
     Histogram, OutputDistribution, PROBABILITIES, distributions_from_samples, predict_distributions,

@@ -1,9 +1,9 @@
-//! Range of the reliability under the numerical errors that simulations state: R(n) is counted twice more,
-//! with all responses shifted by their stated errors to the unsafe and to the safe side.
+//! Range of the reliability under the numerical errors of the simulations: R(n) is counted twice more, with all responses
+//! shifted by their errors to the unsafe and to the safe side.
 //!
-//! A stated error is a bound (a value lies within twice of it in 95 % of cases), and neighbouring simulations
-//! err alike. So the range is the worst case, all errors at once in the same direction. It is no standard
-//! error; more simulations do not narrow it, only finer time and wear steps and more control points do.
+//! The numerical error of neighbouring simulations is alike, so it moves all responses together. It is 1.96 standard deviations of the
+//! correction by pairs of levels, see [`super::super::levels`], or without pairs the error that the simulations state, which is larger
+//! than nearly all true ones. The range enters the interval of R(n) as an independent part of it, on either side.
 //!
 //! With surrogates the error of a point of the population follows from a straight line through the stated
 //! errors e_i over the values y_i at the same checkpoint, by least squares, clamped to the range of the

@@ -14,8 +14,14 @@ pub(super) fn worker(name: &str) -> WorkerId {
 }
 
 pub(super) fn requests(ids: std::ops::Range<u64>) -> Vec<Request> {
-    ids.map(|id| Request { id, sample: vec![id as f64, 0.5], with_first_cycle: false, accuracy: None })
-        .collect()
+    ids.map(|id| Request {
+        id,
+        sample: vec![id as f64, 0.5],
+        with_first_cycle: false,
+        accuracy: None,
+        level: 0,
+    })
+    .collect()
 }
 
 pub(super) fn claim(

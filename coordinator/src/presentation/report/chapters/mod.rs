@@ -15,7 +15,7 @@ use super::input::ReportInput;
 use super::life::rows_that_matter;
 use super::page::{FigureFiles, Page, captioned, numbered};
 use super::plot::PlotError;
-use super::{stated, studied, tables};
+use super::{levels, stated, studied, tables};
 use maud::{Markup, PreEscaped, html};
 
 /// The script that shows the values of a chart at the pointer.
@@ -134,6 +134,7 @@ fn quality(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
         drawn,
         html! { @if stated.is_empty() { "The simulations state no numerical errors." } @else { (stated) } },
     );
+    page.add(levels::tables(&input.summary));
     page.add(stated::errors_over_life(input));
     Ok(())
 }

@@ -25,9 +25,7 @@ pub use outputs::{distributions, histories};
 pub use parallel::parallel_coordinates;
 pub use predictions::predicted_against_simulated;
 pub use rates::failure_rates;
-pub use reliability::{
-    band, beginning, curve, curves_with_bands, first_failure, reliability, shares_of_failures,
-};
+pub use reliability::{beginning, curve, first_failure, reliability, shares_of_failures};
 
 pub use super::format::{capital, file_name, words};
 

@@ -1,64 +1,17 @@
-//! Figures of the stated numerical errors: their effect on R, and their size over life.
+//! Figures of the stated numerical errors: their size over life.
 
-use super::{LifeAxis, band, capital, curves_with_bands, file_name, ink_of, span};
+use super::{LifeAxis, capital, file_name, ink_of};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::life::rows_that_matter;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Band, Plot, PlotError, Points, Series, Shape};
+use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
 use crate::presentation::report::stated_errors::StatedAt;
-use crate::results::summary::{ReliabilityRow, StudySummary};
 
-/// The range of R under the stated errors per limit state and in total, and per limit state the size of the errors
-/// over life.
+/// Size of the stated errors over life, per limit state.
 ///
 /// # Errors
 /// [`PlotError`].
 pub fn numerical(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
-    Ok(range_of_reliability(input)?.into_iter().chain(sizes(input)?).collect())
-}
-
-fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
-    if input.summary.is_static() {
-        return Ok(None);
-    }
-    let rows = rows_that_matter(&input.summary, 1);
-    if rows.is_empty() {
-        return Ok(None);
-    }
-    let axis = LifeAxis::new(&input.summary);
-    let range = |name: &str| numerical_band(&input.summary, rows, name, &axis);
-    if input.summary.curve_names().any(|name| range(name).is_empty()) {
-        return Ok(None);
-    }
-    let series = curves_with_bands(&input.summary, &axis, "range", range);
-    let plot = Plot {
-        figure: "reliability-numerical",
-        x: Axis::linear(axis.label, span(&input.summary, &axis)),
-        y: Axis::linear("reliability R", (0.0, 1.0)),
-        series: &series,
-    };
-    let caption = "Bands: 95 % interval with, in addition, all responses shifted by their stated errors to the unsafe and to the \
-                   safe side. These shifts are extreme cases, not standard errors.";
-    plot.figure("Reliability under numerical errors", caption).map(Some)
-}
-
-/// The 95 % band of R with the stated errors; at the checkpoints of a study by an earlier version the range of R under them.
-fn numerical_band(summary: &StudySummary, rows: &[ReliabilityRow], name: &str, axis: &LifeAxis) -> Band {
-    if let Some(curve) = summary.curves.iter().find(|curve| curve.limit_state == name) {
-        if curve.numerical_lower.is_empty() {
-            return vec![];
-        }
-        return band(summary, curve, axis, [&curve.numerical_lower, &curve.numerical_upper]);
-    }
-    let range = |row: &ReliabilityRow| {
-        let range = row.numerical.get(name)?;
-        Some((axis.place(row.cycles), range.lower, range.upper))
-    };
-    rows.iter().filter_map(range).collect()
-}
-
-fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     if input.summary.is_static() {
         return Ok(vec![]);
     }

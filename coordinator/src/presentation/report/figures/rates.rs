@@ -76,7 +76,7 @@ fn over_life(
         // The band of the whole system alone: several on top of each other cannot be told apart.
         let band = (k + 1 == curves.len()).then(|| {
             let mut rng = open_stream(summary.seed, Stream::Curve);
-            CurveBand::new(&row.cycles, &row.reliability, limits(row), summary.population, &mut rng)
+            CurveBand::new(&row.cycles, &row.reliability, row.limits(), summary.population, &mut rng)
         });
         let (mut line, mut area): (Points, Band) = (vec![], vec![]);
         for pair in ends.windows(2) {
@@ -121,15 +121,6 @@ fn over_life(
             summary.subject()
         ),
     )
-}
-
-/// Limits of a curve with every error that is known.
-fn limits(row: &LifeCurveRow) -> [&[f64]; 2] {
-    if row.numerical_lower.is_empty() {
-        [&row.lower, &row.upper]
-    } else {
-        [&row.numerical_lower, &row.numerical_upper]
-    }
 }
 
 #[cfg(test)]

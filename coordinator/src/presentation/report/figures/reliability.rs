@@ -17,7 +17,7 @@ pub fn curve(summary: &StudySummary, name: &str, axis: &LifeAxis) -> (Points, Ba
         return checkpoints(&summary.reliability, name, axis).into_iter().unzip();
     };
     let points = along(summary, curve, axis, &curve.reliability);
-    (points, band(summary, curve, axis, [&curve.lower, &curve.upper]))
+    (points, band(summary, curve, axis, curve.limits()))
 }
 
 /// The band between two limits of a curve, as (x, lower, upper).
@@ -110,7 +110,7 @@ pub fn reliability(summary: &StudySummary) -> Result<Option<Figure>, PlotError> 
     let caption = format!(
         "Probability of no failure up to this life, per limit state and for the whole {}, which fails with its first limit \
          state. Dots: checkpoints; lines between them: crossing times interpolated for every {}. Bands and bars: 95 % interval \
-         of sampling, surrogate and interpolation; the effect of numerical errors of the simulations is shown further below.",
+         of sampling, surrogate, interpolation and numerical error.",
         summary.subject(),
         summary.subject()
     );

@@ -163,7 +163,7 @@ fn assumptions(input: &ReportInput) -> Vec<String> {
             .to_owned(),
     );
     text.push(
-        "The intervals contain sampling, surrogates and interpolation, and where stated the numerical error of the simulations. \
+        "The intervals contain sampling, surrogates, interpolation and, where it is known, the numerical error of the simulations. \
          The error of the model itself, and of its coefficients, is in none of them: results calibrated to measurements describe \
          these, and are no prediction for other conditions."
             .to_owned(),

@@ -1,0 +1,141 @@
+//! Parts of the interval of R, and the levels of accuracy that correct it, in words and as tables.
+
+use super::format::{count, fixed, percent};
+use super::life::governing;
+use super::tables::table;
+use crate::results::level_summary::DifferenceRow;
+use crate::results::reliability_summary::ErrorParts;
+use crate::results::summary::StudySummary;
+use crate::statistics::reliability::REACH;
+use maud::{Markup, Render, html};
+
+/// Names of the parts of an interval, and what reduces each.
+const PARTS: [(&str, &str); 3] = [
+    ("samples", "a larger population, `--samples`"),
+    ("surrogates", "more simulations, `--max-evaluations` and a smaller `--target-error`"),
+    ("numerical error", "finer levels or a finer accuracy, `--levels`"),
+];
+
+/// Half widths of the 95 % interval by each part, in the order of [`PARTS`] [1].
+fn half_widths(parts: &ErrorParts) -> [f64; 3] {
+    [parts.sampling, parts.surrogate, parts.numerical].map(|part| REACH * part)
+}
+
+/// What the interval of R of the system consists of where it is nearest 1/2, what reduces its largest part, and the corrections by finer
+/// levels; empty in studies by earlier versions.
+pub fn parts_and_levels(summary: &StudySummary) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some((row, parts)) = governing(summary).and_then(|row| Some((row, row.parts.get("total")?))) {
+        let widths = half_widths(parts);
+        let is_shown = |(place, _): &(usize, &(&str, &str))| !(summary.is_direct() && *place == 1);
+        let shown = PARTS.iter().enumerate().filter(is_shown);
+        let each: Vec<String> =
+            shown.clone().map(|(place, (name, _))| format!("{name} {}", fixed(widths[place], 4))).collect();
+        let largest =
+            shown.max_by(|a, b| widths[a.0].total_cmp(&widths[b.0])).map_or("", |(_, (_, what))| what);
+        let at = if summary.is_static() {
+            String::new()
+        } else {
+            format!(" at {} cycles", count(row.cycles.into()))
+        };
+        lines.push(format!(
+            "parts of the interval of R total{at}, half widths: {}; largest part reduced by {largest}",
+            each.join(", ")
+        ));
+    }
+    if let Some(levels) = &summary.levels {
+        let [pairs, thirds] = levels.pairs;
+        let third = if thirds > 0 { format!(", {thirds} of them at a third one") } else { String::new() };
+        let differences: Vec<String> = levels.differences.iter().map(difference).collect();
+        lines.push(match differences.is_empty() {
+            true => {
+                "levels: too few pairs gave a result; the numerical error is the one that simulations state"
+                    .to_owned()
+            }
+            false => format!(
+                "levels: results corrected by {pairs} pairs at a finer level{third}, at the limit {}",
+                differences.join(", ")
+            ),
+        });
+    }
+    lines
+}
+
+/// A difference in words, e.g. `asymmetry +1.8 % +- 0.2 %`.
+fn difference(row: &DifferenceRow) -> String {
+    format!("{} {} ± {}", row.limit_state, signed_percent(row.correction), percent(row.error))
+}
+
+fn signed_percent(share: f64) -> String {
+    let sign = if share < 0.0 { "-" } else { "+" };
+    format!("{sign}{}", percent(share.abs()))
+}
+
+/// Parts of the intervals of all curves where R of the system is nearest 1/2, and the differences of the levels.
+pub fn tables(summary: &StudySummary) -> Markup {
+    let Some(row) = governing(summary).filter(|row| !row.parts.is_empty()) else { return html! {} };
+    let head = ["half width of the 95 % interval of R".to_owned()];
+    let names = PARTS.map(|(name, _)| name.to_owned());
+    let head: Vec<String> = head.into_iter().chain(names).chain(["all".to_owned()]).collect();
+    let cells = |name: &str| {
+        let widths = row.parts.get(name).map(half_widths).unwrap_or_default();
+        let all = widths.iter().map(|width| width * width).sum::<f64>().sqrt();
+        let numbers = widths.into_iter().chain([all]).map(|width| fixed(width, 4).render());
+        std::iter::once(format!("{name}, {} cycles", count(row.cycles.into())).render())
+            .chain(numbers)
+            .collect::<Vec<Markup>>()
+    };
+    let parts = table(&head, summary.curve_names().map(cells));
+    let differences = summary.levels.iter().flat_map(|levels| &levels.differences);
+    let rows: Vec<Vec<Markup>> = differences
+        .map(|row| {
+            let order = row.order.map_or("not observed".to_owned(), |order| fixed(order, 1));
+            let shares = [signed_percent(row.correction), percent(row.error), percent(row.rough)];
+            let cells = [row.limit_state.clone(), row.form.clone()].into_iter().chain(shares).chain([order]);
+            cells.map(|cell| cell.render()).collect()
+        })
+        .collect();
+    let head = [
+        "difference of the levels",
+        "form",
+        "of the limit",
+        "± (95 %)",
+        "spread from point to point",
+        "order",
+    ];
+    html! {
+        (parts)
+        @if !rows.is_empty() { (table(&head, rows.into_iter())) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::level_summary::LevelsRow;
+
+    #[test]
+    fn the_largest_part_and_the_levels_are_named() {
+        let mut summary = crate::test_study::study().summary;
+        let text = parts_and_levels(&summary).join("\n");
+        assert!(text.contains("largest part reduced by finer levels"), "{text}");
+        let row = DifferenceRow {
+            limit_state: "wear".into(),
+            cycles: 65_000,
+            form: "constant".into(),
+            correction: -0.018,
+            error: 0.002,
+            rough: 0.001,
+            order: Some(2.0),
+        };
+        summary.levels = Some(LevelsRow { pairs: [9, 3], differences: vec![row], ..LevelsRow::default() });
+        let text = parts_and_levels(&summary)[1].replace('\u{a0}', " ");
+        assert!(
+            text.contains("9 pairs at a finer level, 3 of them") && text.contains("wear -1.8 % ± 0.2 %"),
+            "{text}"
+        );
+        assert!(tables(&summary).0.contains("not observed") || tables(&summary).0.contains("2.0"));
+        summary.reliability.iter_mut().for_each(|row| row.parts.clear());
+        assert!(tables(&summary).0.is_empty());
+    }
+}

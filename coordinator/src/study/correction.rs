@@ -1,0 +1,162 @@
+//! Correction of the results of a study at its working accuracy by pairs of simulations at finer levels.
+//!
+//! What is corrected are the outputs of each evaluation, before limit states and surrogates see them, so that R(n), lives, first failures,
+//! sensitivities and decisions follow from corrected results. Their stated errors are replaced by 1.96 standard deviations of the
+//! correction, which moves all results together; the spread from point to point becomes [`Observed::rough`].
+
+use super::observations::Observed;
+use super::stored_outcome::StoredOutcome;
+use crate::statistics::levels::{HistoryDifference, HistoryPair};
+use crate::statistics::reliability::REACH;
+use std::collections::HashMap;
+
+/// Fewest pairs for a correction.
+const FEWEST: usize = 3;
+
+/// Results of one sample at several levels.
+#[derive(Debug, Clone)]
+pub(super) struct LevelPair {
+    /// At the working accuracy.
+    pub working: Observed,
+    /// At the next finer level.
+    pub finer: Observed,
+    /// At the third level, at few points.
+    pub finest: Option<Observed>,
+}
+
+/// Correction of every output of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Correction {
+    /// Number of pairs.
+    pub pairs: usize,
+    /// Number of them with a third level.
+    pub thirds: usize,
+    outputs: Vec<OutputCorrection>,
+}
+
+/// Correction of the history of one output.
+#[derive(Debug, Clone, PartialEq)]
+struct OutputCorrection {
+    difference: HistoryDifference,
+    /// True if the first value of the difference is that at the start of life.
+    has_start: bool,
+}
+
+impl OutputCorrection {
+    fn new(pairs: &[LevelPair], output: usize) -> Self {
+        let both = |pair: &LevelPair| {
+            let third = pair.finest.as_ref().is_none_or(|finest| finest.start[output].is_some());
+            third && pair.working.start[output].is_some() && pair.finer.start[output].is_some()
+        };
+        let has_start = pairs.iter().all(both);
+        let values = |observed: &Observed| -> Vec<f64> {
+            let start = observed.start[output].filter(|_| has_start);
+            start.into_iter().chain(observed.histories[output].iter().copied()).collect()
+        };
+        let of_pair =
+            |pair: &LevelPair| (values(&pair.working), values(&pair.finer), pair.finest.as_ref().map(values));
+        let all: Vec<_> = pairs.iter().map(of_pair).collect();
+        let slices: Vec<HistoryPair<'_>> = all
+            .iter()
+            .map(|(working, finer, finest)| HistoryPair { working, finer, finest: finest.as_deref() })
+            .collect();
+        Self { difference: HistoryDifference::new(&slices), has_start }
+    }
+}
+
+impl Correction {
+    /// The correction of the first `outputs` outputs; `None` with too few pairs.
+    pub(super) fn new(pairs: &[LevelPair], outputs: usize) -> Option<Self> {
+        (pairs.len() >= FEWEST).then(|| Self {
+            pairs: pairs.len(),
+            thirds: pairs.iter().filter(|pair| pair.finest.is_some()).count(),
+            outputs: (0..outputs).map(|output| OutputCorrection::new(pairs, output)).collect(),
+        })
+    }
+
+    /// The correction by stored outcomes at the working accuracy, and at finer levels `(level, outcome)` of the same samples.
+    pub fn from_stored(working: &[StoredOutcome], finer: &[(u8, StoredOutcome)]) -> Option<Self> {
+        let bits = |sample: &[f64]| sample.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
+        let of_level = |wanted: u8| -> HashMap<Vec<u64>, &Observed> {
+            let own = finer.iter().filter(|(level, _)| *level == wanted);
+            own.filter_map(|(_, one)| Some((bits(&one.sample), one.outcome.as_ref().ok()?))).collect()
+        };
+        let (second, third) = (of_level(1), of_level(2));
+        let mut known = HashMap::new();
+        let pair = |one: &StoredOutcome| {
+            let key = bits(&one.sample);
+            let working = one.outcome.as_ref().ok()?.clone();
+            let finer = (*second.get(&key)?).clone();
+            let finest = third.get(&key).map(|observed| (*observed).clone());
+            // A sample of two campaigns counts once.
+            known.insert(key, ()).is_none().then_some(LevelPair { working, finer, finest })
+        };
+        let pairs: Vec<LevelPair> = working.iter().filter_map(pair).collect();
+        let outputs = pairs.first()?.working.histories.len();
+        Self::new(&pairs, outputs)
+    }
+
+    /// The corrected result of an evaluation; responses that were derived from its outputs are left out.
+    pub fn correct(&self, observed: Observed) -> Observed {
+        let Observed { mut histories, mut errors, mut start, .. } = observed;
+        let outputs = self.outputs.len();
+        histories.truncate(outputs);
+        errors.truncate(outputs);
+        start.truncate(outputs);
+        let mut rough = Vec::with_capacity(outputs);
+        for (output, OutputCorrection { difference, has_start }) in self.outputs.iter().enumerate() {
+            let shift = usize::from(*has_start);
+            let values = histories[output].iter_mut().zip(&mut errors[output]);
+            for (n, (value, error)) in values.enumerate() {
+                *error = REACH * difference.std_at(n + shift, *value);
+                *value += difference.at(n + shift, *value);
+            }
+            if let (true, Some(value)) = (*has_start, start[output].as_mut()) {
+                *value += difference.at(0, *value);
+            }
+            rough.push(difference.differences[shift..].iter().map(|one| one.rough).collect());
+        }
+        Observed { histories, errors, rough, start, distances: vec![] }
+    }
+
+    /// The corrected outcomes of stored ones.
+    pub fn correct_all(&self, stored: Vec<StoredOutcome>) -> Vec<StoredOutcome> {
+        let correct = |StoredOutcome { sample, outcome }| StoredOutcome {
+            sample,
+            outcome: outcome.map(|observed| self.correct(observed)),
+        };
+        stored.into_iter().map(correct).collect()
+    }
+
+    /// The difference of an output at its `n`th checkpoint, without what remains of the finer level: form and order of convergence in words,
+    /// value, 1.96 standard deviations of the correction, and roughness, at the value `at` [unit of the output].
+    pub(super) fn figures(&self, output: usize, n: usize, at: f64) -> LevelFigures {
+        let OutputCorrection { difference, has_start } = &self.outputs[output];
+        let n = n + usize::from(*has_start);
+        LevelFigures {
+            form: difference.form.name(),
+            correction: difference.at(n, at),
+            of_pairs: REACH * difference.differences[n].std_at(at),
+            error: REACH * difference.std_at(n, at),
+            rough: difference.differences[n].rough,
+            order: difference.remainders[n].order,
+        }
+    }
+}
+
+/// What the pairs say of an output at a checkpoint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LevelFigures {
+    /// Form of the difference.
+    pub form: &'static str,
+    /// What is added to a result [unit of the output].
+    pub correction: f64,
+    /// 95 % reach of the part of its error that more pairs reduce [unit of the output].
+    pub of_pairs: f64,
+    /// 95 % reach of its error [unit of the output].
+    pub error: f64,
+    /// Spread from point to point [unit of the output].
+    pub rough: f64,
+    /// Observed order of convergence [1].
+    pub order: Option<f64>,
+}
