@@ -15,6 +15,7 @@ use super::shared::Verbosity;
 use common::scene::*;
 use coordinator::presentation::nominal_life::NominalLife;
 use coordinator::presentation::terminal::while_waiting;
+use coordinator::study::Settings;
 use std::fmt::Write;
 use std::sync::Arc;
 use variables::variables;
@@ -139,7 +140,13 @@ fn study(out: &mut String, scene: &Scene) -> std::fmt::Result {
         out,
         "Study: {} Monte Carlo points, {} simulated first, then {} at a time, {} at most; seed {}.",
         study.population, study.initial, study.batch, study.max_evaluations, study.seed
-    )
+    )?;
+    let finer: Vec<String> =
+        Settings::from(scene).finer_levels(scene).into_iter().map(|level| level.name).collect();
+    if finer.is_empty() {
+        return Ok(());
+    }
+    writeln!(out, "Pairs at finer levels correct its results: {}.", finer.join(", "))
 }
 
 fn motion(out: &mut String, scene: &Scene) -> std::fmt::Result {

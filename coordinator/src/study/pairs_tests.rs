@@ -6,7 +6,7 @@ use crate::farm::evaluate::Request;
 use crate::farm::evaluate::local::LocalEvaluator;
 use crate::results::journal::InMemoryJournal;
 use crate::results::progress::Silent;
-use crate::statistics::design::Population;
+use crate::statistics::design::{InputModel, Population};
 use common::outputs::Evaluation;
 use common::scene::{Scene, SceneSource};
 
@@ -15,10 +15,8 @@ const LIMIT: f64 = 8e-6;
 
 /// Exact wear at the checkpoints `(8,)` [m], with R near 1/2 at the sixth.
 fn exact(scene: &Scene, sample: &[f64]) -> Vec<f64> {
-    let u = |k: usize| {
-        let distribution = &scene.variables[k].distribution;
-        (sample[k] - distribution.mean()) / distribution.std()
-    };
+    let z = InputModel::from_scene(scene).standardise(sample);
+    let u = |k: usize| z[k];
     let scale = 1.0 + 0.04 * u(0) + 0.02 * u(1) + 0.01 * u(2) * u(3);
     (1..=8).map(|n| LIMIT * f64::from(n) / 6.0 * scale).collect()
 }
@@ -62,11 +60,7 @@ fn settings() -> Settings {
 fn at_the_fall(settings: &Settings, result: &StudyResult) -> (f64, [f64; 2], f64, f64) {
     let source = SceneSource::builtin("four-bar").unwrap();
     let scene = source.nominal();
-    let population = Population::draw(
-        crate::statistics::design::InputModel::from_scene(scene),
-        settings.samples,
-        settings.seed,
-    );
+    let population = Population::draw(InputModel::from_scene(scene), settings.samples, settings.seed);
     let safe = (0..settings.samples).filter(|j| exact(scene, &population.physical(*j))[5] < LIMIT).count();
     let row = &result.summary.reliability[5];
     let interval = row.interval_of("total").unwrap();
