@@ -183,7 +183,7 @@ fn predict() -> Result<String, Box<dyn std::error::Error>> {
     // Points added one by one: the model extended, the cache and the classification updated to it.
     let mut cache = PredictionCache::default();
     let mut model = condition(N - 5)?;
-    let mode = ClassifiedMode { index: 0, threshold: 0.0, grid: &[0], inflation: 1.0 };
+    let mode = ClassifiedMode { index: 0, threshold: 0.0, grid: &[0], inflation: 1.0, by_mean: false };
     classify_cached(&mut cache, &model, &population, &mode);
     let mut added = f64::INFINITY;
     for i in N - 5..N {
@@ -217,7 +217,7 @@ fn memory() -> Result<String, Box<dyn std::error::Error>> {
     model.set_values(known);
     let mut cache = PredictionCache::default();
     let grid: Vec<usize> = (0..24).map(|i| 3 * i).collect();
-    let mode = ClassifiedMode { index: 0, threshold: 1.0, grid: &grid, inflation: 1.0 };
+    let mode = ClassifiedMode { index: 0, threshold: 1.0, grid: &grid, inflation: 1.0, by_mean: false };
     let start = Instant::now();
     classify_cached(&mut cache, &model, &population, &mode);
     let first = start.elapsed().as_secs_f64();
