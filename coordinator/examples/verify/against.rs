@@ -18,7 +18,7 @@ use common::failure::SimulationFailure;
 use common::scene::Scene;
 use coordinator::statistics::learning::{Mode, with_system};
 use coordinator::study::{
-    Campaign, CampaignResult, Method, Observations, ObservedOutcome, Plan, Problem, Settings, SimulatedPoint,
+    Campaign, CampaignResult, Observations, ObservedOutcome, Plan, Problem, Settings, SimulatedPoint,
     StoredOutcome, StudyError, Surrogate, completed, learn_from_results,
 };
 use faer::Mat;
@@ -87,10 +87,7 @@ pub fn verify(
     stored: &[StoredOutcome],
     unseen: &[SimulatedPoint],
 ) -> Result<Verification, StudyError> {
-    let own = match settings.method {
-        Method::ActiveLearning => repeat_learning(scene, settings, stored),
-        Method::MonteCarlo | Method::LatinHypercube => None,
-    };
+    let own = if settings.method.learns() { repeat_learning(scene, settings, stored) } else { None };
     let learned = own.map_or_else(|| learn_from_results(scene, scene, settings, stored), Ok)?;
     Ok(compare(scene, &learned.assessment.surrogates, unseen))
 }
