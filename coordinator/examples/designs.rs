@@ -17,7 +17,9 @@ use coordinator::farm::evaluate::{Finished, Request, local::LocalEvaluator};
 use coordinator::results::journal::InMemoryJournal;
 use coordinator::results::life_summary::LifeRow;
 use coordinator::results::progress::Silent;
-use coordinator::study::{FurtherLearning, Observed, Settings, StoredOutcome, StudyAccuracy, run};
+use coordinator::study::{
+    FinerLevels, FurtherLearning, Observed, Settings, StoredOutcome, StudyAccuracy, run,
+};
 use std::error::Error;
 use worker::simulate::{SimulateOptions, simulate};
 
@@ -88,7 +90,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let augmented = space.augmented()?;
     let scene = augmented.nominal();
     let accuracy = StudyAccuracy { setting: arguments.accuracy.parse()?, max_error: None };
-    let settings = Settings { seed: arguments.seed, accuracy, ..Settings::from(scene) };
+    // Both answers are at the same accuracy.
+    let levels = FinerLevels::None;
+    let settings = Settings { seed: arguments.seed, accuracy, levels, ..Settings::from(scene) };
 
     let mut evaluator = LocalEvaluator::new(arguments.threads, simulation(&augmented, &settings));
     let mut journal = InMemoryJournal::default();

@@ -111,8 +111,11 @@ fn read(dir: &Path) -> Result<Study, Box<dyn Error>> {
     let summary = campaign.document(SUMMARY_DOCUMENT)?.ok_or("the study is not finished")?;
     let mut stored = Vec::new();
     campaign.for_each(|one| -> Result<(), StoreError> {
-        stored
-            .push(StoredOutcome { sample: one.sample, outcome: one.outcome.map(Observed::from_evaluation) });
+        // The units were simulated at the working accuracy, without corrections.
+        if one.level == 0 {
+            let outcome = one.outcome.map(Observed::from_evaluation);
+            stored.push(StoredOutcome { sample: one.sample, outcome });
+        }
         Ok(())
     })?;
     Ok((source, settings, summary, stored))

@@ -21,7 +21,7 @@ use coordinator::results::progress::Silent;
 use coordinator::results::store::CampaignFile;
 use coordinator::results::summary::StudySummary;
 use coordinator::statistics::design::{InputModel, Population};
-use coordinator::study::{Observed, Settings, StoredOutcome, run};
+use coordinator::study::{Correction, Observed, Settings, StoredOutcome, run};
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -199,6 +199,13 @@ fn of_study(arguments: &Arguments, totals: &mut Totals) -> Result<(), Box<dyn Er
     file.for_each_known(|sample, outcome| {
         outcomes.push(StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) });
     })?;
+    let mut finer = Vec::new();
+    file.for_each_finer(|level, sample, outcome| {
+        finer.push((level, StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) }));
+    })?;
+    if let Some(correction) = Correction::from_stored(&outcomes, &finer) {
+        outcomes = correction.correct_all(outcomes);
+    }
     for seed in arguments.seeds.0..=arguments.seeds.1 {
         let sets = draw_change(source.nominal(), &mut rng_of(seed), arguments.shift);
         let changed = match changed_scene(&source, &sets) {

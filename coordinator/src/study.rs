@@ -32,6 +32,7 @@ mod error;
 mod exploring;
 mod failure_points;
 mod failures;
+mod finer_levels;
 mod from_results;
 mod interim;
 mod learner;
@@ -81,11 +82,11 @@ pub use classified_population::ClassifiedPopulation;
 pub use correction::Correction;
 pub use error::StudyError;
 pub use failures::{Failed, Feasibility};
+pub use finer_levels::FinerLevels;
 pub use from_results::{
     FurtherLearning, Thresholds, campaign_from_results, complete_outcomes, learn_from_results,
     learn_with_surrogates, result_of,
 };
-pub use levels::FinerLevels;
 pub use life_model::{LifeModel, LifeResponses};
 pub use lives::LEVELS;
 pub use observations::{Observations, Observed, ObservedOutcome};

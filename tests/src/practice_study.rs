@@ -11,7 +11,7 @@ use coordinator::farm::evaluate::local::LocalEvaluator;
 use coordinator::results::journal::Journal;
 use coordinator::results::progress::Silent;
 use coordinator::results::store::{CampaignFile, CampaignMeta, FILE_NAME};
-use coordinator::study::{self, Method, Settings, StudyError};
+use coordinator::study::{self, FinerLevels, Method, Settings, StudyError};
 use rusqlite::{Connection, OpenFlags};
 use serde_json::Value;
 use std::path::Path;
@@ -59,7 +59,9 @@ impl PracticeStudy {
         let source = SceneSource::builtin("four-bar").expect("it is built in");
         let scene = source.nominal().clone();
         let settings = Settings::from(&scene);
-        let settings = Settings { method: Method::MonteCarlo, samples, ..settings };
+        // One level: the evaluations are counted.
+        let levels = FinerLevels::None;
+        let settings = Settings { method: Method::MonteCarlo, samples, levels, ..settings };
         Self { source, scene, settings }
     }
 

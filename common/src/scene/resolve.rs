@@ -286,12 +286,13 @@ fn levels(section: &mut Section) -> Option<Levels> {
     const EXPECTED: &str = "the name of an accuracy, e.g. \"balanced\" or \"balanced+jump-2000\"";
     const LIST: &str =
         "one to three names of accuracies, from the coarsest to the finest, e.g. [\"draft\", \"balanced\"]";
-    if section.peek("levels").is_none() {
+    let has_accuracy = section.get("accuracy").is_some();
+    if section.get("levels").is_none() {
         let name = section.text_or("accuracy", EXPECTED, "balanced")?;
         return Some(Levels { accuracy: accuracy(section, "accuracy", name)?, levels: vec![] });
     }
     let names = section.texts("levels", LIST)?;
-    if section.get("accuracy").is_some() {
+    if has_accuracy {
         section.inconsistent("levels", "the first level is the accuracy; remove the key accuracy");
         return None;
     }

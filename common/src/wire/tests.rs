@@ -19,15 +19,14 @@ fn key() -> impl Strategy<Value = TaskKey> {
 
 fn task() -> impl Strategy<Value = Task> {
     let own_accuracy = proptest::option::of(number().prop_map(accuracy));
-    (key(), any::<u32>(), vec(number(), 0..20), any::<bool>(), own_accuracy).prop_map(
-        |(key, attempt, sample, with_first_cycle, accuracy)| Task {
-            key,
-            attempt,
-            sample,
-            with_first_cycle,
-            accuracy,
-        },
-    )
+    let parts = (key(), any::<u32>(), vec(number(), 0..20), any::<bool>(), own_accuracy);
+    parts.prop_map(|(key, attempt, sample, with_first_cycle, accuracy)| Task {
+        key,
+        attempt,
+        sample,
+        with_first_cycle,
+        accuracy,
+    })
 }
 
 fn first_cycle() -> impl Strategy<Value = CycleHistory> {

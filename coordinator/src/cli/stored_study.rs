@@ -286,7 +286,7 @@ pub fn known_outcomes(campaign: &CampaignFile) -> Result<Vec<StoredOutcome>, Sto
     corrected(campaign, as_simulated(campaign)?)
 }
 
-/// The same outcomes as they were simulated.
+/// Outcomes at the working accuracy as they were simulated, without correction.
 fn as_simulated(campaign: &CampaignFile) -> Result<Vec<StoredOutcome>, StoreError> {
     let mut all = Vec::new();
     campaign.for_each_known(|sample, outcome| {

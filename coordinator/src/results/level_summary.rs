@@ -22,7 +22,7 @@ pub struct LevelsRow {
 pub struct DifferenceRow {
     /// Name of the limit state.
     pub limit_state: String,
-    /// Checkpoint [cycles].
+    /// Checkpoint of the correction [cycles].
     pub cycles: u32,
     /// `constant`, or `line` over the value.
     pub form: String,

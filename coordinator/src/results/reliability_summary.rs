@@ -72,9 +72,9 @@ pub struct ErrorParts {
 /// Interval of a reliability.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ReliabilityRange {
-    /// Lower limit.
+    /// Lower limit of R [1].
     pub lower: f64,
-    /// Upper limit.
+    /// Upper limit of R [1].
     pub upper: f64,
 }
 

@@ -5,11 +5,11 @@
 use super::campaign::Campaign;
 use super::requests::PendingSample;
 use crate::statistics::design::{Stream, open_stream};
-use crate::statistics::learning::{Place, draw_rim};
+use crate::statistics::learning::{Gap, draw_rim};
 use std::ops::Range;
 
 /// Places that exploring takes in turn; `None` is the largest predicted variance.
-const TURNS: [Option<Place>; 4] = [Some(Place::Limit), Some(Place::Bulk), None, Some(Place::Bulk)];
+const TURNS: [Option<Gap>; 4] = [Some(Gap::Limit), Some(Gap::Bulk), None, Some(Gap::Bulk)];
 
 impl Campaign {
     /// The exploring points with these numbers since a rule was met: of the population, or of the rim where failures are rare.

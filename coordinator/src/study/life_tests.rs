@@ -384,7 +384,6 @@ fn monte_carlo_counts_what_it_simulated() {
 
 #[test]
 fn issue_direct_simulation_with_failed_samples_states_a_true_interval() {
-    // Those that fail have the larger wear.
     let mut evaluator = MadeUp { fails: |x, _| z(x, 0) > 1.2, noise: 0.0, ..MadeUp::new() };
     let settings = Settings { method: Method::MonteCarlo, samples: 600, ..small() };
     let result = study(&settings, &mut evaluator, &mut InMemoryJournal::default()).unwrap();

@@ -37,7 +37,7 @@ const MOST: f64 = 0.25;
 
 /// A simulation at the working accuracy.
 #[derive(Debug)]
-struct Simulated {
+struct PairedPoint {
     sample: Vec<f64>,
     observed: Observed,
     /// Results at the second and at the third level; the outer `None` where none was requested.
@@ -58,7 +58,7 @@ pub(super) struct PairedCampaign<'a> {
     finer: usize,
     /// Samples of the chunks of the campaign under way, the oldest first.
     under_way: VecDeque<Vec<Vec<f64>>>,
-    simulated: Vec<Simulated>,
+    simulated: Vec<PairedPoint>,
     /// Pairs under way.
     requested: Vec<PairRequest>,
     /// Evaluations at finer levels whose outcome has been recorded, and those of them that failed.
@@ -146,7 +146,7 @@ impl<'a> PairedCampaign<'a> {
 
     /// The correction by the pairs so far.
     fn current(&self) -> Option<Correction> {
-        let pair = |one: &Simulated| {
+        let pair = |one: &PairedPoint| {
             let [finer, finest] = one.finer.clone();
             Some(LevelPair { working: one.observed.clone(), finer: finer?, finest })
         };
@@ -303,7 +303,7 @@ impl Learner for PairedCampaign<'_> {
         let results = samples.into_iter().zip(&outcomes);
         let simulated = results.filter_map(|(sample, outcome)| {
             let observed = outcome.as_ref().ok()?.clone();
-            Some(Simulated { sample, observed, finer: [None, None], is_paired: false })
+            Some(PairedPoint { sample, observed, finer: [None, None], is_paired: false })
         });
         self.simulated.extend(simulated);
         let Self { correction, responses, .. } = &*self;

@@ -1,6 +1,6 @@
 //! Studies whose finer levels are analytic: what the corrected R(n) is, and what its interval contains.
 
-use super::levels::FinerLevels;
+use super::finer_levels::FinerLevels;
 use super::{Settings, StudyResult, run};
 use crate::farm::evaluate::Request;
 use crate::farm::evaluate::local::LocalEvaluator;
@@ -21,9 +21,9 @@ fn exact(scene: &Scene, sample: &[f64]) -> Vec<f64> {
     (1..=8).map(|n| LIMIT * f64::from(n) / 6.0 * scale).collect()
 }
 
-/// A number from -1 to 1 that differs from sample to sample.
-fn noise(sample: &[f64]) -> f64 {
-    (1e9 * sample.iter().sum::<f64>()).sin()
+/// A number from -1 to 1 that differs from sample to sample, and from level to level.
+fn noise(level: u8, sample: &[f64]) -> f64 {
+    (1e9 * sample.iter().sum::<f64>() + f64::from(level)).sin()
 }
 
 /// Study of the four-bar whose simulations at level k have wear that differs by `error(k, sample, wear)` from the exact one.
@@ -76,7 +76,7 @@ fn levels_that_converge_correct_the_results() {
     let (corrected, evaluations) = study(&settings, 2, error);
     let (r, [lower, upper], numerical, truth) = at_the_fall(&settings, &corrected);
     assert!((r - truth).abs() < 0.01 && lower < truth && truth < upper, "{r} {truth} [{lower}, {upper}]");
-    assert!(numerical > 0.0 && upper - lower < 0.05, "{numerical} [{lower}, {upper}]");
+    assert!(numerical > 0.0 && upper - lower < 0.06, "{numerical} [{lower}, {upper}]");
     let levels = corrected.summary.levels.as_ref().unwrap();
     let row = &levels.differences[0];
     assert_eq!((levels.pairs[1], levels.evaluations), (3, levels.pairs[0] + 3));
@@ -99,7 +99,7 @@ fn levels_that_disagree_widen_the_interval() {
     let settings = settings();
     // The finer levels have an error of their own from sample to sample, and do not converge.
     let error = |level: u8, sample: &[f64], y: f64| {
-        if level == 0 { 0.0 } else { 0.03 * y * noise(&[sample[0] * f64::from(level), sample[1]]) }
+        if level == 0 { 0.0 } else { 0.03 * y * noise(level, sample) }
     };
     let (found, _) = study(&settings, 2, error);
     let (r, [lower, upper], numerical, truth) = at_the_fall(&settings, &found);

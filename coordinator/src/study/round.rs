@@ -9,8 +9,8 @@ use super::surrogates::{FitOptions, GRID, Surrogate, fit_surrogates};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
-    Classification, ClassifiedMode, Coupled, CurveErrors, EARLY, Exploration, Figures, JointPool, Mode,
-    Place, SURROGATE_SAFETY, Selection, SelectionOptions, UNCERTAIN, choose_pool, classify_cached,
+    Classification, ClassifiedMode, Coupled, CurveErrors, EARLY, Exploration, Figures, Gap, JointPool, Mode,
+    SURROGATE_SAFETY, Selection, SelectionOptions, UNCERTAIN, choose_pool, classify_cached,
     coupled_criterion, curves, dominance, estimate_errors, explore, farthest, noise_shifts, sample_of_open,
     widest_gap, with_system,
 };
@@ -97,7 +97,7 @@ impl Assessment {
         population: &Population,
         requested: &[bool],
         known: impl Iterator<Item = (&'a [f64], f64)>,
-        place: Place,
+        place: Gap,
         rng: &mut impl Rng,
     ) -> Option<usize> {
         let sample = sample_of_open(population, &closed(requested, &self.settled), rng);

@@ -1,7 +1,7 @@
 //! Settings of one study: the scene's defaults, changed by the command line, checked here, and stored in the campaign
 //! file, so that `resume` repeats the same study.
 
-use super::levels::FinerLevels;
+use super::finer_levels::FinerLevels;
 use crate::statistics::learning::{LearningFunction, StoppingTargets};
 use crate::statistics::named::named;
 use crate::statistics::surrogate::{FormSettings, StatedErrors};

@@ -17,6 +17,7 @@ pub(super) fn scene() -> Scene {
         changes: vec![],
         unit: "mm".into(),
     };
+    let limit = LimitState { name: "wear".into(), output: 0, threshold: 3e-5, fails: Fails::Above };
     Scene {
         name: "two".into(),
         title: "Two variables".into(),
@@ -30,12 +31,7 @@ pub(super) fn scene() -> Scene {
         }],
         variables: vec![variable("k"), variable("K")],
         correlations: vec![],
-        limit_states: vec![LimitState {
-            name: "wear".into(),
-            output: 0,
-            threshold: 3e-5,
-            fails: Fails::Above,
-        }],
+        limit_states: vec![limit],
         control_points_of_model: false,
         wear: WearModel::default(),
         life: Life { period: 0.125, cycles: 2000, checkpoint_every: 1000, settle_cycles: 1, turn_of: None },

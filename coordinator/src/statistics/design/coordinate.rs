@@ -28,9 +28,9 @@ const ZERO: f64 = -40.0;
 pub(super) enum Coordinate {
     /// (x - location) / scale.
     Linear {
-        /// Location [SI].
+        /// Location of the variable [SI].
         location: f64,
-        /// Scale [SI].
+        /// Scale of the variable [SI].
         scale: f64,
     },
     /// (ln x - location) / scale, for x > 0.

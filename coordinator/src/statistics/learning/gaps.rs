@@ -30,7 +30,7 @@ const NEAREST: f64 = 0.05;
 
 /// Where a gap is filled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum Gap {
     /// Anywhere in the population.
     Bulk,
     /// Near a limit.
@@ -64,13 +64,13 @@ pub fn widest_gap<'a>(
     population: &Population,
     (sample, feasible): (&[usize], &[f64]),
     known: impl Iterator<Item = (&'a [f64], f64)>,
-    place: Place,
+    place: Gap,
     (modes, n): (&[Classification], usize),
 ) -> Option<usize> {
     let points: Vec<&[f64]> = sample.iter().map(|j| population.standardised(*j)).collect();
     match place {
-        Place::Bulk => most_representative(&points, known, feasible).map(|i| sample[i]),
-        Place::Limit => {
+        Gap::Bulk => most_representative(&points, known, feasible).map(|i| sample[i]),
+        Gap::Limit => {
             let distance = |j: usize| {
                 let of = |mode: &Classification| {
                     super::classification::distance_over_std(
@@ -90,7 +90,7 @@ pub fn widest_gap<'a>(
     }
 }
 
-/// Place of the point that brings all of these `points` `(c)(d,)` nearest to the known ones and itself, see the head of this file.
+/// Gap of the point that brings all of these `points` `(c)(d,)` nearest to the known ones and itself, see the head of this file.
 fn most_representative<'a>(
     points: &[&[f64]],
     known: impl Iterator<Item = (&'a [f64], f64)>,
@@ -133,19 +133,19 @@ mod tests {
             let j = widest_gap(&population, (&sample, feasible), known, place, (&modes, 0)).unwrap();
             population.standardised(j).to_vec()
         };
-        let bulk = gap(&known, &feasible, Place::Bulk);
+        let bulk = gap(&known, &feasible, Gap::Bulk);
         assert!((bulk[0] - 1.5).abs() < 0.5 && bulk[1].abs() < 0.5, "{bulk:?}");
-        let limit = gap(&known, &feasible, Place::Limit);
+        let limit = gap(&known, &feasible, Gap::Limit);
         assert!((limit[0] - 1.5).abs() < 0.5 && limit[1].abs() > 1.5, "{limit:?}");
         // No result is possible to the right.
         let left: Vec<f64> =
             sample.iter().map(|j| f64::from(u8::from(population.standardised(*j)[0] < 0.0))).collect();
-        assert!(gap(&known, &left, Place::Bulk)[0] < 0.0);
+        assert!(gap(&known, &left, Gap::Bulk)[0] < 0.0);
         let none = widest_gap(
             &population,
             (&sample, &vec![0.0; sample.len()]),
             std::iter::empty(),
-            Place::Bulk,
+            Gap::Bulk,
             (&modes, 0),
         );
         assert_eq!(none, None);

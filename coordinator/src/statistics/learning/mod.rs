@@ -48,7 +48,7 @@ pub use coupled_criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
 pub use error::{CurveErrors, SURROGATE_SAFETY, estimate_errors};
 pub use exploration::{Exploration, draw_rim, explore, farthest};
 pub use function::LearningFunction;
-pub use gaps::{Place, sample_of_open, widest_gap};
+pub use gaps::{Gap, sample_of_open, widest_gap};
 pub use noise::noise_shifts;
 pub use pool::{JointPool, Pool, choose_pool};
 pub use selection::{Selection, SelectionOptions};

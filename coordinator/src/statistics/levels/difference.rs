@@ -17,7 +17,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// Form of a difference over the value of the coarser level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DifferenceForm {
-    /// The same for all values.
+    /// One number for all values.
     Constant,
     /// A line over the value.
     Line,
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn a_line_is_followed_where_a_constant_is_rough() {
-        let pairs: Vec<(f64, f64)> = (0..8).map(f64::from).map(|y| (y, 0.5 + 0.125 * y)).collect();
+        let pairs: Vec<(f64, f64)> = (0..8_i32).map(f64::from).map(|y| (y, 0.5 + 0.125 * y)).collect();
         let line = Difference::fit(&pairs, DifferenceForm::Line);
         assert!((line.at(10.0) - 1.75).abs() < 1e-14 && line.rough < 1e-14);
         let constant = Difference::fit(&pairs, DifferenceForm::Constant);

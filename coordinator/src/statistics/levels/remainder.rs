@@ -5,7 +5,7 @@
 //!
 //!   q = b / a,   r = b + b q / (1 - q)   if 0 < q <= 1/2,   r = b   otherwise:
 //!
-//! a geometric series whose sum beyond the third level is as uncertain as it is large; where the levels do not converge like that,
+//! a geometric series, half of whose sum beyond the third level is a standard deviation; where the levels do not converge like that,
 //! r is as uncertain as b itself. The observed order of convergence under halving is -log2(q). Without a third level r = 0, with a
 //! standard deviation of |a| / 3: what a method of second order leaves.
 //!
@@ -42,7 +42,7 @@ impl Remainder {
         let ratio = b / a;
         if ratio > 0.0 && ratio <= CONVERGES {
             let (factor, beyond) = (1.0 / (1.0 - ratio), b * ratio / (1.0 - ratio));
-            let std = (factor * scatter).hypot(beyond);
+            let std = (factor * scatter).hypot(0.5 * beyond);
             return Self { mean: b + beyond, std, order: Some(-ratio.log2()) };
         }
         // No difference at all, or none that falls.
@@ -58,7 +58,7 @@ mod tests {
     fn a_geometric_series_is_summed() {
         // Errors of 16, 4 and 1: differences of 12 and 3; the second level leaves 4.
         let found = Remainder::new(&[12.0; 3], &[3.0; 3], 12.0);
-        assert!((found.mean - 4.0).abs() < 1e-14 && (found.std - 1.0).abs() < 1e-14);
+        assert!((found.mean - 4.0).abs() < 1e-14 && (found.std - 0.5).abs() < 1e-14);
         assert!((found.order.unwrap() - 2.0).abs() < 1e-14);
     }
 

@@ -35,7 +35,7 @@ impl Bounds {
         Self { kernel, d, stated, nugget: NUGGET }
     }
 
-    /// The same for values without noise, if they are `exact`: the nugget is held at its lower bound, against round-off.
+    /// Bounds for values without noise, if they are `exact`: the nugget is held at its lower bound, against round-off.
     pub fn exact(self, exact: bool) -> Self {
         if exact { Self { nugget: (NUGGET.0, NUGGET.0), ..self } } else { self }
     }
