@@ -12,7 +12,7 @@ use crate::outputs::{
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (10, 0x0fed_6b8c_e1ea_d905);
+const LAYOUT: (u16, u64) = (11, 0x8286_db92_044a_fffd);
 
 fn accuracy() -> Accuracy {
     Accuracy {
