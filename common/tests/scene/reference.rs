@@ -108,7 +108,8 @@ fn language(table: &Table, path: &str, found: &mut BTreeSet<String>) {
 }
 
 fn known() -> BTreeSet<String> {
-    let mut known = BTreeSet::from(["extends", "without", "above", "source"].map(str::to_owned));
+    // Keys that exclude one of these scenes.
+    let mut known = BTreeSet::from(["extends", "without", "above", "source", "levels"].map(str::to_owned));
     for text in SIMULATORS.into_iter().chain([EVERYTHING]) {
         SceneSource::parse(text, "scene").unwrap();
         language(&text.parse().unwrap(), "", &mut known);

@@ -233,7 +233,7 @@ mod tests {
         let known = with_life(Some(2403.7), 2301.2, Some(2512.9));
         assert_eq!(text(&known), ("2 400".into(), "2 300 to 2 510".into()));
         let LifeAt::Cycles { lower, .. } = life_at(&known, "total", 0.5) else { panic!() };
-        assert_eq!(lower, 2380.0);
+        assert_eq!(lower, 2301.2);
         assert_eq!(
             text(&with_life(Some(2403.7), 1100.0, Some(3900.0))),
             ("2 400".into(), "1 100 to 3 900".into())
