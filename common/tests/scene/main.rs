@@ -9,6 +9,7 @@ mod faults;
 mod language;
 mod language_faults;
 mod language_tables;
+mod levels;
 mod mistakes;
 mod places;
 mod random;

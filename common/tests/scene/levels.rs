@@ -1,0 +1,44 @@
+//! The levels of accuracy of a scene: what is read, and what is refused.
+
+use common::scene::SceneSource;
+
+const FOUR_BAR: &str = include_str!("../../scenes/four-bar.toml");
+
+fn four_bar(study: &str) -> Result<SceneSource, String> {
+    let text = FOUR_BAR.replacen("[study]", &format!("[study]\n{study}"), 1);
+    SceneSource::parse(&text, "my.toml").map_err(|faults| {
+        assert!(faults.0.iter().all(|fault| fault.location.is_some()), "without a place: {faults}");
+        faults.to_string()
+    })
+}
+
+#[test]
+fn the_first_level_is_the_accuracy() {
+    let source = four_bar("levels = [\"draft\", \"balanced\", \"reference+points-x2\"]").unwrap();
+    let scene = source.nominal();
+    let names: Vec<&str> = scene.levels.iter().map(|level| level.name.as_str()).collect();
+    assert_eq!(
+        (scene.accuracy.name.as_str(), names),
+        ("draft", vec!["draft", "balanced", "reference+points-x2"])
+    );
+    assert_eq!((scene.levels[1].accuracy.points, scene.levels[2].accuracy.points), (1, 2));
+    assert!(four_bar("").unwrap().nominal().levels.is_empty());
+}
+
+#[test]
+fn levels_out_of_order_or_beside_an_accuracy_are_refused() {
+    for (study, expected) in [
+        ("levels = [\"balanced\", \"draft\"]", "level \"draft\" is not finer than \"balanced\""),
+        ("levels = [\"draft\", \"draft\"]", "level \"draft\" is not finer than \"draft\""),
+        (
+            "levels = [\"draft\", \"balanced\", \"reference\", \"reference+points-x2\"]",
+            "4 levels; allowed: one to 3",
+        ),
+        ("levels = [\"draft\", \"fine\"]", "study.levels: \"fine\" is neither a preset"),
+        ("levels = \"draft\"", "study.levels"),
+        ("accuracy = \"draft\"\nlevels = [\"draft\"]", "remove the key accuracy"),
+    ] {
+        let found = four_bar(study).expect_err(study);
+        assert!(found.contains(expected), "{study}: {found}");
+    }
+}
