@@ -8,7 +8,7 @@ use std::process::Command;
 fn a_terminal_of_80_columns_shows_time_rate_and_error() {
     let folder = tempfile::tempdir().unwrap();
     let run = format!(
-        "stty cols 80 rows 24; {} run --scene four-bar --accuracy draft --initial 12 --max-evaluations 40 --out {}",
+        "stty cols 80 rows 24; {} run --scene four-bar --levels draft --initial 12 --max-evaluations 40 --out {}",
         env!("CARGO_BIN_EXE_coordinator"),
         folder.path().join("study").display()
     );
