@@ -21,7 +21,7 @@ use super::{CampaignResult, Settings};
 use crate::results::level_summary::{DifferenceRow, LevelsRow};
 use crate::results::summary::{Round, StudySummary};
 use crate::statistics::design::deviation;
-use crate::statistics::learning::farthest;
+use crate::statistics::learning::{Figures, farthest};
 use crate::statistics::reliability::REACH;
 use common::scene::{LimitState, Scene};
 use std::collections::VecDeque;
@@ -190,7 +190,9 @@ impl<'a> PairedCampaign<'a> {
         campaign.surrogates.reset_population();
         campaign.surrogates.require_fit();
         campaign.progress.stopping.reset();
-        let (assessment, met) = campaign.assess_until_fresh()?;
+        let (assessment, _) = campaign.assess_until_fresh()?;
+        // The correction itself moves the curves; no round does.
+        let met = campaign.plan.targets.met(&Figures { change: Some(0.0), ..assessment.figures });
         let cov = campaign.classified.coefficient_of_variation(assessment.governing_failed());
         campaign.add_round(&assessment, cov);
         campaign.progress.assessment = Some(assessment);

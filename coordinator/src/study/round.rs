@@ -20,6 +20,8 @@ use faer::{Mat, MatRef};
 use rand::Rng;
 use std::borrow::Cow;
 
+/// Change of a life over itself by the surrogate error, below which an early life is known well enough [1].
+const SHORT: f64 = 0.01;
 /// Least size of the pool per point of a batch.
 const POOL_PER_BATCH: usize = 8;
 /// Numbers per point of the population besides its values and classification: coupled criterion, marks of requests,
@@ -338,17 +340,23 @@ fn figures_of_round(
         error: errors.largest(),
         governing_error: errors.by_curve[system][on_grid],
         governing_share: failed.min(1.0 - failed),
-        early_error: early_error(grid, curves, errors),
+        early_error: early_error((grid, &input.problem.checkpoints), curves, errors),
         steps: 0.0,
     }
 }
 
-/// Largest surrogate error of a failure share over the share itself, at early lives [1].
-fn early_error(grid: &[usize], curves: &[Vec<f64>], errors: &CurveErrors) -> f64 {
+/// Largest surrogate error of a failure share over the share itself, at early lives and where it moves the life by more than
+/// [`SHORT`] of itself [1].
+fn early_error((grid, checkpoints): (&[usize], &[u32]), curves: &[Vec<f64>], errors: &CurveErrors) -> f64 {
     let of_curve = |(curve, errors): (&Vec<f64>, &Vec<f64>)| {
-        let pairs = grid.iter().map(|n| curve[*n]).zip(errors);
-        let early = pairs.filter(|(share, _)| (EARLY.0..EARLY.1).contains(share));
-        early.map(|(share, error)| error / share).fold(0.0, f64::max)
+        let moves_life = |n: usize, error: f64| {
+            let (before, after) = (n.saturating_sub(1), (n + 1).min(curve.len() - 1));
+            let (rise, time) = (curve[after] - curve[before], checkpoints[after] - checkpoints[before]);
+            error * f64::from(time) > SHORT * f64::from(checkpoints[n]) * rise
+        };
+        let early = grid.iter().zip(errors).filter(|(n, _)| (EARLY.0..EARLY.1).contains(&curve[**n]));
+        let matters = early.filter(|(n, error)| moves_life(**n, **error));
+        matters.map(|(n, error)| error / curve[*n]).fold(0.0, f64::max)
     };
     curves.iter().zip(&errors.by_curve).map(of_curve).fold(0.0, f64::max)
 }

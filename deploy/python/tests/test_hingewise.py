@@ -45,7 +45,7 @@ class WithStudy(unittest.TestCase):
         os.chdir(cls.folder.name)
         cls.progress = []
         cls.study = hingewise.run(
-            small(), "study", accuracy="draft", workers=2, progress=cls.progress.append
+            small(), "study", levels="draft", workers=2, progress=cls.progress.append
         )
 
     def test_progress_counts_up_to_the_whole_study(self):
@@ -113,7 +113,7 @@ class WithStudy(unittest.TestCase):
 
     def test_a_study_goes_on_and_nothing_is_run_again(self):
         before = {row["id"]: row["finished_at"] for row in self.study.rows("samples")}
-        hingewise.run("study/scene.toml", "longer", accuracy="draft", workers=2)
+        hingewise.run("study/scene.toml", "longer", levels="draft", workers=2)
         longer = hingewise.resume("longer", max_evaluations=18, workers=2)
         self.assertEqual(longer.summary["evaluations"]["total"], 18)
         self.assertEqual(len(longer.rows("samples")), 18)

@@ -4,7 +4,9 @@ use crate::scenes::{every_joint, scene, shared};
 use crate::transformed::Transform;
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
-use common::scene::{ContactLaw, IdealFriction, JointKind, OutputKind, Scene, SceneSource, WearingSurfaces};
+use common::scene::{
+    ContactLaw, IdealFriction, JointKind, OutputKind, Scene, SceneSource, WearDistribution, WearingSurfaces,
+};
 use std::sync::LazyLock;
 use worker::simulate::{SimulateOptions, simulate};
 
@@ -89,6 +91,9 @@ fn difference(case: &Case, change: &Transform, after: &Evaluation) -> (f64, f64)
 /// Checks that `change` changes the results of regular motions by no more than `rounding`, and of others by no more than twice the stated errors.
 fn check(case: &Case, what: &str, change: &Transform, changed: &Scene, rounding: f64) {
     let after = run(changed);
+    // A control point that enters the arc by rounding has its whole share at once.
+    let jumps = case.scene.wear.distribution == WearDistribution::PointsInside;
+    let rounding = if jumps { rounding.max(1e-4) } else { rounding };
     let (relative, stated) = difference(case, change, &after);
     println!("{}, {what}: {relative:.1e}, of the stated errors {stated:.1e}", case.name);
     if std::env::var("PRINT").is_err() {

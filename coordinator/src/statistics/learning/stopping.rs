@@ -6,7 +6,7 @@
 //! (b) [`Rule::Error`]: the estimated surrogate error of every curve at every checkpoint is below 0.006 (so
 //!     that it is within 0.01 with probability 0.9), that of the system at the governing checkpoint also
 //!     below 2 % of the smaller of R and P_f, that of every curve below 15 % of its P_f at early lives, where P_f is between
-//!     0.004 and 0.04, and no curve changed by more than 0.01 absolute or 5 % relative. This rule ends studies of many variables, where a few of 100 000 points stay uncertain for
+//!     0.004 and 0.04 and the error moves the life by more than 1 %, and no curve changed by more than 0.01 absolute or 5 % relative. This rule ends studies of many variables, where a few of 100 000 points stay uncertain for
 //!     ever although their sum is known. Beside the steps of an output ([`super::learned_threshold`]), which the
 //!     intervals contain and no simulation removes, a quarter of their shift takes the place of these bounds.
 //!
