@@ -30,7 +30,8 @@ impl Campaign {
                 let pending: Vec<Vec<f64>> =
                     requests.points_under_way().chain(own).map(<[f64]>::to_vec).collect();
                 let (population, requested) = (&classified.population, &requests.requested);
-                let found = match TURNS[number % TURNS.len()] {
+                let place = TURNS[number % TURNS.len()];
+                let found = match place {
                     Some(place) => {
                         let known = data.explored_with_factors().into_iter();
                         let known = known.chain(pending.iter().map(|z| (z.as_slice(), 1.0)));
@@ -43,7 +44,9 @@ impl Campaign {
                     }
                 };
                 let Some(j) = found else { continue };
-                chosen.push(PendingSample { exploring: true, ..requests.take(classified, j) });
+                // A result near a limit may well lie on its other side, and is no test: it joins the surrogates.
+                let exploring = place != Some(Gap::Limit);
+                chosen.push(PendingSample { exploring, ..requests.take(classified, j) });
             }
             return chosen;
         }

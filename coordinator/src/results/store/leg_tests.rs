@@ -90,8 +90,7 @@ fn levels_of_a_sample_are_other_evaluations_and_earlier_files_have_none() {
     };
     assert_eq!(of_file(&file), (2, vec![(1, finer.sample.clone())]));
     drop(file);
-    let third_layout = "DELETE FROM output_error WHERE evaluation = 2; DELETE FROM output WHERE evaluation = 2;
-        DELETE FROM input WHERE evaluation = 2; DELETE FROM evaluation WHERE level > 0; ALTER TABLE evaluation DROP COLUMN level;
+    let third_layout = "PRAGMA foreign_keys = OFF; DELETE FROM evaluation WHERE level > 0; ALTER TABLE evaluation DROP COLUMN level;
         PRAGMA user_version = 3;";
     Connection::open(dir.path().join(FILE_NAME)).unwrap().execute_batch(third_layout).unwrap();
     let look = CampaignFile::look(dir.path()).unwrap();
