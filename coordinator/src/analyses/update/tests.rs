@@ -118,7 +118,7 @@ fn survival_lengthens_and_an_improbable_value_is_warned_of() {
     // No unit lives 2000 cycles, which a number of points cannot show.
     let warning = report.units[5].warning.as_ref().unwrap();
     assert!(warning.contains("line 7) "), "{warning}");
-    let bound = warning.split("below ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+    let bound = warning.split("below ").nth(1).and_then(|rest| rest.split([' ', ',']).next()).unwrap();
     assert!(bound.parse::<f64>().unwrap() >= 7e-5 && !warning.contains("impossible"), "{warning}");
 }
 
