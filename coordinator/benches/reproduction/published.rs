@@ -72,8 +72,7 @@ const DECELERATES: &str = "wear slows down as the bore grows around the journal:
     no set of parameters tried gave";
 const FLUTTER: &str =
     "the published mean rises faster; here a vibration of one rocker sets in as the bore becomes conformal";
-const STEEP: &str = "the curve is steepest here, and the numerical error of the default accuracy moves it; the film damping was fitted \
-    with shorter time steps";
+const STEEP: &str = "the curve is steepest here";
 
 fn row(
     what: &'static str,
