@@ -34,7 +34,7 @@ pub enum Method {
     /// Surrogates and active learning over a Monte Carlo population.
     #[default]
     ActiveLearning,
-    /// The published active learning, see [`super::as_published`].
+    /// Active learning as published (AK-MCS), with none of the additions of this program.
     AkMcs,
     /// Direct simulation of every point of a Monte Carlo population.
     MonteCarlo,
