@@ -115,6 +115,18 @@ impl Accuracy {
         }
     }
 
+    /// These settings with every length of the discretisation halved: time steps, blocks, intervals between samples and between control
+    /// points, and half the tolerance of the wear step.
+    pub fn halved(self) -> Self {
+        Accuracy {
+            wear_samples: self.wear_samples.saturating_mul(2),
+            cycle_jump: (self.cycle_jump / 2).max(1),
+            wear_tolerance: self.wear_tolerance / 2.0,
+            points: self.points.saturating_mul(2),
+            ..self.refined(2.0)
+        }
+    }
+
     /// The first setting that is not a number in its range, by name; the ranges are those that the knobs of a name can reach.
     pub fn out_of_range(&self) -> Option<&'static str> {
         let Accuracy { step_tolerance, largest_step, wear_tolerance, warm_up, .. } = *self;

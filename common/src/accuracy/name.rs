@@ -21,11 +21,12 @@ impl NamedAccuracy {
         Accuracy::NAMES.contains(&self.name.as_str())
     }
 
-    /// The next finer level: time steps and blocks of half the length, twice the control points. `None` where a setting has come
-    /// to the end of its range.
+    /// The next finer level, [`Accuracy::halved`]. `None` where a setting has come to the end of its range.
     pub fn finer(&self) -> Option<Self> {
-        let jump = (self.accuracy.cycle_jump / 2).max(1);
-        format!("{}+step-x0.5+jump-{jump}+points-x2", self.name).parse().ok()
+        let times =
+            self.name.rsplit_once("+halved-").and_then(|(name, n)| Some((name, n.parse::<u32>().ok()?)));
+        let (name, n) = times.unwrap_or((&self.name, 0));
+        format!("{name}+halved-{}", n + 1).parse().ok()
     }
 }
 
@@ -72,7 +73,7 @@ pub enum AccuracyNameError {
 
 /// List of the knobs for messages and help texts.
 pub const KNOBS: &str = "step-xF: time steps longer by the factor F; jump-N: wear steps of at most N cycles; \
-                         wear-tolerance-T; samples-N: of a cycle, for the wear; warm-up-W: cycles; steps-N: most \
+                         wear-tolerance-T; halved-N: N times half of every length, twice the samples and points; samples-N: of a cycle, for the wear; warm-up-W: cycles; steps-N: most \
                          time steps of a cycle; points-xN: N times the control points; dynamic: no quasi-static tier and no longer time steps where they make no difference";
 
 impl FromStr for NamedAccuracy {
@@ -102,12 +103,13 @@ fn with_knob(accuracy: Accuracy, part: &str) -> Result<Accuracy, AccuracyNameErr
     }
     type Turn = fn(Accuracy, f64) -> Accuracy;
     type Knob = (&'static str, &'static str, f64, f64, Turn);
-    let knobs: [Knob; 7] = [
+    let knobs: [Knob; 8] = [
         ("step-x", "0.05 to 20", 0.05, 20.0, |a, factor| a.refined(1.0 / factor)),
         ("points-x", "whole numbers from 1 to 64", 1.0, f64::from(MOST_POINTS), |a, n| Accuracy {
             points: a.points.saturating_mul(n as u32),
             ..a
         }),
+        ("halved-", "whole numbers from 1 to 6", 1.0, 6.0, |a, n| (0..n as u32).fold(a, |a, _| a.halved())),
         ("jump-", "whole numbers from 1 to 1000000", 1.0, 1e6, |a, n| Accuracy { cycle_jump: n as u32, ..a }),
         ("wear-tolerance-", "1e-9 to 1", 1e-9, 1.0, |a, t| Accuracy { wear_tolerance: t, ..a }),
         ("samples-", "whole numbers from 20 to 100000", 20.0, 1e5, |a, n| Accuracy {
@@ -164,10 +166,17 @@ mod tests {
     fn a_finer_level_is_named_by_its_changes() {
         let level: NamedAccuracy = "draft+points-x3".parse().unwrap();
         let finer = level.finer().unwrap();
-        let expected = Accuracy { cycle_jump: 4000, points: 6, ..level.accuracy.refined(2.0) };
+        let expected = Accuracy {
+            cycle_jump: 4000,
+            wear_samples: 300,
+            wear_tolerance: 1e-2,
+            points: 6,
+            ..level.accuracy.refined(2.0)
+        };
         assert_eq!((finer.accuracy, read(&finer.name)), (expected, expected));
-        let finest = finer.finer().unwrap().accuracy;
-        assert_eq!((finest.cycle_jump, finest.points), (2000, 12));
+        let finest = finer.finer().unwrap();
+        assert_eq!(finest.name, "draft+points-x3+halved-2");
+        assert_eq!((finest.accuracy, finest.accuracy.points), (expected.halved(), 12));
         assert!(NamedAccuracy::from_str("points-x64").unwrap().finer().is_none());
     }
 

@@ -243,7 +243,7 @@ fn head(file: &mut Section) -> Option<Head> {
     Some(Head { name: name?.to_owned(), title: title?.to_owned(), control_points_of_model: of_model? })
 }
 
-/// Accuracy of an evaluation, and the levels of a study, of which it is the first.
+/// Accuracy of an evaluation, and the levels of a study by active learning.
 #[derive(Default)]
 struct Levels {
     accuracy: NamedAccuracy,
@@ -281,26 +281,27 @@ fn study(file: &mut Section, simulates: bool, variables: usize) -> Option<(Study
     Some((study, accuracy?))
 }
 
-/// Reads `accuracy`, or `levels`, the first of which is the accuracy.
+/// Reads `accuracy` and `levels`; the first level is the accuracy unless that is given.
 fn levels(section: &mut Section) -> Option<Levels> {
     const EXPECTED: &str = "the name of an accuracy, e.g. \"balanced\" or \"balanced+jump-2000\"";
     const LIST: &str =
         "one to three names of accuracies, from the coarsest to the finest, e.g. [\"draft\", \"balanced\"]";
-    let has_accuracy = section.get("accuracy").is_some();
-    if section.get("levels").is_none() {
+    let (has_accuracy, has_levels) = (section.get("accuracy").is_some(), section.get("levels").is_some());
+    let single = if has_accuracy || !has_levels {
         let name = section.text_or("accuracy", EXPECTED, "balanced")?;
-        return Some(Levels { accuracy: accuracy(section, "accuracy", name)?, levels: vec![] });
+        Some(accuracy(section, "accuracy", name)?)
+    } else {
+        None
+    };
+    if !has_levels {
+        return Some(Levels { accuracy: single?, levels: vec![] });
     }
     let names = section.texts("levels", LIST)?;
-    if has_accuracy {
-        section.inconsistent("levels", "the first level is the accuracy; remove the key accuracy");
-        return None;
-    }
     let named = names.iter().map(|name| accuracy(section, "levels", name));
     let levels: Vec<NamedAccuracy> = named.collect::<Option<_>>()?;
     match LevelsError::of(&levels) {
         Some(error) => section.inconsistent("levels", error.to_string()),
-        None => return Some(Levels { accuracy: levels[0].clone(), levels }),
+        None => return Some(Levels { accuracy: single.unwrap_or_else(|| levels[0].clone()), levels }),
     }
     None
 }

@@ -22,11 +22,15 @@ fn the_first_level_is_the_accuracy() {
         ("draft", vec!["draft", "balanced", "reference+points-x2"])
     );
     assert_eq!((scene.levels[1].accuracy.points, scene.levels[2].accuracy.points), (1, 2));
+    // An accuracy beside them is that of single evaluations.
+    let both = four_bar("accuracy = \"reference\"\nlevels = [\"draft\", \"balanced\"]").unwrap();
+    let (single, levels) = (&both.nominal().accuracy, &both.nominal().levels);
+    assert_eq!((single.name.as_str(), levels[0].name.as_str()), ("reference", "draft"));
     assert!(four_bar("").unwrap().nominal().levels.is_empty());
 }
 
 #[test]
-fn levels_out_of_order_or_beside_an_accuracy_are_refused() {
+fn levels_out_of_order_are_refused() {
     for (study, expected) in [
         ("levels = [\"balanced\", \"draft\"]", "level \"draft\" is not finer than \"balanced\""),
         ("levels = [\"draft\", \"draft\"]", "level \"draft\" is not finer than \"draft\""),
@@ -36,7 +40,7 @@ fn levels_out_of_order_or_beside_an_accuracy_are_refused() {
         ),
         ("levels = [\"draft\", \"fine\"]", "study.levels: \"fine\" is neither a preset"),
         ("levels = \"draft\"", "study.levels"),
-        ("accuracy = \"draft\"\nlevels = [\"draft\"]", "remove the key accuracy"),
+        ("accuracy = \"draught\"\nlevels = [\"draft\"]", "study.accuracy: \"draught\" is neither a preset"),
     ] {
         let found = four_bar(study).expect_err(study);
         assert!(found.contains(expected), "{study}: {found}");

@@ -36,7 +36,7 @@ struct Arguments {
     /// Learning function: gain, u, eff or h
     #[arg(long, default_value_t)]
     learning: LearningFunction,
-    /// Surrogate error of any R at which learning may stop, e.g. 0.003 [default: 0.006]
+    /// Half width of the 95 % interval of any R at which learning may stop, e.g. 0.0125 [default: a surrogate error of 0.006]
     #[arg(long, value_name = "SHARE")]
     target_error: Option<f64>,
     /// Print the rows as JSON instead of Markdown

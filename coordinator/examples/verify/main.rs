@@ -50,7 +50,7 @@ struct Arguments {
     /// Learning function
     #[arg(long)]
     learning: Option<LearningFunction>,
-    /// Surrogate error at which learning may stop
+    /// Half width of the 95 % interval of any R at which learning may stop
     #[arg(long)]
     target_error: Option<f64>,
     /// Correlation kernel of the surrogates

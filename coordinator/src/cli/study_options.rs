@@ -36,7 +36,7 @@ pub struct RunArguments {
     pub accuracy: AccuracyArguments,
     /// Levels of accuracy, e.g. draft,balanced+jump-2000,reference (ak): surrogates learn at the first one, pairs of evaluations at the
     /// same points correct their results to the second and third. One level alone: the errors that evaluations state remain [default: the
-    /// scene's, else two levels beyond the accuracy, each with half the time steps and blocks and twice the control points]
+    /// scene's, else two levels beyond the accuracy, each with half of every length: `halved-1`, `halved-2`]
     #[arg(
         long,
         value_name = "A,B,C",
@@ -80,7 +80,7 @@ pub struct ExtensionArguments {
     /// More samples: a larger population (ak), or more evaluations (monte-carlo)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub samples: Option<usize>,
-    /// Surrogate error of any R(n) at which learning may stop (ak)
+    /// Half width of the whole 95 % interval of every R(n) at which the study may stop (ak)
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub target_error: Option<f64>,
     /// Share of failed evaluations above which the study ends
@@ -173,7 +173,8 @@ pub struct LearnerArguments {
     /// Learning function: the expected gain over all points, U of one point, or U weighted by dominance (ak) [default: gain]
     #[arg(long, value_parser = word::<LearningFunction>(LearningFunction::NAMES))]
     pub learning: Option<LearningFunction>,
-    /// Surrogate error of any R(n) at which learning may stop (ak) [default: 0.006, and 2 % of P_f in proportion]
+    /// Half width of the whole 95 % interval of every R(n), numerical error included, at which the study may stop (ak) [default: a
+    /// surrogate error of 0.006, and 2 % of P_f, and a numerical error no larger than that of the surrogates]
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub target_error: Option<f64>,
     /// Correlation kernel of the surrogates (ak) [default: auto, by cross-validation]
@@ -242,6 +243,11 @@ impl RunArguments {
         settings.accuracy.max_error = self.accuracy.max_error;
         let MethodArguments { method, samples, seed, max_failed } = self.method;
         settings.method = method.unwrap_or_default();
+        if settings.method != Method::ActiveLearning && self.levels.is_empty() {
+            // Without levels the accuracy of single evaluations counts.
+            settings.accuracy.setting =
+                self.accuracy.accuracy.clone().unwrap_or_else(|| scene.accuracy.clone());
+        }
         if settings.method == Method::AkMcs {
             settings.make_as_published();
         }

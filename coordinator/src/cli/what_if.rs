@@ -39,7 +39,8 @@ pub struct WhatIfArguments {
     /// Add at most this many simulations of the changed scene, where they reduce the error of its reliability most
     #[arg(long, value_name = "N", value_parser = positive)]
     pub refine: Option<usize>,
-    /// Add simulations until the surrogate error of any R(n) is below this share, at most --refine or the study's budget
+    /// Add simulations until the surrogates' part of the interval of any R(n) suits this whole half width, at most --refine or the
+    /// study's budget
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub target_error: Option<f64>,
     /// Points of the population [default: that of the study, at most 30000]

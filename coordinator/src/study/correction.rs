@@ -137,6 +137,7 @@ impl Correction {
             form: difference.form.name(),
             correction: difference.at(n, at),
             of_pairs: REACH * difference.differences[n].std_at(at),
+            of_thirds: REACH * difference.remainders[n].of_points,
             error: REACH * difference.std_at(n, at),
             rough: difference.differences[n].rough,
             order: difference.remainders[n].order,
@@ -153,6 +154,8 @@ pub(super) struct LevelFigures {
     pub correction: f64,
     /// 95 % reach of the part of its error that more pairs reduce [unit of the output].
     pub of_pairs: f64,
+    /// 95 % reach of the part that more points at the third level reduce [unit of the output].
+    pub of_thirds: f64,
     /// 95 % reach of its error [unit of the output].
     pub error: f64,
     /// Spread from point to point [unit of the output].

@@ -10,7 +10,7 @@ pub enum FinerLevels {
     /// None: the errors that the simulations state are all that is known of their numerical error.
     #[default]
     None,
-    /// Two, each with time steps and blocks of half the length, and twice the control points.
+    /// Two, each with half of every length of the discretisation ([`common::accuracy::Accuracy::halved`]).
     Halved,
     /// These, from the coarser to the finer.
     Named(Vec<NamedAccuracy>),

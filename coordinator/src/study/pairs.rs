@@ -1,17 +1,20 @@
 //! Active learning with pairs: when learning has ended at the working accuracy, some of its points are simulated at finer levels, and the
 //! results are corrected by the differences.
 //!
-//! The first chunk has [`FIRST`] pairs at the second level, [`THIRD`] of them at the third level too. More pairs follow while the numerical part
-//! of the interval of some R(n) that they can reduce is larger than that of the surrogates, up to a quarter of the evaluations. The points are
-//! the nominal one and those farthest from it and from each other, weighted by their nearness to a limit. Then the surrogates are fitted to
-//! the corrected results; if they no longer meet the targets and the budget allows, learning goes on with them.
+//! The first chunk has [`FIRST`] pairs at the second level, [`THIRD`] of them at the third level too. With n pairs and m points at the third
+//! level, whose scatter moves some R(n) by A and by B, more pairs or more points at the third level follow, whichever reduces A^2 + B^2 more
+//! for its cost, A^2 / n / c against B^2 / m / c^2, where c = [`COST`] is the cost of a level over that of the coarser one. They end when
+//! hypot(A, B) is no larger than the error of the surrogates, when the whole half width of R(n) is that of `--target-error`, or with the
+//! cost of [`MOST`] times the evaluations at the working accuracy. The points are the nominal one and those farthest from it and from each
+//! other, weighted by their nearness to a limit. Then the surrogates are fitted to the corrected results; if they no longer meet the targets
+//! and the budget allows, learning goes on with them.
 //!
 //! # Source
 //! Own; the pairs in the place of further levels of learning as in Chaudhuri, Marques, Willcox (2021), mfEGRA: Multifidelity efficient global
 //! reliability analysis through active learning for failure boundary location, Structural and Multidisciplinary Optimization 64.
 
 use super::campaign::Campaign;
-use super::correction::{Correction, LevelPair};
+use super::correction::{Correction, LevelFigures, LevelPair};
 use super::interim::InterimResult;
 use super::learner::Learner;
 use super::observations::{Observed, ObservedOutcome};
@@ -28,12 +31,17 @@ use std::collections::VecDeque;
 
 /// Pairs of the first chunk.
 const FIRST: usize = 6;
-/// Pairs of each later chunk.
+/// Pairs of each later chunk of pairs.
 const NEXT: usize = 3;
-/// Points simulated at the third level.
+/// Points simulated at the third level first.
 const THIRD: usize = 3;
-/// Share of the evaluations at the working accuracy that pairs may add [1].
-const MOST: f64 = 0.25;
+/// Points of each later chunk of points at the third level.
+const NEXT_THIRD: usize = 2;
+/// Cost of an evaluation over that of one at the next coarser level [1]: half the time steps and half the blocks. Measured at the drive:
+/// 2.2 to 4.1 (`wall_s` of `campaign.db`).
+const COST: f64 = 4.0;
+/// Cost of all pairs over that of the evaluations at the working accuracy [1].
+const MOST: f64 = 1.5;
 
 /// A simulation at the working accuracy.
 #[derive(Debug)]
@@ -42,7 +50,8 @@ struct PairedPoint {
     observed: Observed,
     /// Results at the second and at the third level; the outer `None` where none was requested.
     finer: [Option<Observed>; 2],
-    is_paired: bool,
+    /// True for the second and the third level once it was requested.
+    requested: [bool; 2],
 }
 
 /// A request of the pairs: index of the simulation, level.
@@ -92,25 +101,38 @@ impl<'a> PairedCampaign<'a> {
 
     /// The next chunk of pairs; none if there are enough.
     fn next_pairs(&self) -> Vec<PairRequest> {
-        let paired = self.simulated.iter().filter(|one| one.is_paired).count();
+        let requested = |level: usize| self.simulated.iter().filter(|one| one.requested[level]).count();
+        let (paired, thirds) = (requested(0), requested(1));
+        let at = |points: Vec<usize>, level: u8| points.into_iter().map(move |i| (i, level));
         if self.finer == 0 {
             return vec![];
         }
-        let most = ((MOST * self.simulated.len() as f64) as usize).max(FIRST);
-        let wanted = match self.current() {
-            _ if paired == 0 => FIRST,
-            Some(correction) if self.is_precise(&correction) => 0,
-            _ => NEXT,
-        };
-        let chosen = self.farthest_points(wanted.min(most.saturating_sub(paired)));
-        let third = chosen.iter().take(if paired == 0 && self.finer > 1 { THIRD } else { 0 });
-        // The longest simulations first.
-        third.map(|i| (*i, 2)).chain(chosen.iter().map(|i| (*i, 1))).collect()
+        if paired == 0 {
+            let chosen = self.farthest_points(FIRST, 0);
+            let third = chosen.iter().copied().take(if self.finer > 1 { THIRD } else { 0 }).collect();
+            // The longest simulations first.
+            return at(third, 2).chain(at(chosen, 1)).collect();
+        }
+        let scatter = self.current().and_then(|correction| self.scatter_to_reduce(&correction));
+        let Some([of_pairs, of_thirds]) = scatter else { return vec![] };
+        let gains = [of_pairs / paired as f64, of_thirds / (COST * thirds as f64)];
+        let has_more = self.simulated.iter().any(|one| one.finer[0].is_some() && !one.requested[1]);
+        let (level, count) =
+            if thirds > 0 && has_more && gains[1] > gains[0] { (2, NEXT_THIRD) } else { (1, NEXT) };
+        let cost = |pairs: usize, thirds: usize| COST * (pairs as f64 + COST * thirds as f64);
+        let spent = cost(paired, thirds) + if level == 1 { cost(count, 0) } else { cost(0, count) };
+        if spent > MOST * self.simulated.len() as f64 {
+            return vec![];
+        }
+        at(self.farthest_points(count, level - 1), level).collect()
     }
 
-    /// Simulations without a pair: the nominal one first, then the farthest ones, weighted by their nearness to a limit.
-    fn farthest_points(&self, count: usize) -> Vec<usize> {
-        let free: Vec<usize> = (0..self.simulated.len()).filter(|i| !self.simulated[*i].is_paired).collect();
+    /// Simulations with results at `level`, 0 for the working accuracy, that are requested at no finer one: the nominal one first, then those
+    /// farthest from the others, weighted by their nearness to a limit.
+    fn farthest_points(&self, count: usize, level: u8) -> Vec<usize> {
+        let is_refined = |one: &PairedPoint| one.requested[usize::from(level)];
+        let is_free = |one: &PairedPoint| !is_refined(one) && (level == 0 || one.finer[0].is_some());
+        let free: Vec<usize> = (0..self.simulated.len()).filter(|i| is_free(&self.simulated[*i])).collect();
         let inputs = &self.campaign.problem.inputs;
         let z: Vec<Vec<f64>> = self.simulated.iter().map(|one| inputs.standardise(&one.sample)).collect();
         let mut chosen: Vec<usize> =
@@ -119,8 +141,8 @@ impl<'a> PairedCampaign<'a> {
         let points: Vec<&[f64]> = rest.iter().map(|i| z[*i].as_slice()).collect();
         let nearness = self.nearness();
         let weights: Vec<f64> = rest.iter().map(|i| nearness[*i]).collect();
-        let paired = (0..z.len()).filter(|i| self.simulated[*i].is_paired || chosen.contains(i));
-        let found = farthest(&points, paired.map(|i| (z[i].as_slice(), 1.0)), &weights, count);
+        let refined = (0..z.len()).filter(|i| is_refined(&self.simulated[*i]) || chosen.contains(i));
+        let found = farthest(&points, refined.map(|i| (z[i].as_slice(), 1.0)), &weights, count);
         chosen.extend(found.into_iter().map(|place| rest[place]));
         chosen.truncate(count);
         chosen
@@ -154,31 +176,42 @@ impl<'a> PairedCampaign<'a> {
         Correction::new(&pairs, self.scene.outputs.len())
     }
 
-    /// True if the error that more pairs would reduce moves no R(n) by more than the errors of the surrogates do.
-    fn is_precise(&self, correction: &Correction) -> bool {
-        let Some(assessment) = self.campaign.assessment() else { return true };
+    /// Squares of the largest 95 % reaches [1] by which the scatter of the pairs, and of the points at the third level, moves any R(n); `None`
+    /// if they need not be reduced.
+    fn scatter_to_reduce(&self, correction: &Correction) -> Option<[f64; 2]> {
+        let assessment = self.campaign.assessment()?;
         let of_surrogates = assessment.combined_errors();
-        let of_surrogates = of_surrogates.iter().flatten().map(|(_, error)| *error).fold(0.0, f64::max);
+        let of_surrogates =
+            REACH * of_surrogates.iter().flatten().map(|(_, error)| *error).fold(0.0, f64::max);
         let points = self.campaign.classified.population.len();
-        let moved = |(n, checkpoint): (usize, &usize)| {
-            let reach = |s: usize| {
-                let limit = &self.scene.limit_states[s];
-                correction.figures(limit.output, *checkpoint, limit.threshold).of_pairs
-            };
-            let reaches: Vec<f64> = (0..assessment.modes.len()).map(reach).collect();
-            let shifted = |j: &usize| {
-                let fails = |sign: f64| {
-                    assessment.modes.iter().enumerate().any(|(s, mode)| {
-                        let std = mode.sigma[n] * mode.variance_factor[*j].max(0.0).sqrt();
-                        mode.means_of(*j)[n] + std * deviation(s, *j) + sign * reaches[s] >= mode.threshold
-                    })
+        // Half the share of the population whose failure depends on the sign of the reaches, at the worst checkpoint.
+        let moved = |part: fn(&LevelFigures) -> f64| {
+            let at = |(n, checkpoint): (usize, &usize)| {
+                let reach = |limit: &LimitState| {
+                    part(&correction.figures(limit.output, *checkpoint, limit.threshold))
                 };
-                fails(1.0) && !fails(-1.0)
+                let reaches: Vec<f64> = self.scene.limit_states.iter().map(reach).collect();
+                let shifted = |j: &usize| {
+                    let fails = |sign: f64| {
+                        assessment.modes.iter().enumerate().any(|(s, mode)| {
+                            let std = mode.sigma[n] * mode.variance_factor[*j].max(0.0).sqrt();
+                            mode.means_of(*j)[n] + std * deviation(s, *j) + sign * reaches[s]
+                                >= mode.threshold
+                        })
+                    };
+                    fails(1.0) && !fails(-1.0)
+                };
+                0.5 * (0..points).filter(shifted).count() as f64 / points as f64
             };
-            0.5 * (0..points).filter(shifted).count() as f64 / points as f64
+            assessment.grid.iter().enumerate().map(at).fold(0.0, f64::max)
         };
-        let largest = assessment.grid.iter().enumerate().map(moved).fold(0.0, f64::max);
-        largest <= REACH * of_surrogates
+        let reaches = [|one: &LevelFigures| one.of_pairs, |one: &LevelFigures| one.of_thirds].map(moved);
+        let numerical = reaches[0].hypot(reaches[1]);
+        let of_samples = REACH * (0.25 / points as f64).sqrt();
+        let whole = numerical.hypot(of_surrogates).hypot(of_samples);
+        let target = self.campaign.plan.settings.target_error;
+        let is_enough = numerical <= of_surrogates || target.is_some_and(|target| whole <= target);
+        (!is_enough).then_some(reaches.map(|reach| reach * reach))
     }
 
     /// Corrects the results of the campaign. Learning goes on with corrected results if these no longer meet the targets.
@@ -288,7 +321,9 @@ impl Learner for PairedCampaign<'_> {
                     ..SampleRequest::new(self.simulated[*i].sample.clone())
                 };
                 let requests = self.requested.iter().map(request).collect();
-                self.requested.iter().for_each(|(i, _)| self.simulated[*i].is_paired = true);
+                self.requested
+                    .iter()
+                    .for_each(|(i, level)| self.simulated[*i].requested[usize::from(*level) - 1] = true);
                 return Ok(Step::Evaluate(requests));
             }
             self.has_ended = true;
@@ -305,7 +340,7 @@ impl Learner for PairedCampaign<'_> {
         let results = samples.into_iter().zip(&outcomes);
         let simulated = results.filter_map(|(sample, outcome)| {
             let observed = outcome.as_ref().ok()?.clone();
-            Some(PairedPoint { sample, observed, finer: [None, None], is_paired: false })
+            Some(PairedPoint { sample, observed, finer: [None, None], requested: [false; 2] })
         });
         self.simulated.extend(simulated);
         let Self { correction, responses, .. } = &*self;

@@ -104,7 +104,7 @@ pub struct Settings {
     /// Share of failed evaluations above which the study ends [1].
     #[serde(default = "max_failed")]
     pub max_failed: f64,
-    /// Surrogate error of any R(n) at which learning may stop [1]; `None` for that of [`StoppingTargets::default`].
+    /// Half width of the whole 95 % interval of every R(n) at which a study may stop [1]; `None` for [`StoppingTargets::default`].
     #[serde(default)]
     pub target_error: Option<f64>,
     /// Memory for the population and its cached predictions [MB]. Predictions that do not fit are computed anew in every
@@ -147,12 +147,10 @@ impl Default for Settings {
 impl From<&Scene> for Settings {
     /// The defaults of a scene: active learning with its `[study]` and its accuracy.
     fn from(scene: &Scene) -> Self {
-        let accuracy = StudyAccuracy { setting: scene.accuracy.clone(), max_error: None };
-        let levels = match FinerLevels::of_names(&scene.levels) {
-            Ok((_, finer)) => finer,
-            // A checked scene without levels.
-            Err(_) => FinerLevels::Halved,
-        };
+        // A checked scene without levels has the default ones.
+        let levels = FinerLevels::of_names(&scene.levels);
+        let (setting, levels) = levels.unwrap_or_else(|_| (scene.accuracy.clone(), FinerLevels::Halved));
+        let accuracy = StudyAccuracy { setting, max_error: None };
         Self { accuracy, levels, ..Self::from(scene.study) }
     }
 }
@@ -213,7 +211,7 @@ impl Settings {
 
     /// Bounds of the stopping rules.
     pub fn targets(&self) -> StoppingTargets {
-        self.target_error.map_or_else(StoppingTargets::default, StoppingTargets::from_error)
+        self.target_error.map_or_else(StoppingTargets::default, StoppingTargets::from_half_width)
     }
 
     /// Memory for the population and its cached predictions [bytes].

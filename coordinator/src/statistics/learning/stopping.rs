@@ -24,6 +24,8 @@
 //! guards and the numbers are this project's own, from the published problems of
 //! `coordinator/doc/validation.md`.
 
+use super::SURROGATE_SAFETY;
+use crate::statistics::reliability::REACH;
 use std::ops::Range;
 
 /// Surrogate error, and change of a curve between rounds, over the shift by steps, below which they add nothing to an interval that
@@ -115,8 +117,10 @@ pub enum Rule {
 }
 
 impl StoppingTargets {
-    /// The default targets with another surrogate error [1]; the relative ones follow in proportion.
-    pub fn from_error(error: f64) -> Self {
+    /// The targets for a half width of the whole 95 % interval of every R(n) [1], half of whose square is left to the surrogates; the
+    /// relative ones follow in proportion.
+    pub fn from_half_width(half_width: f64) -> Self {
+        let error = half_width * 0.5_f64.sqrt() / (REACH * SURROGATE_SAFETY);
         let default = Self::default();
         let scale = error / default.error;
         Self {

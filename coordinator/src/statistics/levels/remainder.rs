@@ -24,6 +24,8 @@ pub struct Remainder {
     pub mean: f64,
     /// Its standard deviation [unit of the output].
     pub std: f64,
+    /// The part of it that more points at the third level reduce [unit of the output].
+    pub of_points: f64,
     /// Observed order of convergence under halving [1]; `None` without a third level, or without convergence.
     pub order: Option<f64>,
 }
@@ -33,7 +35,7 @@ impl Remainder {
     /// the same points, and by the mean difference `known` of all pairs, which counts without a third level [unit of the output].
     pub fn new(coarse: &[f64], fine: &[f64], known: f64) -> Self {
         if fine.is_empty() || coarse.len() != fine.len() {
-            return Self { mean: 0.0, std: known.abs() / 3.0, order: None };
+            return Self { mean: 0.0, std: known.abs() / 3.0, of_points: 0.0, order: None };
         }
         let a = coarse.iter().sum::<f64>() / coarse.len() as f64;
         let pairs: Vec<(f64, f64)> = fine.iter().map(|difference| (0.0, *difference)).collect();
@@ -42,11 +44,12 @@ impl Remainder {
         let ratio = b / a;
         if ratio > 0.0 && ratio <= CONVERGES {
             let (factor, beyond) = (1.0 / (1.0 - ratio), b * ratio / (1.0 - ratio));
-            let std = (factor * scatter).hypot(0.5 * beyond);
-            return Self { mean: b + beyond, std, order: Some(-ratio.log2()) };
+            let of_points = factor * scatter;
+            let std = of_points.hypot(0.5 * beyond);
+            return Self { mean: b + beyond, std, of_points, order: Some(-ratio.log2()) };
         }
         // No difference at all, or none that falls.
-        Self { mean: b, std: scatter.hypot(b), order: None }
+        Self { mean: b, std: scatter.hypot(b), of_points: scatter, order: None }
     }
 }
 
@@ -66,9 +69,10 @@ mod tests {
     fn levels_that_do_not_converge_are_as_uncertain_as_their_difference() {
         for (fine, std) in [(9.0, 9.0), (-3.0, 3.0), (0.0, 0.0)] {
             let found = Remainder::new(&[12.0; 3], &[fine; 3], 12.0);
-            assert_eq!(found, Remainder { mean: fine, std, order: None });
+            assert_eq!(found, Remainder { mean: fine, std, of_points: 0.0, order: None });
         }
-        assert_eq!(Remainder::new(&[], &[], -6.0), Remainder { mean: 0.0, std: 2.0, order: None });
+        let without = Remainder { mean: 0.0, std: 2.0, of_points: 0.0, order: None };
+        assert_eq!(Remainder::new(&[], &[], -6.0), without);
         assert_eq!(Remainder::new(&[0.0; 3], &[0.0; 3], 0.0).std, 0.0);
     }
 }
