@@ -10,14 +10,14 @@ use crate::statistics::reliability::REACH;
 use maud::{Markup, Render, html};
 
 /// Names of the parts of an interval, and what reduces each.
-const PARTS: [(&str, &str); 3] = [
+pub const PARTS: [(&str, &str); 3] = [
     ("samples", "a larger population, `--samples`"),
     ("surrogates", "more simulations, `--max-evaluations` and a smaller `--target-error`"),
     ("numerical error", "finer levels or a finer accuracy, `--levels`"),
 ];
 
 /// Half widths of the 95 % interval by each part, in the order of [`PARTS`] [1].
-fn half_widths(parts: &ErrorParts) -> [f64; 3] {
+pub fn half_widths(parts: &ErrorParts) -> [f64; 3] {
     [parts.sampling, parts.surrogate, parts.numerical].map(|part| REACH * part)
 }
 

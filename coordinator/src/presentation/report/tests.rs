@@ -98,7 +98,7 @@ fn a_whole_study_has_every_figure_and_its_lives() {
     expected.extend(["difference-angular-velocity-difference", "joint-forces-worn"]);
     expected.extend(["predicted-wear", "predicted-asymmetry"]);
     expected.extend(["learning-reliability", "learning-shares", "learning-min-u"]);
-    expected.extend(["stated-error-wear", "stated-error-asymmetry"]);
+    expected.extend(["parts-of-interval", "stated-error-wear", "stated-error-asymmetry"]);
     assert_eq!(names(&report), expected);
     let html = without_pads(&report.html(None)).replace('\u{a0}', " ");
     for text in [

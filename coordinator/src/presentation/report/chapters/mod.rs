@@ -127,7 +127,8 @@ fn quality(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
         drawn,
         html! { "The study had no rounds of learning." },
     );
-    let drawn = page.draw(figures::numerical(input)?, "three");
+    let figures = figures::parts_of_interval(&input.summary)?.into_iter().chain(figures::numerical(input)?);
+    let drawn = page.draw(figures.collect(), "three");
     page.add_chapter(
         "Numerical error",
         html! { (stated) },

@@ -19,7 +19,7 @@ pub use cycle::{first_cycle, last_cycle};
 pub use influences::{by_influence, rows_at_governing, sensitivities, variance_contributions};
 pub use inputs::{MOST_HISTOGRAMS, input_histograms};
 pub use learning::learning;
-pub use numerical::numerical;
+pub use numerical::{numerical, parts_of_interval};
 pub use orbits::orbits;
 pub use outputs::{distributions, histories};
 pub use parallel::parallel_coordinates;
@@ -32,7 +32,25 @@ pub use super::format::{capital, file_name, words};
 use super::input::ReportInput;
 use super::life::{governing, rows_that_matter};
 use super::palette::Ink;
+use super::plot::{Series, Shape};
 use crate::results::summary::StudySummary;
+
+/// Layers with label, ink and heights at `places`, each on top of those before.
+fn stacked(places: &[f64], layers: impl IntoIterator<Item = (String, Ink, Vec<f64>)>) -> Vec<Series> {
+    let mut below = vec![0.0; places.len()];
+    let layer = |(label, ink, heights): (String, Ink, Vec<f64>)| {
+        let edges = places.iter().zip(&mut below).zip(heights).map(|((place, below), height)| {
+            let low = *below;
+            *below += height;
+            (*place, low, *below)
+        });
+        let band: Vec<_> = edges.collect();
+        let edge = band.iter().map(|(x, _, high)| (*x, *high)).collect();
+        let line = Series::unlisted(format!("{label}, upper edge"), ink, Shape::Line(edge));
+        [Series::new(label, ink, Shape::Band(band)), line]
+    };
+    layers.into_iter().flat_map(layer).collect()
+}
 
 /// Scale of the life axes: cycles, or thousands of cycles.
 pub struct LifeAxis {

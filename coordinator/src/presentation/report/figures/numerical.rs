@@ -1,11 +1,49 @@
-//! Figures of the stated numerical errors: their size over life.
+//! Figures of the errors of a study: parts of its interval, and the stated numerical errors, over life.
 
-use super::{LifeAxis, capital, file_name, ink_of};
+use super::{LifeAxis, capital, file_name, ink_of, rows_that_matter, span, stacked};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::input::ReportInput;
+use crate::presentation::report::levels::{PARTS, half_widths};
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
 use crate::presentation::report::stated_errors::StatedAt;
+use crate::results::summary::StudySummary;
+
+/// Half width of the 95 % interval of R of the system over life, stacked by the shares of its parts in the variance; no figure for a study
+/// without parts.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn parts_of_interval(summary: &StudySummary) -> Result<Option<Figure>, PlotError> {
+    let rows = rows_that_matter(summary, 1).iter();
+    let rows: Vec<(u32, [f64; 3])> =
+        rows.filter_map(|row| Some((row.cycles, half_widths(row.parts.get("total")?)))).collect();
+    if summary.is_static() || rows.len() < 2 {
+        return Ok(None);
+    }
+    let axis = LifeAxis::new(summary);
+    let whole = |widths: &[f64; 3]| widths.iter().map(|width| width * width).sum::<f64>().sqrt();
+    let height = |(_, widths): &(u32, [f64; 3]), part: usize| match whole(widths) {
+        0.0 => 0.0,
+        whole => widths[part].powi(2) / whole,
+    };
+    let layer = |(part, (name, _)): (usize, &(&str, &str))| {
+        let heights = rows.iter().map(|row| height(row, part)).collect();
+        (capital(name), Ink::Series(part), heights)
+    };
+    let is_drawn = |(part, _): &(usize, _)| !(summary.is_direct() && *part == 1);
+    let places: Vec<f64> = rows.iter().map(|(cycles, _)| axis.place(*cycles)).collect();
+    let series = stacked(&places, PARTS.iter().enumerate().filter(is_drawn).map(layer));
+    let top = rows.iter().map(|(_, widths)| whole(widths)).fold(0.0, f64::max);
+    let plot = Plot {
+        figure: "parts-of-interval",
+        x: Axis::linear(axis.label, span(summary, &axis)),
+        y: Axis::linear("half width of the 95 % interval of R", (0.0, 1.05 * top.max(1e-6))),
+        series: &series,
+    };
+    let caption = "The half width of R of the system, divided by the shares of samples, surrogates and numerical error in its square.";
+    plot.figure("Parts of the interval", caption).map(Some)
+}
 
 /// Size of the stated errors over life, per limit state.
 ///

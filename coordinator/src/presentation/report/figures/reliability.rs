@@ -1,6 +1,6 @@
 //! Figures of the failures over life: R with its bands, and the shares of first failures.
 
-use super::{LifeAxis, ink_of, span};
+use super::{LifeAxis, ink_of, span, stacked};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{number_of_cycles, percent};
 use crate::presentation::report::input::ReportInput;
@@ -131,26 +131,21 @@ pub fn first_failure(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
         return Ok(None);
     }
     let axis = LifeAxis::new(summary);
-    let mut below = vec![0.0; rows.len()];
-    let mut series = Vec::new();
-    let mut stack = |label: &str, ink: Ink, shares: Vec<f64>| {
-        let band = rows.iter().zip(&mut below).zip(shares).map(|((row, below), share)| {
-            let low = *below;
-            *below += share;
-            (axis.place(row.cycles), low, *below)
-        });
-        let band: Vec<_> = band.collect();
-        let edge = band.iter().map(|(x, _, high)| (*x, *high)).collect();
-        series.push(Series::new(label, ink, Shape::Band(band)));
-        series.push(Series::unlisted(format!("{label}, upper edge"), ink, Shape::Line(edge)));
+    let share = |name: &String| {
+        rows.iter().map(|row| row.first.get(name).copied().unwrap_or(0.0)).collect::<Vec<f64>>()
     };
-    for name in &summary.limit_states {
-        let shares = rows.iter().map(|row| row.first.get(name).copied().unwrap_or(0.0)).collect();
-        stack(&format!("{name} first"), ink_of(summary, name), shares);
-    }
+    let first = summary.limit_states.iter();
+    let mut layers: Vec<(String, Ink, Vec<f64>)> =
+        first.map(|name| (format!("{name} first"), ink_of(summary, name), share(name))).collect();
     if rows.iter().any(|row| row.together > 0.0) {
-        stack("several at once", Ink::Muted, rows.iter().map(|row| row.together).collect());
+        layers.push((
+            "several at once".to_owned(),
+            Ink::Muted,
+            rows.iter().map(|row| row.together).collect(),
+        ));
     }
+    let places: Vec<f64> = rows.iter().map(|row| axis.place(row.cycles)).collect();
+    let series = stacked(&places, layers);
     let plot = Plot {
         figure: "first-failure",
         x: Axis::linear(axis.label, span(summary, &axis)),
