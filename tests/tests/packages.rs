@@ -34,7 +34,9 @@ fn python(what: &str) -> Option<PathBuf> {
 fn the_python_package_passes_its_tests() {
     let Some(python) = python("the Python package") else { return };
     let mut tests = Command::new(python);
-    tests.args(["-m", "unittest", "-v", "test_hingewise"]).current_dir(root().join("deploy/python/tests"));
+    tests
+        .args(["-m", "unittest", "-v", "test_hingewise", "test_cycles"])
+        .current_dir(root().join("deploy/python/tests"));
     tests.env("HINGEWISE_COORDINATOR", program("coordinator")).env("PYTHONDONTWRITEBYTECODE", "1");
     let output = tests.output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);

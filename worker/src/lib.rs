@@ -34,13 +34,16 @@
 //! | `outputs` | from the recorded motion to the outputs of a scene |
 //! | [`simulate`] | one evaluation, or several in the lanes of one core |
 //! | [`service`] | offers a simulator to coordinators |
+//! | [`evaluation_slots`] | slots of external simulators, lives around programs that give cycles among them |
 //! | [`own_simulators`] | external simulators that the worker has itself |
 //! | [`simulator`] | the simulator that the worker offers |
+//! | [`serve_cycle`] | a scene as a program that gives cycles |
 //! | [`umbridge`] | a scene as a model for UM-Bridge clients |
 
 pub mod bore;
 pub mod build;
 pub mod contact;
+pub mod evaluation_slots;
 mod extremum;
 pub mod integrate;
 mod interpolate;
@@ -52,6 +55,7 @@ pub mod own_simulators;
 mod plane;
 mod quasi_static;
 mod rail;
+pub mod serve_cycle;
 pub mod service;
 pub mod simulate;
 pub mod simulator;

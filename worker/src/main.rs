@@ -18,6 +18,7 @@ use thiserror::Error;
 use tracing_subscriber::EnvFilter;
 use worker::log::{self, LogOptions};
 use worker::own_simulators::{self, OfferError, OwnSimulators};
+use worker::serve_cycle;
 use worker::service::{self, Departure, ServiceConfig, ServiceError, Simulator};
 use worker::simulator::simulator;
 use worker::umbridge::{self, Access, Model, NAME, Server, UmBridgeError};
@@ -38,11 +39,14 @@ const DEFAULT_SCENE: &str = "flapping-wing";
 #[command(name = "worker", version, after_help = EXAMPLES)]
 struct Arguments {
     /// Endpoint of the coordinator, e.g. tcp/192.168.1.20:7447; may be repeated: the coordinators share the slots fairly
-    #[arg(long, value_name = "ENDPOINT", required_unless_present_any = ["serve_umbridge", "completions", "man"])]
+    #[arg(long, value_name = "ENDPOINT", required_unless_present_any = ["serve_umbridge", "serve_cycle", "completions", "man"])]
     connect: Vec<String>,
     /// Serve evaluations of a scene by the UM-Bridge protocol instead; a port alone accepts only clients on this machine
     #[arg(long, value_name = "PORT|ADDRESS:PORT", conflicts_with_all = ["connect", "config", "name", "give_up_after"])]
     serve_umbridge: Option<String>,
+    /// Serve cycles of a scene on standard input and output instead, as a program of a scene with gives = "cycle"
+    #[arg(long, value_name = "NAME-or-FILE", conflicts_with_all = ["connect", "config", "name", "give_up_after", "serve_umbridge", "simulator", "slots", "idle_timeout", "walltime", "drain", "stay"])]
+    serve_cycle: Option<String>,
     /// Scene file or name of a built-in scene to serve [default: flapping-wing]
     #[arg(long, value_name = "NAME-or-FILE", requires = "serve_umbridge", conflicts_with = "connect")]
     scene: Option<String>,
@@ -118,6 +122,8 @@ Examples:
   worker --connect tcp/192.168.1.20:7447 --simulator beam.toml --slots 2
       two processes of the program that beam.toml names here, for studies of the same scene; the
       coordinator sends samples, never a command; it may bound the processes on all workers (licences)
+  worker --serve-cycle four-bar
+      cycles of the four-bar on worn bores for a wear loop, lines of JSON in and out
   worker --serve-umbridge 4242 --scene four-bar --accuracy draft
       model `forward` at http://127.0.0.1:4242: random variables in, outputs over life out
 
@@ -143,9 +149,10 @@ fn main() -> ExitCode {
         };
     }
     start_log(arguments.verbose, arguments.quiet, arguments.log_format);
-    let done = match &arguments.serve_umbridge {
-        Some(given) => serve_umbridge(given, &arguments),
-        None => work(arguments),
+    let done = match (&arguments.serve_umbridge, &arguments.serve_cycle) {
+        (Some(given), _) => serve_umbridge(given, &arguments),
+        (None, Some(scene)) => serve_cycle(scene),
+        (None, None) => work(arguments),
     };
     // A program may be at work for an evaluation that is not needed any more.
     common::external::kill_all();
@@ -171,6 +178,8 @@ enum CommandError {
     Offer(#[from] OfferError),
     #[error("signals cannot be caught: {0}")]
     Signals(std::io::Error),
+    #[error("cycles cannot be served: {0}")]
+    Cycle(std::io::Error),
 }
 
 impl CommandError {
@@ -178,7 +187,8 @@ impl CommandError {
         match self {
             Self::Service(ServiceError::Settings { .. }) | Self::Scene(_) => BAD_INPUT,
             Self::Offer(_) => BAD_INPUT,
-            Self::UmBridge(UmBridgeError::Refused { .. }) | Self::Service(_) | Self::Signals(_) => FAILURE,
+            Self::UmBridge(UmBridgeError::Refused { .. }) | Self::Service(_) => FAILURE,
+            Self::Signals(_) | Self::Cycle(_) => FAILURE,
             Self::UmBridge(_) => BAD_INPUT,
         }
     }
@@ -213,6 +223,17 @@ fn serve_umbridge(given: &str, arguments: &Arguments) -> Result<ExitCode, Comman
     tracing::info!("stopping: answering the open requests");
     server.finish();
     Ok(exit_code(&interrupted))
+}
+
+/// Serves cycles of a scene until the input ends.
+fn serve_cycle(scene: &str) -> Result<ExitCode, CommandError> {
+    let source = SceneSource::load(scene)?;
+    if source.nominal().simulator.is_some() {
+        return Err(UmBridgeError::NoMechanism { origin: source.origin().to_owned() }.into());
+    }
+    serve_cycle::serve(&source, std::io::stdin().lock(), std::io::stdout().lock())
+        .map_err(CommandError::Cycle)?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// The simulation of mechanisms, or the simulators of scene files.

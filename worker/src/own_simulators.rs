@@ -4,10 +4,9 @@
 //! of an evaluation and a sample. Command, folder, files, address and time limit are those of the scene file with which this
 //! worker was started: nothing that a coordinator sends can change them.
 
+use crate::evaluation_slots::EvaluationSlots;
 use crate::service::{Job, Simulator};
-use common::external::{
-    OpenedSimulator, SimulatorError, SimulatorId, Slot, SlotError, StopSignal, limit_contact,
-};
+use common::external::{SimulatorError, SimulatorId, Slot, SlotError, StopSignal, limit_contact};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::{Faults, SceneSource};
@@ -90,7 +89,7 @@ struct Offer {
     id: SimulatorId,
     /// Number of input values.
     inputs: usize,
-    opened: OpenedSimulator,
+    opened: EvaluationSlots,
     idle: Mutex<Vec<Box<dyn Slot>>>,
     /// Number of slots made so far.
     made: AtomicUsize,
@@ -121,8 +120,9 @@ impl OwnSimulators {
                 let (first, second) = ((*first).to_owned(), origin.to_owned());
                 return Err(OfferError::Twice { first, second, id });
             }
-            let opened = OpenedSimulator::open(simulator, scene)
-                .map_err(|error| OfferError::Simulator { origin: origin.to_owned(), error })?;
+            let Some(opened) = EvaluationSlots::open(source) else { unreachable!("it names a simulator") };
+            let opened =
+                opened.map_err(|error| OfferError::Simulator { origin: origin.to_owned(), error })?;
             let inputs = scene.variables.len();
             let offer = Offer { id, inputs, opened, idle: Mutex::default(), made: AtomicUsize::new(0) };
             offers.push((offer, origin));

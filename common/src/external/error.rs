@@ -38,6 +38,14 @@ pub enum SimulatorError {
         /// What is wrong with the reply.
         fault: String,
     },
+    /// The journal of a life cannot be read or written.
+    #[error("simulator.journal: {folder}: {reason}")]
+    Journal {
+        /// Folder of the journals.
+        folder: String,
+        /// Error of the operating system.
+        reason: std::io::Error,
+    },
     /// The server cannot be reached, or its reply is no UM-Bridge reply.
     #[error("simulator.umbridge: {url}: {reason}")]
     Server {

@@ -2,7 +2,7 @@
 
 use super::reply::Expected;
 use crate::scene::source::digest;
-use crate::scene::{ExternalSimulator, Scene};
+use crate::scene::{CycleProgram, ExternalSimulator, Gives, Scene};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -18,14 +18,20 @@ pub struct SimulatorId {
 impl SimulatorId {
     /// Identity of `simulator` in `scene`: the scene's name; names and units of the inputs, names, units and numbers of
     /// values of the outputs, and the checkpoints, each in order; and the version that the scene states. Command, folder,
-    /// address, time limit and distributions are not part of it.
+    /// address, time limit and distributions are not part of it. Of a program that gives cycles also joints, wear, life, accuracy, and what the
+    /// variables change: the worker wears the joints by its own scene.
     pub fn new(simulator: &ExternalSimulator, scene: &Scene) -> Self {
         let Expected { inputs, outputs, cycles } = Expected::from_scene(scene);
         let input_units: Vec<&str> = scene.variables.iter().map(|variable| variable.unit.as_str()).collect();
         let output_units: Vec<String> =
             scene.outputs.iter().map(|output| output.kind.unit().symbol().to_owned()).collect();
         let parts = (&simulator.version, (inputs, input_units), (outputs, output_units), cycles);
-        let text = serde_json::to_string(&parts).expect("lists of texts and numbers are JSON");
+        let mut text = serde_json::to_string(&parts).expect("lists of texts and numbers are JSON");
+        if let Gives::Cycle(CycleProgram { tier, .. }) = &simulator.gives {
+            let changes: Vec<&[String]> = scene.variables.iter().map(|variable| &*variable.changes).collect();
+            let wear = (tier, &scene.joints, &scene.wear, &scene.life, &scene.accuracy, changes);
+            text += &serde_json::to_string(&wear).expect("lists of texts and numbers are JSON");
+        }
         Self { scene: scene.name.clone(), digest: digest(&text) }
     }
 

@@ -1,5 +1,6 @@
 //! Opens the external simulator named by a scene: a program or an UM-Bridge model server.
 
+use super::cycle_slot::CycleSlot;
 use super::error::SimulatorError;
 use super::program::{ProgramSlot, Setup, check_program_file};
 use super::slot::Slot;
@@ -45,6 +46,14 @@ impl OpenedSimulator {
                 Opened::Server(Arc::new(UmBridgeClient::open(model, simulator.timeout, scene)?))
             }
         }))
+    }
+
+    /// A slot for cycles of a program with this number; `None` for a server.
+    pub fn cycle_slot(&self, number: usize) -> Option<CycleSlot> {
+        match &self.0 {
+            Opened::Program(setup) => Some(CycleSlot::new(Arc::clone(setup), number)),
+            Opened::Server(_) => None,
+        }
     }
 
     /// A slot of the simulator with this number. Its program is started by [`Slot::start`] or by the first sample.

@@ -16,7 +16,7 @@ use super::working_folder::{FileProgram, Inputs};
 use crate::failure::SimulationFailure;
 use crate::scene::{Exchange, Program, Scene};
 use serde::{Serialize, Serializer};
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -56,6 +56,11 @@ impl Setup {
         self.program.command.join(" ")
     }
 
+    /// The sample by the names of the inputs.
+    pub(super) fn by_name<'a>(&'a self, sample: &'a [f64]) -> SampleByName<'a> {
+        SampleByName { names: &self.expected.inputs, values: sample }
+    }
+
     fn line(&self, id: u64, sample: &[f64]) -> String {
         #[derive(Serialize)]
         struct Line<'a> {
@@ -63,14 +68,12 @@ impl Setup {
             sample: SampleByName<'a>,
             cycles: &'a [u32],
         }
-        let sample = SampleByName { names: &self.expected.inputs, values: sample };
-        let line = Line { id, sample, cycles: &self.expected.cycles };
-        let text = serde_json::to_string(&line).expect("a map of numbers by name is JSON");
-        text + "\n"
+        let line = Line { id, sample: self.by_name(sample), cycles: &self.expected.cycles };
+        serde_json::to_string(&line).expect("a map of numbers by name is JSON")
     }
 
-    /// Result of a reply line, or what is wrong with the line.
-    fn outcome(&self, id: u64, line: &str) -> Result<SampleResult, String> {
+    /// Object of a reply line to evaluation `id`, or what is wrong with the line.
+    fn object(&self, id: u64, line: &str) -> Result<Map<String, Value>, String> {
         let reply = parse(line).map_err(|error| format!("\"{}\" is no JSON: {error}", shown(line)))?;
         let Value::Object(reply) = reply else {
             return Err(format!("\"{}\" is no object {{\"id\": ..., \"outputs\": ...}}", shown(line)));
@@ -79,8 +82,43 @@ impl Setup {
             let found = reply.get("id").map_or("none".to_owned(), Value::to_string);
             return Err(format!("its id is {found}, expected {id}"));
         }
-        of_object(&self.expected, &reply)
+        Ok(reply)
     }
+
+    /// Checks that a text is the reply line to evaluation `id`; a results file has no number.
+    pub(super) fn check_id(&self, id: u64, text: &str) -> Result<(), String> {
+        match self.program.exchange {
+            Exchange::Lines => self.object(id, text).map(drop),
+            Exchange::Files(_) => Ok(()),
+        }
+    }
+
+    /// The error of a reply that breaks the protocol.
+    pub(super) fn broken(&self, id: u64, fault: String) -> SimulatorError {
+        SimulatorError::Protocol { simulator: format!("\"{}\"", self.name()), id, fault }
+    }
+
+    /// The folder of the program.
+    pub(super) fn folder(&self) -> &Path {
+        Path::new(&self.program.folder)
+    }
+
+    /// Result of a reply line, or the text of a results file, or what is wrong with it.
+    fn outcome(&self, id: u64, text: &str) -> Result<SampleResult, String> {
+        match &self.program.exchange {
+            Exchange::Lines => of_object(&self.expected, &self.object(id, text)?),
+            Exchange::Files(files) => results_file::read(&self.expected, text)
+                .map_err(|fault| format!("{}: {fault}", files.results)),
+        }
+    }
+}
+
+/// One request: number of the evaluation, its sample, and the text for a sample.
+#[derive(Clone, Copy)]
+pub(super) struct Request<'a> {
+    pub(super) id: u64,
+    pub(super) sample: &'a [f64],
+    pub(super) text: &'a dyn Fn(&[f64]) -> String,
 }
 
 /// The files of a program that runs once per evaluation.
@@ -90,7 +128,7 @@ fn file_program(program: &Program) -> Option<FileProgram<'_>> {
 }
 
 /// Values of the inputs by name, in the order of the scene, which a map would not keep.
-struct SampleByName<'a> {
+pub(super) struct SampleByName<'a> {
     names: &'a [String],
     values: &'a [f64],
 }
@@ -145,14 +183,14 @@ impl ProgramSlot {
         Ok(())
     }
 
-    /// The reply line to a sample, or the text of the results file of a program that runs once.
+    /// The reply line to a request for a `sample`, or the text of the results file of a program that runs once.
     fn attempt(
         &mut self,
-        id: u64,
+        request: Request,
         sample: &[f64],
         stop: &StopSignal,
     ) -> Result<Result<String, LineError>, SlotError> {
-        let line = self.setup.line(id, sample);
+        let line = (request.text)(sample) + "\n";
         if let Some(files) = file_program(&self.setup.program) {
             let inputs = Inputs { names: &self.setup.expected.inputs, values: sample, request: &line };
             let run = files.run(inputs, self.setup.timeout, stop);
@@ -161,12 +199,17 @@ impl ProgramSlot {
         self.start_process(stop.contact())?;
         let process = self.process.as_mut().expect("the program was started above");
         let reply = process.ask(line, self.setup.timeout, stop);
-        if reply.is_err()
-            && let Some(process) = self.process.take()
-        {
-            process.kill();
+        if reply.is_err() {
+            self.kill();
         }
         Ok(reply)
+    }
+
+    /// Kills the process: further output would be read as the next reply.
+    fn kill(&mut self) {
+        if let Some(process) = self.process.take() {
+            process.kill();
+        }
     }
 
     /// Distinguishes a broken program from a bad sample: if no process has ever replied, the program is run at the means of the
@@ -174,42 +217,61 @@ impl ProgramSlot {
     ///
     /// # Errors
     /// [`SimulatorError::Dead`].
-    fn check_program(&mut self, id: u64, stop: &StopSignal) -> Result<(), SlotError> {
+    fn check_program(&mut self, request: Request, stop: &StopSignal) -> Result<(), SlotError> {
         if self.setup.answered.load(Ordering::Relaxed) {
             return Ok(());
         }
         let nominal = self.setup.nominal.clone();
-        match self.attempt(id, &nominal, stop)? {
+        match self.attempt(request, &nominal, stop)? {
             Err(LineError::Ended { status, stderr }) => {
                 Err(SimulatorError::Dead { program: self.setup.name(), status, stderr }.into())
             }
-            Err(LineError::TimedOut) => Ok(()),
             Err(LineError::Stopped) => Err(SlotError::Stopped),
-            Ok(text) => self.accept(id, &text).map(drop),
+            Err(LineError::TimedOut) => Ok(()),
+            Ok(_) => {
+                self.setup.answered.store(true, Ordering::Relaxed);
+                Ok(())
+            }
         }
     }
 
-    /// Parses a reply; kills the process if its line breaks the protocol.
-    fn accept(&mut self, id: u64, text: &str) -> Result<SampleResult, SlotError> {
-        let stated = match file_program(&self.setup.program) {
-            None => self.setup.outcome(id, text),
-            Some(files) => results_file::read(&self.setup.expected, text)
-                .map_err(|fault| format!("{}: {fault}", files.exchange.results)),
-        };
-        match stated {
-            Ok(outcome) => {
-                self.setup.answered.store(true, Ordering::Relaxed);
-                Ok(outcome)
-            }
-            Err(fault) => {
-                // Further output would be read as the next reply.
-                if let Some(process) = self.process.take() {
-                    process.kill();
+    /// The text of the reply to a request, read by `read`; a process whose line breaks the protocol is killed.
+    ///
+    /// # Errors
+    /// As [`Slot::evaluate`].
+    pub(super) fn ask<T>(
+        &mut self,
+        request: Request,
+        stop: &StopSignal,
+        read: impl Fn(&Setup, &str) -> Result<Result<T, SimulationFailure>, String>,
+    ) -> Result<Result<(T, String), SimulationFailure>, SlotError> {
+        let mut crash = None;
+        for _ in 0..ATTEMPTS {
+            match self.attempt(request, request.sample, stop)? {
+                Ok(text) => {
+                    return match read(&self.setup, &text) {
+                        Ok(outcome) => {
+                            self.setup.answered.store(true, Ordering::Relaxed);
+                            Ok(outcome.map(|outcome| (outcome, text)))
+                        }
+                        Err(fault) => {
+                            self.kill();
+                            Err(self.setup.broken(request.id, fault).into())
+                        }
+                    };
                 }
-                Err(SimulatorError::Protocol { simulator: format!("\"{}\"", self.setup.name()), id, fault }
-                    .into())
+                Err(LineError::TimedOut) => {
+                    return Ok(Err(SimulationFailure::TimedOut { seconds: self.setup.seconds }));
+                }
+                Err(LineError::Stopped) => return Err(SlotError::Stopped),
+                Err(LineError::Ended { status, stderr }) => {
+                    tracing::debug!("the simulator ended with {status} at evaluation {}", request.id);
+                    crash = Some(SimulationFailure::Crashed { status, stderr });
+                }
             }
         }
+        self.check_program(request, stop)?;
+        Ok(Err(crash.expect("every attempt ended in a crash")))
     }
 }
 
@@ -219,22 +281,11 @@ impl Slot for ProgramSlot {
     }
 
     fn evaluate(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<SampleResult, SlotError> {
-        let mut crash = None;
-        for _ in 0..ATTEMPTS {
-            match self.attempt(id, sample, stop)? {
-                Ok(text) => return self.accept(id, &text),
-                Err(LineError::TimedOut) => {
-                    return Ok(Err(SimulationFailure::TimedOut { seconds: self.setup.seconds }));
-                }
-                Err(LineError::Stopped) => return Err(SlotError::Stopped),
-                Err(LineError::Ended { status, stderr }) => {
-                    tracing::debug!("the simulator ended with {status} at evaluation {id}");
-                    crash = Some(SimulationFailure::Crashed { status, stderr });
-                }
-            }
-        }
-        self.check_program(id, stop)?;
-        Ok(Err(crash.expect("every attempt ended in a crash")))
+        let setup = Arc::clone(&self.setup);
+        let text = |sample: &[f64]| setup.line(id, sample);
+        let outcome =
+            self.ask(Request { id, sample, text: &text }, stop, |setup, text| setup.outcome(id, text));
+        Ok(outcome?.map(|(evaluation, _)| evaluation))
     }
 
     fn name(&self) -> String {

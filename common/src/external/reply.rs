@@ -191,16 +191,18 @@ pub fn shown(text: &str) -> String {
 }
 
 /// True for `NaN`, `inf` and `infinity` in any case, with or without sign.
-fn is_non_finite_word(word: &str) -> bool {
+pub fn is_non_finite_word(word: &str) -> bool {
     let bare = word.trim_start_matches(['-', '+']);
     ["nan", "inf", "infinity"].iter().any(|word| bare.eq_ignore_ascii_case(word))
 }
 
-fn is_non_finite(value: &Value) -> bool {
+/// True for a value that stands for a number that is not finite.
+pub fn is_non_finite(value: &Value) -> bool {
     value.is_null() || value.as_str().is_some_and(is_non_finite_word)
 }
 
-fn plain(value: &Value) -> String {
+/// A text without its quotes, any other value as JSON.
+pub fn plain(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 

@@ -35,8 +35,14 @@ pub(super) fn materials(file: &mut Section) -> Vec<MaterialRow> {
     materials
 }
 
-/// Reads the fields of a joint with clearance; one that does not wear needs no wear coefficient.
-pub(super) fn clearance(row: &mut Section, materials: &[MaterialRow], is_worn: bool) -> Option<Clearance> {
+/// Reads the fields of a joint with clearance; one that does not wear needs no wear coefficient, and one that another program moves no
+/// friction.
+pub(super) fn clearance(
+    row: &mut Section,
+    materials: &[MaterialRow],
+    is_worn: bool,
+    rubs: bool,
+) -> Option<Clearance> {
     record!(Clearance {
         journal_radius: row.quantity("journal_radius", LENGTH, Range::Positive),
         bushing_radius: bushing_radius(row, journal_radius),
@@ -46,8 +52,16 @@ pub(super) fn clearance(row: &mut Section, materials: &[MaterialRow], is_worn: b
         contact_law: contact_law(row),
         contact_damping: contact_damping(row),
         film_damping: row.quantity_or("film_damping", DAMPING, Range::NonNegative, 0.0),
-        friction: row.quantity("friction", NUMBER, FRICTION),
-        friction_speed: row.quantity("friction_speed", SPEED, Range::Positive),
+        friction: if rubs {
+            row.quantity("friction", NUMBER, FRICTION)
+        } else {
+            row.quantity_or("friction", NUMBER, FRICTION, 0.0)
+        },
+        friction_speed: if rubs {
+            row.quantity("friction_speed", SPEED, Range::Positive)
+        } else {
+            row.quantity_or("friction_speed", SPEED, Range::Positive, 1.0)
+        },
         wear_coefficient: wear_coefficient(row, is_worn),
         wears: surfaces(row),
         journal_wear_coefficient: second_coefficient(row, "journal_wear_coefficient", wears)

@@ -3,6 +3,7 @@
 use super::body_row::{BodyRow, place};
 use super::clearance::{FRICTION, MaterialRow, clearance};
 use super::context::Range;
+use super::cycle_program::PLACE;
 use super::guide::guide;
 use super::joint::{IdealFriction, Joint, JointKind};
 use super::quantity::{ANGLE, LENGTH, NUMBER, SPEED};
@@ -49,7 +50,7 @@ fn joint(
         "clearance" => {
             let wears = row.boolean_or("wear", true);
             unworn = (wears == Some(false)).then_some("has wear = false");
-            clearance(row, materials, wears == Some(true)).map(JointKind::Clearance)
+            clearance(row, materials, wears == Some(true), true).map(JointKind::Clearance)
         }
         _ => {
             unworn = row.peek("wears").is_none().then_some("is a guide without the key wears");
@@ -68,6 +69,21 @@ fn joint(
     let joint =
         joint.map(|((kind, friction), (journal, bushing))| Joint { name, journal, bushing, kind, friction });
     (unworn, joint)
+}
+
+/// Reads a joint with clearance whose bodies are those of a program.
+pub(super) fn worn_joint(row: &mut Section, name: &str, materials: &[MaterialRow]) -> JointRow {
+    let is_known = row.word_or("type", &[("clearance", ())], ());
+    let wears = row.boolean_or("wear", true);
+    let clearance = clearance(row, materials, wears == Some(true), false);
+    let joint = clearance.filter(|_| is_known.is_some()).map(|clearance| Joint {
+        name: name.to_owned(),
+        journal: PLACE,
+        bushing: PLACE,
+        kind: JointKind::Clearance(clearance),
+        friction: None,
+    });
+    JointRow { name: name.to_owned(), unworn: (wears == Some(false)).then_some("has wear = false"), joint }
 }
 
 /// Reads the friction of an ideal joint, of which `size` is the key of the length; outer none if it is faulty, inner none without

@@ -10,7 +10,7 @@
 //! | model | [`model`], `attachment`, `joint`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_output`, `wear_model`, `explained` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
 //! | reading | `document`, `duplicate_key`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `record`, `input` | one pass over the file that records every fault |
-//! | readers | `bodies`, `joints`, `clearance`, `key_reading`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
+//! | readers | `bodies`, `joints`, `clearance`, `key_reading`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `cycle_program`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
 //! | whole | `resolve`, `conditioned`, `merge`, `edit`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`], `setting` | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples; values set by name |
 
 mod attachment;
@@ -24,6 +24,7 @@ mod context;
 mod correlations;
 mod csv_file;
 mod csv_import;
+mod cycle_program;
 mod document;
 mod drive;
 mod duplicate_key;
@@ -85,6 +86,7 @@ mod wear_outputs;
 pub use attachment::Attachment;
 pub use context::{Range, number_and_unit, read_quantity};
 pub use csv_file::{Cell, CsvRow, csv_rows};
+pub use cycle_program::{CycleProgram, CycleTier, Gives};
 pub use drive::{Curve, Drive, Over, Table};
 pub use explained::filled;
 pub use extends::read_input as read_text;

@@ -3,6 +3,7 @@
 //! Planar, SI units, angles counter-clockwise from +x. Bodies are referred to by index into [`Scene::bodies`].
 
 use super::attachment::Attachment;
+use super::cycle_program::Gives;
 use super::drive::Drive;
 use super::joint::Joint;
 use super::load::Load;
@@ -55,7 +56,8 @@ pub struct Scene {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub levels: Vec<NamedAccuracy>,
     /// External simulator that evaluates a sample instead of this program. Such a scene has no bodies, joints or loads,
-    /// and its random variables are the simulator's inputs.
+    /// and its random variables are the simulator's inputs. If it gives cycles, the scene has the joints that wear, on a body that stands for
+    /// the mechanism.
     #[serde(default)]
     pub simulator: Option<ExternalSimulator>,
 }
@@ -70,6 +72,9 @@ pub struct ExternalSimulator {
     /// Version of the simulator in its author's words; empty if the scene states none.
     #[serde(default)]
     pub version: String,
+    /// What a request is answered by.
+    #[serde(default)]
+    pub gives: Gives,
 }
 
 /// Ways to call an external simulator.

@@ -3,7 +3,9 @@
 use super::body_row::BodyRow;
 use super::joints::JointRow;
 use super::key_reading::{Named, values};
+use super::key_table::ElementKind;
 use super::output::{Output, OutputKind};
+use super::output_unit::OutputUnit;
 use super::quantity::{Kind, NUMBER};
 use super::section::Section;
 
@@ -32,23 +34,42 @@ impl OutputRow {
 
 /// Reads `[[outputs]]`; a faulty output keeps its row.
 pub(super) fn outputs(file: &mut Section, bodies: &[BodyRow], joints: &[JointRow]) -> Vec<OutputRow> {
-    let of_kind =
-        OutputKind::KINDS.iter().map(|kind| kind.words.iter().map(move |(word, unit)| (*word, (kind, unit))));
-    let words: Vec<_> = of_kind.flatten().collect();
-    let mut outputs = Vec::new();
-    for (name, mut row) in file.rows("outputs") {
-        let (kind, unit) = row.word("type", &words).unzip();
-        let read = kind.and_then(|kind| {
-            let values = values(&mut row, kind.keys, Named { bodies, joints });
-            OutputKind::from_values(kind.name, values.into_iter().collect::<Option<_>>()?)
-        });
+    let words: Vec<_> = OutputKind::KINDS.iter().flat_map(typed_words).collect();
+    let rows = file.rows("outputs").into_iter();
+    let read = rows.map(|(name, mut row)| {
+        let output = typed_output(name, &mut row, &words, Named { bodies, joints });
         row.finish();
-        outputs.push(OutputRow {
-            name: name.to_owned(),
-            kind: unit.map(|unit| unit.kind()),
-            output: read.map(|kind| Output { name: name.to_owned(), kind }),
-            declared: false,
-        });
+        output
+    });
+    read.collect()
+}
+
+/// A kind of outputs, and what depends on its word.
+type OfWord = (&'static ElementKind<OutputUnit>, &'static OutputUnit);
+
+/// The words of a kind of outputs.
+pub(super) fn typed_words(
+    kind: &'static ElementKind<OutputUnit>,
+) -> impl Iterator<Item = (&'static str, OfWord)> {
+    kind.words.iter().map(move |(word, unit)| (*word, (kind, unit)))
+}
+
+/// Reads an output with a `type` of these words.
+pub(super) fn typed_output(
+    name: &str,
+    row: &mut Section,
+    words: &[(&str, OfWord)],
+    named: Named,
+) -> OutputRow {
+    let (kind, unit) = row.word("type", words).unzip();
+    let read = kind.and_then(|kind| {
+        let values = values(row, kind.keys, named);
+        OutputKind::from_values(kind.name, values.into_iter().collect::<Option<_>>()?)
+    });
+    OutputRow {
+        name: name.to_owned(),
+        kind: unit.map(|unit| unit.kind()),
+        output: read.map(|kind| Output { name: name.to_owned(), kind }),
+        declared: false,
     }
-    outputs
 }

@@ -6,6 +6,7 @@ use super::clearance::materials;
 use super::conditions::{ConditionRow, condition_rows};
 use super::context::{Context, Overrides};
 use super::correlations::{correlation_rows, correlations};
+use super::cycle_program::{CycleModel, Gives, cycle_model};
 use super::faults::{Fault, FaultKind, Faults};
 use super::joints::{JointRow, joints};
 use super::life::life;
@@ -18,8 +19,8 @@ use super::model::{ExternalSimulator, Life, LimitState, Scene, StudySettings};
 use super::outputs::{OutputRow, outputs};
 use super::quantity::{ACCELERATION, Quantity};
 use super::section::Section;
-use super::simulator::{declared_life, declared_outputs, simulator};
-use super::variables::{variable_rows, variables};
+use super::simulator::{declared_life, declared_output, declared_outputs, simulator};
+use super::variables::{Changes, variable_rows, variables};
 use super::wear_model::{WearModel, wear_model};
 use crate::accuracy::{AccuracyNameError, LevelsError, NamedAccuracy};
 use std::collections::{BTreeMap, BTreeSet};
@@ -59,7 +60,7 @@ pub(super) fn resolve(
     }
     let variables_written = document.get("variables").and_then(toml::Value::as_array).map_or(0, Vec::len);
     let parts = Parts::read(&mut file, variables_written);
-    let mut rows = variable_rows(&mut file, parts.simulator.is_some());
+    let mut rows = variable_rows(&mut file, parts.changes());
     let correlation_rows = correlation_rows(&mut file);
     if !rows.is_empty() && parts.limit_states.is_empty() {
         file.missing("limit_states", "at least one limit state for a study");
@@ -138,7 +139,10 @@ impl Parts {
     fn read(file: &mut Section, variables: usize) -> Self {
         let head = head(file);
         let simulator = simulator(file);
+        let gives = simulator.as_ref().map(|read| read.as_ref().map(|simulator| &simulator.gives));
+        let is_cycle = matches!(gives, Some(Some(Gives::Cycle(_))));
         let model = match simulator {
+            Some(_) if is_cycle => cycles(file),
             Some(_) => external(file),
             None => mechanism(file),
         };
@@ -146,8 +150,17 @@ impl Parts {
             check_size(file, life, model.outputs.len());
         }
         let limit_states = limit_states(file, &model.outputs);
-        let study = study(file, simulator.is_none(), variables);
+        let study = study(file, simulator.is_none() || is_cycle, variables);
         Parts { head, simulator, model, limit_states, study }
+    }
+
+    /// What the random variables may change.
+    fn changes(&self) -> Changes {
+        match &self.simulator {
+            None => Changes::Required,
+            Some(Some(ExternalSimulator { gives: Gives::Life, .. })) => Changes::None,
+            Some(_) => Changes::Optional,
+        }
     }
 
     /// The scene, its variables and correlations still empty; none if a part is faulty.
@@ -209,9 +222,16 @@ fn mechanism(file: &mut Section) -> Model {
 /// Reads what an external simulator returns; its inside is not described.
 fn external(file: &mut Section) -> Model {
     let life = declared_life(file);
-    let outputs = declared_outputs(file, life.as_ref());
+    let outputs = declared_outputs(file, |name, row| declared_output(name, row, life.as_ref()));
     let (gravity, wear) = (Some([0.0; 2]), Some(WearModel::default()));
     Model { bodies: vec![], joints: vec![], loads: vec![], gravity, outputs, wear, life }
+}
+
+/// Reads the joints that a program moves.
+fn cycles(file: &mut Section) -> Model {
+    let CycleModel { body, joints, outputs, life } = cycle_model(file);
+    let wear = wear_model(file, joints.iter().filter_map(|row| row.joint.as_ref()));
+    Model { bodies: vec![body], joints, loads: vec![], gravity: Some([0.0; 2]), outputs, wear, life }
 }
 
 /// Checks that all outputs at all checkpoints fit into a worker's message.
@@ -233,12 +253,13 @@ struct Head {
 
 /// Reads `[scene]`: name and title, and of a mechanism whether its control points are a part of the model.
 fn head(file: &mut Section) -> Option<Head> {
-    let is_mechanism = file.get("simulator").is_none();
+    let simulator = file.get("simulator").map(|simulator| simulator.get("gives"));
+    let has_joints = simulator.is_none_or(|gives| gives.is_some());
     let mut section = file.section("scene", "a table [scene] with name and title")?;
     let name = section.text("name", "a short name");
     let title = section.text_or("title", "one line for people", name.unwrap_or_default());
     let of_model =
-        if is_mechanism { section.boolean_or("control_points_of_model", false) } else { Some(false) };
+        if has_joints { section.boolean_or("control_points_of_model", false) } else { Some(false) };
     section.finish();
     Some(Head { name: name?.to_owned(), title: title?.to_owned(), control_points_of_model: of_model? })
 }

@@ -2,11 +2,13 @@
 //! behind the UM-Bridge protocol. Its random variables are the inputs, its outputs and life are declared.
 
 use super::context::Range;
+use super::cycle_program::gives;
 use super::limits::{CHECKPOINT_LIMIT, COUNT_LIMIT};
 use super::model::{Exchange, ExternalSimulator, FileExchange, Life, Program, SimulatorKind, UmBridgeModel};
 use super::output::{Output, OutputKind};
 use super::outputs::OutputRow;
 use super::quantity::TIME;
+use super::record::record;
 use super::section::Section;
 use std::path::{Component, Path};
 use toml::{Table, Value};
@@ -38,8 +40,10 @@ pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>>
     };
     let timeout = section.quantity_or("timeout", TIME, Range::Positive, TIMEOUT);
     let version = section.text_or("version", "a text, e.g. \"2024.1\"", "");
+    let gives = gives(&mut section);
     section.finish();
-    Some((|| Some(ExternalSimulator { kind: kind?, timeout: timeout?, version: version?.to_owned() }))())
+    let version = version.map(str::to_owned);
+    Some(record!(ExternalSimulator { kind: kind, timeout: timeout, version: version, gives: gives }))
 }
 
 fn program(section: &mut Section) -> Option<Program> {
@@ -132,52 +136,57 @@ fn umbridge(section: &mut Section) -> Option<UmBridgeModel> {
 
 /// Reads `[life]` of a simulator: its checkpoints; a single one if there is no such table.
 pub(super) fn declared_life(file: &mut Section) -> Option<Life> {
-    let life = |cycles, checkpoint_every| Life {
-        period: 0.0,
-        cycles,
-        checkpoint_every,
-        settle_cycles: 0,
-        turn_of: None,
-    };
     if file.get("life").is_none() {
-        return Some(life(1, 1));
+        return Some(Life { period: 0.0, cycles: 1, checkpoint_every: 1, settle_cycles: 0, turn_of: None });
     }
     let mut section = file.section_if_any("life")?;
+    let life = checkpoints(&mut section);
+    section.finish();
+    life
+}
+
+/// Reads the checkpoints of a life, whose cycles have no period yet.
+pub(super) fn checkpoints(section: &mut Section) -> Option<Life> {
     let cycles = section.integer("cycles", 1..=COUNT_LIMIT, None);
     let every = section.integer("checkpoint_every", 1..=COUNT_LIMIT, None);
-    section.finish();
     // Both fit: COUNT_LIMIT is below u32::MAX.
-    let (cycles, every) = (cycles? as u32, every? as u32);
-    let allowed = if !cycles.is_multiple_of(every) {
-        format!("a multiple of checkpoint_every = {every}")
-    } else if cycles / every > CHECKPOINT_LIMIT {
+    let (cycles, checkpoint_every) = (cycles? as u32, every? as u32);
+    let allowed = if !cycles.is_multiple_of(checkpoint_every) {
+        format!("a multiple of checkpoint_every = {checkpoint_every}")
+    } else if cycles / checkpoint_every > CHECKPOINT_LIMIT {
         format!("at most {CHECKPOINT_LIMIT} checkpoints")
     } else {
-        return Some(life(cycles, every));
+        return Some(Life { period: 0.0, cycles, checkpoint_every, settle_cycles: 0, turn_of: None });
     };
     section.out_of_range("cycles", cycles.to_string(), allowed);
     None
 }
 
-/// Reads `[[outputs]]` of a simulator; `life` may be faulty.
-pub(super) fn declared_outputs(file: &mut Section, life: Option<&Life>) -> Vec<OutputRow> {
-    let checkpoints = life.map(|life| life.checkpoints().len());
+/// Reads `[[outputs]]` of a simulator, each by `read`.
+pub(super) fn declared_outputs(
+    file: &mut Section,
+    read: impl Fn(&str, &mut Section) -> OutputRow,
+) -> Vec<OutputRow> {
     let mut outputs = Vec::new();
     for (name, mut row) in file.rows("outputs") {
-        let unit = row.text_or("unit", "a unit, as it is to be shown", "");
-        let values = match row.get("values") {
-            None => Some(false),
-            Some(_) => values(&mut row, checkpoints),
-        };
+        outputs.push(read(name, &mut row));
         row.finish();
-        let kind =
-            unit.zip(values).map(|(unit, single)| OutputKind::External { unit: unit.to_owned(), single });
-        outputs.push(OutputRow::declared(name, kind.map(|kind| Output { name: name.to_owned(), kind })));
     }
     if outputs.is_empty() {
         file.missing("outputs", "at least one output, e.g. [[outputs]] name = \"deflection\" unit = \"mm\"");
     }
     outputs
+}
+
+/// Reads an output over the `life` of a simulator, which may be faulty.
+pub(super) fn declared_output(name: &str, row: &mut Section, life: Option<&Life>) -> OutputRow {
+    let unit = row.text_or("unit", "a unit, as it is to be shown", "");
+    let values = match row.get("values") {
+        None => Some(false),
+        Some(_) => values(row, life.map(|life| life.checkpoints().len())),
+    };
+    let kind = unit.zip(values).map(|(unit, single)| OutputKind::External { unit: unit.to_owned(), single });
+    OutputRow::declared(name, kind.map(|kind| Output { name: name.to_owned(), kind }))
 }
 
 /// Whether an output has a single value for the whole life, by the number of its values.
@@ -195,8 +204,8 @@ fn values(row: &mut Section, checkpoints: Option<usize>) -> Option<bool> {
     None
 }
 
-/// Sets the folder in which the program of a scene file runs: that of the file, or its `folder` relative to it. Returns
-/// true if the document changed.
+/// Sets the folder in which the program of a scene file runs: that of the file, or its `folder` relative to it, and that of its `journal`.
+/// Returns true if the document changed.
 pub(super) fn settle_folder(document: &mut Table, folder: Option<&Path>) -> bool {
     let section = document.get_mut("simulator").and_then(Value::as_table_mut);
     let Some(section) = section.filter(|section| section.contains_key("program")) else { return false };
@@ -211,6 +220,9 @@ pub(super) fn settle_folder(document: &mut Table, folder: Option<&Path>) -> bool
     let whole = folder.join(below);
     // A folder that does not exist is reported when the program is started.
     let whole = whole.canonicalize().unwrap_or(whole);
+    if let Some(Value::String(journal)) = section.get_mut("journal") {
+        *journal = whole.join(&*journal).display().to_string();
+    }
     section.insert("folder".to_owned(), Value::String(whole.display().to_string()));
     true
 }

@@ -65,11 +65,27 @@ impl VariableLaw {
     }
 }
 
-/// Reads `[[variables]]` as written; `inputs` of an external simulator change nothing in the scene.
-pub(super) fn variable_rows(file: &mut Section, inputs: bool) -> Vec<VariableRow> {
+/// Whether random variables have keys that they change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Changes {
+    /// Those of a mechanism.
+    Required,
+    /// Those of a mechanism of which a program simulates the cycles.
+    Optional,
+    /// Inputs of an external simulator.
+    None,
+}
+
+/// Reads `[[variables]]` as written; variables without keys that they change are inputs of an external simulator.
+pub(super) fn variable_rows(file: &mut Section, may_change: Changes) -> Vec<VariableRow> {
     let mut rows = Vec::new();
     for (name, mut row) in file.rows("variables") {
-        let changes = if inputs { Some(vec![]) } else { changes(&mut row) };
+        let is_input = match may_change {
+            Changes::Required => false,
+            Changes::Optional => row.get("changes").is_none(),
+            Changes::None => true,
+        };
+        let changes = if is_input { Some(vec![]) } else { changes(&mut row) };
         let unit = row.get("unit").map(|_| row.text("unit", "a unit, e.g. \"mm\""));
         let law = VariableLaw::read(&mut row);
         row.finish();

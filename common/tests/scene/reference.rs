@@ -49,9 +49,23 @@ const SIMULATORS: [&str; 2] = [
     "#,
 ];
 
+/// Every key of a scene whose simulator gives cycles.
+const CYCLE: &str = include_str!("../scenes/cycle.toml");
+
 /// Keys whose value is one of a few words.
-const WORD_KEYS: [&str; 9] =
-    ["type", "motion", "law", "contact_law", "contact_damping", "over", "distribution", "fails", "measure"];
+const WORD_KEYS: [&str; 11] = [
+    "gives",
+    "tier",
+    "type",
+    "motion",
+    "law",
+    "contact_law",
+    "contact_damping",
+    "over",
+    "distribution",
+    "fails",
+    "measure",
+];
 
 /// The texts in backquotes of a piece of Markdown without its blocks of code.
 fn quoted(text: &str) -> impl Iterator<Item = &str> {
@@ -110,7 +124,7 @@ fn language(table: &Table, path: &str, found: &mut BTreeSet<String>) {
 fn known() -> BTreeSet<String> {
     // Keys that exclude one of these scenes.
     let mut known = BTreeSet::from(["extends", "without", "above", "source", "levels"].map(str::to_owned));
-    for text in SIMULATORS.into_iter().chain([EVERYTHING]) {
+    for text in SIMULATORS.into_iter().chain([EVERYTHING, CYCLE]) {
         SceneSource::parse(text, "scene").unwrap();
         language(&text.parse().unwrap(), "", &mut known);
     }

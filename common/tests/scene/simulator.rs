@@ -1,7 +1,10 @@
 //! Studies of an external simulator: how they are read, and their faults.
 
 use common::random::Distribution;
-use common::scene::{Exchange, Fails, FileExchange, Life, OutputKind, Program, SceneSource, SimulatorKind};
+use common::scene::{
+    CycleProgram, CycleTier, Exchange, Fails, FileExchange, Gives, JointKind, Life, OutputKind, Program,
+    SceneSource, SimulatorKind,
+};
 
 const BEAM: &str = r#"
 [scene]
@@ -305,4 +308,49 @@ fn a_program_runs_in_the_folder_of_its_scene() {
     let found = [runs_in(BEAM), runs_in(&beam("timeout = \"2 min\"", "folder = \"model\""))];
     std::fs::remove_dir_all(&folder).unwrap();
     assert_eq!(found, [whole.display().to_string(), whole.join("model").display().to_string()]);
+}
+
+const CYCLE: &str = include_str!("../scenes/cycle.toml");
+
+#[test]
+fn joints_of_a_program_that_gives_cycles_are_read() {
+    let source = SceneSource::parse(CYCLE, "cycle.toml").unwrap();
+    let scene = source.nominal();
+    let gives = &scene.simulator.as_ref().unwrap().gives;
+    let journal = Some("cycles".to_owned());
+    assert_eq!(*gives, Gives::Cycle(CycleProgram { tier: CycleTier::Contact, journal }));
+    assert_eq!((scene.life.period, scene.life.settle_cycles), (0.05, 1));
+    assert_eq!(scene.accuracy.name, "draft");
+    let JointKind::Clearance(pin) = &scene.joints[0].kind else { panic!("a joint with clearance") };
+    assert_eq!(pin.wear_coefficients(), [2e-13, 2e-13]);
+    let declared = OutputKind::External { unit: "N m".into(), single: false };
+    assert!(scene.outputs[0].kind.wear().is_some() && scene.outputs[1].kind == declared);
+    // A variable that changes a joint, and one that is only an input.
+    let worn = source.resolve_sample(&[3e-13, 4.0]).unwrap();
+    let JointKind::Clearance(pin) = &worn.joints[0].kind else { panic!("a joint with clearance") };
+    assert_eq!(pin.wear_coefficients(), [3e-13; 2]);
+}
+
+#[test]
+fn faults_of_a_program_that_gives_cycles_are_named() {
+    for (from, to, said) in [
+        ("tier = \"contact\"\n", "", "simulator.tier is missing, expected one of contact, reaction"),
+        (
+            "program = [\"mechanism\"]",
+            "umbridge = \"http://h:1\"",
+            "simulator.gives is \"cycle\", which a UM-Bridge server cannot give: use a program",
+        ),
+        ("gives = \"cycle\"", "gives = \"cycles\"", "simulator.gives = \"cycles\""),
+        ("type = \"largest-wear\"", "type = \"driving-torque\"", "outputs.depth.type = \"driving-torque\""),
+        ("type = \"clearance\"", "type = \"guide\"", "joints.pin.type = \"guide\""),
+        ("period = \"50 ms\"\n", "", "life.period is missing"),
+        ("joints = [\"pin\"]", "joints = [\"pen\"]", "outputs.depth.joints"),
+        ("mean = \"3 N m\"\n", "", "variables.load.mean is missing"),
+        ("parameters.worn", "parameters.warn", "variables.wear.changes"),
+    ] {
+        assert!(CYCLE.contains(from), "{from}");
+        let faults =
+            SceneSource::parse(&CYCLE.replacen(from, to, 1), "cycle.toml").expect_err(to).to_string();
+        assert!(faults.contains(said), "{to}: {faults}");
+    }
 }

@@ -9,12 +9,14 @@ use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;
 use common::external::SimulatorId;
 use common::scene::{
-    Exchange, ExternalSimulator, FileExchange, OutputKind, Program, Scene, SceneSource, SimulatorKind,
+    CycleTier, Exchange, ExternalSimulator, FileExchange, Gives, OutputKind, Program, Scene, SceneSource,
+    SimulatorKind,
 };
-use coordinator::farm::evaluate::external::open;
+use coordinator::farm::evaluate::external::on_slots;
 use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use std::fmt::Write;
 use std::sync::Arc;
+use worker::evaluation_slots::EvaluationSlots;
 use worker::own_simulators::{OfferError, OwnSimulators};
 use worker::service::Simulator;
 use worker::simulator::simulator;
@@ -23,13 +25,12 @@ use worker::simulator::simulator;
 ///
 /// # Errors
 /// [`CommandError::Signals`], [`CommandError::Simulator`].
-pub fn open_simulator(
-    simulator: &ExternalSimulator,
-    scene: &Scene,
-    slots: usize,
-) -> Result<Box<dyn Evaluator>, CommandError> {
+pub fn open_simulator(source: &SceneSource, slots: usize) -> Result<Box<dyn Evaluator>, CommandError> {
     let interrupted = interruption().map_err(CommandError::Signals)?;
-    Ok(open(simulator, scene, slots, interrupted)?)
+    let Some(opened) = EvaluationSlots::open(source).transpose()? else {
+        unreachable!("only scenes that name a simulator come here")
+    };
+    Ok(on_slots((0..slots).map(|number| opened.slot(number)).collect(), interrupted)?)
 }
 
 /// Refuses options on accuracy: they are for mechanisms.
@@ -73,15 +74,11 @@ fn refuse(origin: &str, given: &[(&'static str, bool)], reason: &'static str) ->
 ///
 /// # Errors
 /// [`CommandError`] if the simulator cannot be used, or the evaluation fails.
-pub fn simulate(
-    source: &SceneSource,
-    simulator: &ExternalSimulator,
-    settings: &[(String, f64)],
-) -> Result<String, CommandError> {
+pub fn simulate(source: &SceneSource, settings: &[(String, f64)]) -> Result<String, CommandError> {
     let scene = source.nominal();
     let sample = source.sample_with(settings)?;
     let request = Request { id: 0, sample, with_first_cycle: false, accuracy: None, level: 0 };
-    let (mut found, end) = open_simulator(simulator, scene, 1)?.outcomes(&[request], &mut |_| ());
+    let (mut found, end) = open_simulator(source, 1)?.outcomes(&[request], &mut |_| ());
     end.map_err(CommandError::Evaluate)?;
     let lost = || CommandError::Evaluate(EvaluateError::NoOutcome { id: 0 });
     let Finished { outcome, wall, .. } = found.pop().flatten().ok_or_else(lost)?;
@@ -102,7 +99,19 @@ pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -
             model.model, model.url
         )?,
     }
-    writeln!(out, "  an evaluation may take {} s", simulator.timeout)?;
+    match &simulator.gives {
+        Gives::Life => writeln!(out, "  an evaluation may take {} s", simulator.timeout)?,
+        Gives::Cycle(program) => {
+            let of = match program.tier {
+                CycleTier::Contact => "gives cycles on the worn surfaces of its joints",
+                CycleTier::Reaction => "gives one cycle for a life, with ideal joints",
+            };
+            writeln!(out, "  {of}; a cycle may take {} s", simulator.timeout)?;
+            let joints: Vec<&str> = scene.joints.iter().map(|joint| joint.name.as_str()).collect();
+            let accuracy = &scene.accuracy.name;
+            writeln!(out, "  wear of {} by this program, accuracy {accuracy}", joints.join(", "))?;
+        }
+    }
     writeln!(out, "  identity for workers: {}\n", SimulatorId::new(simulator, scene))?;
     writeln!(out, "Outputs at every checkpoint, and the limit states")?;
     for (i, output) in scene.outputs.iter().enumerate() {

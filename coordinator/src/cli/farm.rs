@@ -66,9 +66,9 @@ impl CommandEvaluator {
         arguments: &FarmArguments,
     ) -> Result<Self, CommandError> {
         let scene = source.nominal();
-        let Some(simulator) = &scene.simulator else {
+        if scene.simulator.is_none() {
             return Ok(Self::Workers(Box::new(WorkerFarm::listen(campaign()?, arguments)?)));
-        };
+        }
         if external::has_remote_workers(arguments) {
             let own = external::own_simulator(source, local_slots(arguments))?;
             let mut farm = WorkerFarm::listen(campaign()?, arguments)?;
@@ -77,7 +77,7 @@ impl CommandEvaluator {
         }
         let licences = arguments.licences.map_or(usize::MAX, |licences| licences as usize);
         let slots = local_slots(arguments).min(licences);
-        Ok(Self::Simulator(external::open_simulator(simulator, scene, slots)?, slots as u32))
+        Ok(Self::Simulator(external::open_simulator(source, slots)?, slots as u32))
     }
 
     /// The status board of the study, and the source of its status.

@@ -44,12 +44,12 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(
     check_destination(arguments.report.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let settings = source.parse_settings(&arguments.set)?;
-    if let Some(simulator) = &source.nominal().simulator {
+    if source.nominal().simulator.is_some() {
         external::check_accuracy(source.origin(), &arguments.accuracy)?;
         if arguments.report.is_some() {
             return Err(CommandError::no_mechanism(source.origin()));
         }
-        let text = external::simulate(&source, simulator, &settings)?;
+        let text = external::simulate(&source, &settings)?;
         return deliver(&text, arguments.out.as_deref());
     }
     let scene = source.resolve_with(&settings).map_err(one_of_each_cause)?;

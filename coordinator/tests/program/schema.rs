@@ -14,6 +14,8 @@ const BEAM: &str = "scene = { name = \"beam\" }\nsimulator = { program = [\"pyth
                     output = \"deflection\"\nthreshold = 12.5\nfails = \"below\"\n[[variables]]\nname = \"load\"\nmean = \"2 kN\"\n\
                     std = \"5 %\"\n";
 
+const CYCLE: &str = include_str!("../../../common/tests/scenes/cycle.toml");
+
 fn printed(arguments: &[&str]) -> Value {
     let output = Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap();
     assert!(output.status.success());
@@ -54,7 +56,7 @@ fn every_valid_scene_is_valid() {
     });
     let template = include_str!("../../src/cli/init.toml").replace("@name@", "press");
     let own = [("everything", EVERYTHING.to_owned()), ("beam", BEAM.to_owned()), ("init", template)];
-    let own = own.into_iter().chain([("measured", MEASURED.to_owned())]);
+    let own = own.into_iter().chain([("measured", MEASURED.to_owned()), ("cycle", CYCLE.to_owned())]);
     let mut count = 0;
     for (name, text) in built_in.chain(own) {
         // Two scenes name files beside them.
@@ -143,6 +145,29 @@ fn faults_of_structure_are_found() {
         ("unit = \"mm\"", "type = \"largest-wear\""),
     ] {
         let text = BEAM.replacen(from, to, 1);
+        assert!(SceneSource::parse(&text, "my.toml").is_err(), "the program takes {to}");
+        assert!(!validator.is_valid(&as_json(&text)), "the schema takes {to}");
+    }
+}
+
+#[test]
+fn faults_of_a_program_that_gives_cycles_are_found() {
+    let (_, validator) = scene_schema();
+    for (from, to) in [
+        ("tier = \"contact\"\n", ""),
+        ("tier = \"contact\"", "tier = \"contacts\""),
+        ("gives = \"cycle\"", "gives = \"cycles\""),
+        ("gives = \"cycle\"\n", ""),
+        ("program = [\"mechanism\"]", "umbridge = \"http://h:1\""),
+        ("period = \"50 ms\"\n", ""),
+        ("period = \"50 ms\"", "settle_cycles = 2\nperiod = \"50 ms\""),
+        ("width = \"10 mm\"\n", ""),
+        ("width = \"10 mm\"", "width = \"10 mm\"\njournal = { body = \"a\", point = \"b\" }"),
+        ("unit = \"N m\"", "values = 1"),
+        ("[[joints]]", "[[bodies]]"),
+    ] {
+        assert!(CYCLE.contains(from), "{from}");
+        let text = CYCLE.replacen(from, to, 1);
         assert!(SceneSource::parse(&text, "my.toml").is_err(), "the program takes {to}");
         assert!(!validator.is_valid(&as_json(&text)), "the schema takes {to}");
     }

@@ -15,7 +15,7 @@ use tests::skipped;
 
 /// A later layer of the worker may use an earlier one, never the reverse. A layer is a module, or a name that a
 /// module exports with the file that defines it, where that stands lower than the rest of its module.
-const WORKER: [&str; 22] = [
+const WORKER: [&str; 24] = [
     "log",
     "extremum",
     "interpolate",
@@ -32,8 +32,10 @@ const WORKER: [&str; 22] = [
     "simulate",
     "build",
     "service",
+    "evaluation_slots",
     "own_simulators",
     "simulator",
+    "serve_cycle",
     "umbridge",
     "shell",
     "signals",

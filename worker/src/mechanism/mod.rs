@@ -72,7 +72,7 @@ pub use island::Island;
 pub(crate) use lanes::{IslandLanes, same_topology};
 pub(crate) use piecewise_cubic::PiecewiseCubic;
 pub use prescribed::Prescribed;
-pub use topology::islands;
+pub use topology::{island_of_program, islands};
 pub use turns::turns_per_cycle;
 pub use wearing_guide::WearingGuide;
 pub use wearing_joint::WearingJoint;

@@ -58,6 +58,30 @@ pub fn islands(scene: &Scene) -> Result<Vec<Island>, SimulationFailure> {
     Ok(firsts.into_iter().map(|first| assemble(scene, members(first))).collect())
 }
 
+/// The joints with clearance of a scene whose cycles a program simulates, as an island without bodies.
+pub fn island_of_program(scene: &Scene) -> Island {
+    let mut frames = IslandFrames::new(scene, vec![]);
+    let mut joints = Vec::new();
+    for (index, joint) in scene.joints.iter().enumerate() {
+        if let JointKind::Clearance(clearance) = &joint.kind {
+            let ends = [frames.end(&joint.journal), frames.end(&joint.bushing)];
+            joints.push(WearingJoint::new(index, &joint.name, (clearance, &scene.wear), ends));
+        }
+    }
+    Island::new(Parts {
+        bodies: vec![],
+        touched: frames.touched().to_vec(),
+        joints,
+        guides: vec![],
+        ideal: Elimination::new(vec![], &[]),
+        passage: None,
+        prescribed: frames.prescribed(),
+        loads: vec![],
+        mass: vec![],
+        weight: vec![],
+    })
+}
+
 /// The island of the free bodies `bodies` of a scene.
 fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
     let mut frames = IslandFrames::new(scene, bodies.clone());

@@ -81,6 +81,15 @@ impl WearingJoint {
         self.contact.set_damping(self.law.surface().damping);
     }
 
+    /// Penetration by the law on the surfaces as worn so far, at the eccentricity `e` in the bushing's frame `(2,)` [m] and the angle `turn` of
+    /// the journal's body from the bushing's [rad]; negative in free flight [m].
+    pub(crate) fn penetration(&self, e: [f64; 2], turn: f64) -> f64 {
+        let place = PolarEccentricity::new(e);
+        let walls = self.law.walls(&place, turn);
+        let motion = JointMotion { e, w: [0.0; 2], omega_journal: 0.0, omega_bushing: 0.0, turn };
+        self.law.force::<false>((&place, &walls), &motion).0.penetration
+    }
+
     /// Wear rate of the joint with a bore like `profile`.
     fn rate_on(&self, profile: &Profile) -> WearRate {
         let WearingJoint { wear_coefficients, width, contact, distribution, .. } = self;

@@ -34,6 +34,8 @@ pub struct Recorder {
     pub histories: Vec<WearHistory>,
     /// Forces of all joints, and everything if the cycle is displayed.
     pub full: Option<FullRecording>,
+    /// Time [s] and contacts of the joints `(joints,)` in every state, if they are returned.
+    pub traced: Option<Vec<(f64, Vec<ContactInstant>)>>,
     /// Requested bodies: index into the bodies of the island, moment of inertia [kg m^2], motion.
     bodies: Vec<(usize, f64, BodyTrack)>,
     /// Requested points with their place on the island, and their paths.
@@ -67,6 +69,7 @@ impl Recorder {
         Recorder {
             histories: island.pairs().map(|pair| pair.empty_history(scene.life.period, samples)).collect(),
             full: None,
+            traced: None,
             bodies: slots(&requested.bodies)
                 .into_iter()
                 .map(|s| (s, island.mass()[3 * s + 2], BodyTrack::default()))
@@ -121,6 +124,7 @@ impl Recorder {
     /// Removes the recording, for a new cycle.
     pub(crate) fn clear(&mut self) {
         self.histories.iter_mut().for_each(WearHistory::clear);
+        self.traced.iter_mut().for_each(Vec::clear);
         self.bodies.iter_mut().for_each(|(.., track)| track.clear());
         self.points.iter_mut().for_each(|(.., track)| track.clear());
         self.moments.iter_mut().for_each(|(_, track)| track.clear());
@@ -164,6 +168,7 @@ impl Recorder {
     /// True if [`Self::record_motion`] reads the forces of the joints and those on prescribed bodies.
     pub(crate) fn needs_joint_forces(&self) -> bool {
         self.full.is_some()
+            || self.traced.is_some()
             || self.peak_forces.is_some()
             || !self.moments.is_empty()
             || self.peaks.needs_joint_forces()
@@ -173,6 +178,7 @@ impl Recorder {
     pub(crate) fn record_motion(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
         self.recorded = Some(t);
         let later = t > self.start_end;
+        self.traced.iter_mut().for_each(|traced| traced.push((t, contacts(at).collect())));
         for (slot, inertia, track) in &mut self.bodies {
             let k = 3 * *slot + 2;
             track.push(t, q[k], v[k], at.f[k] / *inertia);
@@ -232,8 +238,7 @@ impl Recorder {
 
     /// Adds the contacts of a state to the histories.
     pub(super) fn record_contacts(&mut self, island: &Island, t: f64, at: &Linearised) {
-        let turned = at.e.iter().zip(&at.joints).zip(&at.turns);
-        let contacts = turned.map(|((e, joint), turn)| ContactInstant::new(*e, joint).turned(*turn));
+        let contacts = contacts(at);
         let worn = island.guides.iter().zip(&at.guides).filter(|(guide, _)| guide.wears());
         let sliders = worn.map(|(_, now)| RailInstant::new(now));
         let Some(mut last) = self.last.take() else {
@@ -258,6 +263,12 @@ impl Recorder {
         let rails = rails.iter_mut().filter_map(WearHistory::rail_mut);
         rails.zip(&of.sliders).for_each(|(history, slider)| history.push(duration, slider));
     }
+}
+
+/// Contacts of the joints with clearance in a state.
+fn contacts(at: &Linearised) -> impl Iterator<Item = ContactInstant> + '_ {
+    let turned = at.e.iter().zip(&at.joints).zip(&at.turns);
+    turned.map(|((e, joint), turn)| ContactInstant::new(*e, joint).turned(*turn))
 }
 
 impl StateObserver<Island> for Recorder {

@@ -114,8 +114,9 @@ impl ErrorEstimate {
                     values.map(|(&life, &value)| self.wear_error_within(of, life, value)).collect()
                 }
                 None => {
+                    // What another program measures has no peaks between the steps of this one.
                     let sampling =
-                        motion_output(&output.kind).map_or(Sampling::Cubic, |output| output.sampling());
+                        motion_output(&output.kind).map_or(Sampling::Events, |output| output.sampling());
                     let values = (&*checkpoints, &*histories[k]);
                     let behind = |life| self.relative_wear_error(scene, life);
                     let missed_peak = sampling.missed_peak(phase);

@@ -30,6 +30,8 @@
 //! | `unbounded_forces.rs` | outputs that have no value where ideal joints become dependent |
 //! | `side_by_side/` | several evaluations in the SIMD lanes of one core |
 //! | `contact_arcs.rs`, `control_points.rs` | arcs of the contacts in the first cycle; the number of control points by them |
+//! | `program_cycles.rs` | a life whose cycles another program simulates |
+//! | `one_cycle.rs` | one cycle on given surfaces, for others that wear them |
 //! | `first_look.rs` | model and cost of an evaluation beforehand |
 
 mod blocks;
@@ -52,8 +54,10 @@ mod life_in_blocks;
 mod longer_steps;
 mod motion_estimate;
 mod no_wear;
+mod one_cycle;
 mod partial_life;
 mod probe;
+mod program_cycles;
 mod quasi_static;
 mod quasi_static_island;
 mod repetition;
@@ -88,6 +92,8 @@ use turn_period::with_period_of_turn;
 pub use crate::quasi_static::Unsuitable;
 pub use contact_arcs::ContactArc;
 pub use first_look::{FirstLook, IslandModel, first_look};
+pub use one_cycle::{ServedCycle, simulate_one_cycle};
+pub use program_cycles::{CycleError, simulate_program_life};
 pub use side_by_side::LaneWidth;
 
 /// What an evaluation returns besides its outputs; nothing by default.

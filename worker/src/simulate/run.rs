@@ -102,7 +102,18 @@ impl<'a> Run<'a> {
             .into_iter()
             .map(|island| IslandState::new(island, &start, scene, &requested, accuracy))
             .collect();
-        Ok(Run {
+        let repetition = Repetition { is_determined: poses.len() > 1, ..Repetition::default() };
+        Ok(Run { newton, ideal, repetition, ..Run::of_islands(queue, scene, accuracy, islands) })
+    }
+
+    /// A run of these islands, from whose states it starts, without a motion of the ideal mechanism.
+    pub(crate) fn of_islands(
+        queue: LaneQueue,
+        scene: &'a Scene,
+        accuracy: &'a Accuracy,
+        islands: Vec<IslandState>,
+    ) -> Self {
+        Run {
             queue,
             scene,
             accuracy,
@@ -114,16 +125,16 @@ impl<'a> Run<'a> {
             counts: StepCounts::default(),
             wear_counts: WearStepStats::default(),
             grooves: vec![],
-            newton,
+            newton: 0,
             simulated: 0,
-            ideal,
+            ideal: IdealTracks::default(),
             measured: vec![0.0; scene.outputs.len()],
             quasi_static: vec![],
             tier_difference: vec![0.0; scene.outputs.len()],
             points_errors: vec![],
-            repetition: Repetition { is_determined: poses.len() > 1, ..Repetition::default() },
+            repetition: Repetition::default(),
             display: None,
-        })
+        }
     }
 
     /// Simulates a cycle from the present state without recording it; the time steps start small.

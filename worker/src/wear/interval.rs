@@ -78,6 +78,23 @@ impl<R: Real> ContactInstant<R> {
     }
 }
 
+impl ContactInstant {
+    /// Normal force on the bushing, in its frame `(2,)` [N].
+    pub(crate) fn force(&self) -> [f64; 2] {
+        self.direction.map(|u| self.normal * u)
+    }
+
+    /// Size of the sliding speed, zero in free flight [m/s].
+    pub(crate) fn sliding(&self) -> f64 {
+        if self.normal > 0.0 { self.density / self.normal } else { 0.0 }
+    }
+
+    /// Eccentricity in the bushing's frame `(2,)` [m] and angle of the journal's body from the bushing's [rad].
+    pub(crate) fn place(&self) -> ([f64; 2], f64) {
+        (self.e, self.turn)
+    }
+}
+
 /// Sums over the instants of an interval so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval<R = f64> {

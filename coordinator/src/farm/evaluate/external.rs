@@ -3,28 +3,22 @@
 
 use super::local::run_on_threads;
 use super::{EvaluateError, Evaluator, Request, RequestSource};
-use common::external::{OpenedSimulator, SimulatorError, Slot, StopSignal};
-use common::scene::{ExternalSimulator, Scene};
+use common::external::{SimulatorError, Slot, StopSignal};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Opens the simulator of a scene on `slots` slots. The first program is started here, so that a program that cannot
-/// start is reported at once; the model of a server is checked against the scene.
+/// An evaluator on these slots. The first program is started here, so that a program that cannot start is reported at once.
 ///
 /// # Errors
 /// [`SimulatorError`].
-pub fn open(
-    simulator: &ExternalSimulator,
-    scene: &Scene,
-    slots: usize,
+pub fn on_slots(
+    mut slots: Vec<Box<dyn Slot>>,
     interrupted: Arc<AtomicBool>,
 ) -> Result<Box<dyn Evaluator>, SimulatorError> {
-    let opened = OpenedSimulator::open(simulator, scene)?;
-    let mut all: Vec<Box<dyn Slot>> = (0..slots).map(|number| opened.slot(number)).collect();
-    if let Some(first) = all.first_mut() {
+    if let Some(first) = slots.first_mut() {
         first.start()?;
     }
-    Ok(Box::new(SlotEvaluator { slots: all, interrupted }))
+    Ok(Box::new(SlotEvaluator { slots, interrupted }))
 }
 
 /// Evaluator with one thread per slot. A run ends with [`EvaluateError::Interrupted`] when `interrupted` becomes true.

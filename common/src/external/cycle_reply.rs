@@ -1,0 +1,447 @@
+//! The contacts of one cycle as a program gives them: read from JSON or CSV, closed over the period, and checked by name and field.
+//!
+//! | field | value | unit |
+//! |---|---|---|
+//! | `time` | instants of all joints, or of one under its name, ascending `(n,)` | s |
+//! | `force_x`, `force_y` | normal force of the journal on the bushing, in the bushing's frame `(n,)` each | N |
+//! | `angle` | angle of the journal's body minus that of the bushing's, continuous `(n,)` | rad |
+//! | `sliding` | sliding speed of the journal's surface over the bushing's `(n,)`; without it R1 times the rate of the angle | m/s |
+//! | `eccentricity_x`, `eccentricity_y` | centre of the journal from that of the bushing, in the bushing's frame `(n,)` each; optional | m |
+//!
+//! Instants need not be equal. The last one may be missing where the first one repeats after the period.
+
+use super::cycle_check::{check_joint, sampling_error};
+use super::cycle_table::of_table;
+use super::reply::{is_non_finite, parse, plain, shown};
+use crate::evaluation_shape::LARGEST;
+use crate::failure::SimulationFailure;
+use crate::scene::{JointKind, Scene};
+use serde_json::{Map, Value};
+use std::f64::consts::TAU;
+
+/// Longest gap between the last instant and the end of the cycle, in the longest steps between instants [1].
+const LONGEST_GAP: f64 = 1.5;
+/// Rounding of times, as a share of the period [1].
+const ROUNDING: f64 = 1e-6;
+
+/// A joint as its program knows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CycleJoint {
+    /// Name in the scene.
+    pub name: String,
+    /// Radius of the journal R1 [m].
+    pub journal_radius: f64,
+    /// True if the journal wears, at places that depend on its angle.
+    pub has_worn_journal: bool,
+}
+
+/// What a reply has to give.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExpectedCycle {
+    /// Joints of the scene.
+    pub joints: Vec<CycleJoint>,
+    /// Names of the outputs that the program gives; `None` for those of the wear `(outputs,)`.
+    pub outputs: Vec<Option<String>>,
+    /// Length of a cycle [s].
+    pub period: f64,
+}
+
+/// Contacts of one joint over a closed cycle: the last instant is the first one of the next cycle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointCycle {
+    /// Instants `(n,)` [s].
+    pub time: Vec<f64>,
+    /// Normal force of the journal on the bushing, in the bushing's frame `(n, 2)` [N].
+    pub force: Vec<[f64; 2]>,
+    /// Sliding speed `(n,)` [m/s].
+    pub sliding: Vec<f64>,
+    /// Angle of the journal's body minus that of the bushing's `(n,)` [rad].
+    pub angle: Option<Vec<f64>>,
+    /// Eccentricity in the bushing's frame `(n, 2)` [m].
+    pub eccentricity: Option<Vec<[f64; 2]>>,
+}
+
+/// One cycle of a program.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CycleReply {
+    /// Contacts of the joints, in the order of the scene.
+    pub joints: Vec<JointCycle>,
+    /// Outputs of the motion, in the order of the scene; zero in the place of those of the wear `(outputs,)`.
+    pub outputs: Vec<f64>,
+    /// Largest relative error of the work of a joint that the distance of the instants leaves [1].
+    pub sampling_error: f64,
+}
+
+/// Why a reply has no cycle.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NoCycle {
+    /// The reply does not fit the scene, in words.
+    Fault(String),
+    /// The sample has no result.
+    Failure(SimulationFailure),
+}
+
+impl From<String> for NoCycle {
+    fn from(fault: String) -> Self {
+        NoCycle::Fault(fault)
+    }
+}
+
+impl ExpectedCycle {
+    /// Joints, outputs and period of a scene whose simulator gives cycles.
+    pub fn from_scene(scene: &Scene) -> Self {
+        let joint = |joint: &crate::scene::Joint| match &joint.kind {
+            JointKind::Clearance(clearance) => Some(CycleJoint {
+                name: joint.name.clone(),
+                journal_radius: clearance.journal_radius,
+                has_worn_journal: clearance.wear_coefficients()[1] > 0.0,
+            }),
+            _ => None,
+        };
+        let given = |output: &crate::scene::Output| output.kind.wear().is_none().then(|| output.name.clone());
+        ExpectedCycle {
+            joints: scene.joints.iter().filter_map(joint).collect(),
+            outputs: scene.outputs.iter().map(given).collect(),
+            period: scene.life.period,
+        }
+    }
+
+    /// The cycle of the life that begins at `cycle`, from the text of a reply: an object, or a table of a results file.
+    ///
+    /// # Errors
+    /// [`NoCycle`].
+    pub fn read(&self, text: &str, cycle: u32) -> Result<CycleReply, NoCycle> {
+        let text = text.trim_start_matches('\u{feff}').trim();
+        if text.get(..4).is_some_and(|word| word.eq_ignore_ascii_case("fail")) {
+            return Err(NoCycle::Failure(reported(shown(text).replace('\n', " "))));
+        }
+        if !text.starts_with('{') {
+            return self.of_object(&of_table(text)?, cycle);
+        }
+        let reply = parse(text).map_err(|error| format!("\"{}\" is no JSON: {error}", shown(text)))?;
+        self.of_object(reply.as_object().unwrap_or(&Map::new()), cycle)
+    }
+
+    /// The cycle of an object.
+    fn of_object(&self, reply: &Map<String, Value>, cycle: u32) -> Result<CycleReply, NoCycle> {
+        if let Some(failure) = reply.get("failure") {
+            return Err(NoCycle::Failure(reported(plain(failure))));
+        }
+        let field = |name: &str| match reply.get(name) {
+            Some(Value::Object(object)) => Ok(object),
+            Some(other) => Err(format!("{name} is {}, expected values by name", shown(&other.to_string()))),
+            None => Err(format!("{name} is missing")),
+        };
+        let given = field("joints")?;
+        let mut joints = Vec::with_capacity(self.joints.len());
+        for joint in &self.joints {
+            let Some(Value::Object(of_joint)) = given.get(&joint.name) else {
+                let found: Vec<&str> = given.keys().map(String::as_str).collect();
+                return Err(format!("joints.{} is missing; found: {}", joint.name, found.join(", ")).into());
+            };
+            let fields = Fields { place: format!("joints.{}", joint.name), values: of_joint, cycle };
+            let time = match fields.list("time", None)? {
+                Some(time) => time,
+                None => {
+                    let shared = Fields { place: String::new(), values: reply, cycle };
+                    shared.list("time", None)?.ok_or_else(|| format!("{}.time is missing", fields.place))?
+                }
+            };
+            joints.push(self.joint(joint, &fields, time)?);
+        }
+        let mut outputs = vec![0.0; self.outputs.len()];
+        for (value, name) in outputs.iter_mut().zip(&self.outputs) {
+            let Some(name) = name else { continue };
+            let number = field("outputs")?.get(name).ok_or_else(|| format!("outputs.{name} is missing"))?;
+            *value = number_of(&format!("outputs.{name}"), number, cycle)?;
+        }
+        let sampling_error = joints.iter().map(sampling_error).fold(0.0, f64::max);
+        Ok(CycleReply { joints, outputs, sampling_error })
+    }
+
+    /// The contacts of a joint at the instants `time` [s].
+    fn joint(&self, joint: &CycleJoint, fields: &Fields, time: Vec<f64>) -> Result<JointCycle, NoCycle> {
+        let place = &fields.place;
+        let is_closed = self.is_closed(place, &time)?;
+        let n = Some(time.len());
+        let required = |name: &str| {
+            fields.list(name, n)?.ok_or_else(|| NoCycle::Fault(format!("{place}.{name} is missing")))
+        };
+        let (x, y) = (required("force_x")?, required("force_y")?);
+        let (angle, sliding) = (fields.list("angle", n)?, fields.list("sliding", n)?);
+        let eccentricity = match (fields.list("eccentricity_x", n)?, fields.list("eccentricity_y", n)?) {
+            (Some(x), Some(y)) => Some(x.into_iter().zip(y).map(<[f64; 2]>::from).collect()),
+            (None, None) => None,
+            _ => return Err(format!("{place}: eccentricity_x and eccentricity_y need each other").into()),
+        };
+        if angle.is_none() && joint.has_worn_journal {
+            return Err(
+                format!("{place}.angle is missing: the journal wears at places that turn with it").into()
+            );
+        }
+        let mut cycle = JointCycle {
+            force: x.into_iter().zip(y).map(<[f64; 2]>::from).collect(),
+            sliding: vec![],
+            time,
+            angle,
+            eccentricity,
+        };
+        if !is_closed {
+            cycle.close(self.period);
+        }
+        let turning = cycle.angle.as_ref().map(|angle| slopes(&cycle.time, angle));
+        let of_angle =
+            turning.map(|rates| rates.into_iter().map(|rate| joint.journal_radius * rate).collect());
+        cycle.sliding = match (&of_angle, sliding) {
+            (_, Some(mut sliding)) => {
+                sliding.resize(cycle.time.len(), sliding[0]);
+                sliding
+            }
+            (Some(of_angle), None) => Vec::clone(of_angle),
+            (None, None) => return Err(format!("{place}: neither sliding nor angle is given").into()),
+        };
+        check_joint(joint, &cycle, of_angle.as_deref()).map_err(|fault| format!("{place}.{fault}"))?;
+        Ok(cycle)
+    }
+
+    /// True if the last of these instants is the first one of the next cycle.
+    ///
+    /// # Errors
+    /// They do not ascend, or do not cover the cycle.
+    fn is_closed(&self, place: &str, time: &[f64]) -> Result<bool, String> {
+        let period = self.period;
+        if time.len() < 3 {
+            return Err(format!("{place}.time has {} instants, expected at least 3", time.len()));
+        }
+        if let Some(k) = time.windows(2).position(|pair| pair[1] <= pair[0]) {
+            let (before, after) = (time[k], time[k + 1]);
+            return Err(format!("{place}.time[{}] is {after} s after {before} s: instants ascend", k + 1));
+        }
+        let covered = time[time.len() - 1] - time[0];
+        let longest = time.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        let gap = period - covered;
+        if gap.abs() <= ROUNDING * period {
+            return Ok(true);
+        }
+        if gap < 0.0 || gap > LONGEST_GAP * longest {
+            return Err(format!("{place}.time covers {covered} s of a cycle of {period} s"));
+        }
+        Ok(false)
+    }
+}
+
+impl JointCycle {
+    /// Repeats the first instant after the `period` [s]; an angle has gone on by whole turns.
+    fn close(&mut self, period: f64) {
+        self.time.push(self.time[0] + period);
+        self.force.push(self.force[0]);
+        if let Some(angle) = &mut self.angle {
+            let n = angle.len();
+            let next = angle[n - 1] + (angle[n - 1] - angle[n - 2]);
+            angle.push(angle[0] + TAU * ((next - angle[0]) / TAU).round());
+        }
+        if let Some(eccentricity) = &mut self.eccentricity {
+            eccentricity.push(eccentricity[0]);
+        }
+    }
+}
+
+/// Slopes of the parabolas through every three of the values at the instants `time` of a closed cycle `(n,)` [1/s].
+fn slopes(time: &[f64], values: &[f64]) -> Vec<f64> {
+    let n = time.len();
+    let slope = |k: usize| (values[k + 1] - values[k]) / (time[k + 1] - time[k]);
+    let at = |k: usize| {
+        let (before, after) = if k == 0 || k == n - 1 { (n - 2, 0) } else { (k - 1, k) };
+        let (h, g) = (time[before + 1] - time[before], time[after + 1] - time[after]);
+        (g * slope(before) + h * slope(after)) / (h + g)
+    };
+    (0..n).map(at).collect()
+}
+
+/// Fields of an object at a `place` of the reply.
+struct Fields<'a> {
+    place: String,
+    values: &'a Map<String, Value>,
+    cycle: u32,
+}
+
+impl Fields<'_> {
+    /// The numbers of a field, `n` of them if that is known; `None` without the field.
+    fn list(&self, name: &str, n: Option<usize>) -> Result<Option<Vec<f64>>, NoCycle> {
+        let field = if self.place.is_empty() { name.to_owned() } else { format!("{}.{name}", self.place) };
+        let list = match self.values.get(name) {
+            None => return Ok(None),
+            Some(Value::Array(list)) => list,
+            Some(other) => {
+                return Err(format!("{field} is {}, expected a list", shown(&other.to_string())).into());
+            }
+        };
+        if let Some(n) = n.filter(|n| *n != list.len()) {
+            return Err(format!("{field} has {} values, expected {n} as time", list.len()).into());
+        }
+        let number = |(k, value)| number_of(&format!("{field}[{k}]"), value, self.cycle);
+        list.iter().enumerate().map(number).collect::<Result<_, _>>().map(Some)
+    }
+}
+
+fn number_of(field: &str, value: &Value, cycles: u32) -> Result<f64, NoCycle> {
+    match value.as_f64() {
+        Some(number) if number.abs() <= LARGEST => Ok(number),
+        None if !is_non_finite(value) => {
+            Err(format!("{field} is {} instead of a number", shown(&value.to_string())).into())
+        }
+        _ => {
+            let output = field.to_owned();
+            Err(NoCycle::Failure(SimulationFailure::NoNumber { output, cycles, value: plain(value) }))
+        }
+    }
+}
+
+fn reported(message: String) -> SimulationFailure {
+    SimulationFailure::Reported { message }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    pub(super) fn expected() -> ExpectedCycle {
+        let joint =
+            |name: &str| CycleJoint { name: name.into(), journal_radius: 4e-3, has_worn_journal: false };
+        ExpectedCycle { joints: vec![joint("pin")], outputs: vec![None, Some("speed".into())], period: 1.0 }
+    }
+
+    /// A journal that turns once, under a force of 10 N that turns with it; the last of `n` + 1 instants is left out.
+    fn turning(n: usize) -> Value {
+        let time: Vec<f64> = (0..n).map(|k| k as f64 / n as f64).collect();
+        let of = |f: fn(f64) -> f64| -> Vec<f64> { time.iter().map(|t| f(TAU * t)).collect() };
+        let pin = json!({ "force_x": of(|a| 10.0 * a.cos()), "force_y": of(|a| 10.0 * a.sin()), "angle": of(|a| a) });
+        json!({ "time": time, "joints": { "pin": pin }, "outputs": { "speed": 2.5 } })
+    }
+
+    fn fault(reply: &Value) -> String {
+        match expected().read(&reply.to_string(), 7) {
+            Err(NoCycle::Fault(fault)) => fault,
+            Err(NoCycle::Failure(failure)) => failure.to_string(),
+            Ok(_) => "none".into(),
+        }
+    }
+
+    #[test]
+    fn a_cycle_is_closed_and_slides_by_its_angle() {
+        let found = expected().read(&turning(48).to_string(), 0).unwrap();
+        assert_eq!(found.outputs, [0.0, 2.5]);
+        let pin = &found.joints[0];
+        assert_eq!((pin.time.len(), pin.time[48], pin.force[48]), (49, 1.0, pin.force[0]));
+        assert!((pin.angle.as_ref().unwrap()[48] - TAU).abs() < 1e-12);
+        assert!(pin.sliding.iter().all(|v| (v - 4e-3 * TAU).abs() < 1e-12), "{:?}", pin.sliding);
+        // Force and speed are constant.
+        assert!(found.sampling_error < 1e-12);
+    }
+
+    #[test]
+    fn bad_replies_are_named_by_their_field() {
+        let changed = |pointer: &str, value: Value| {
+            let mut reply = turning(48);
+            *reply.pointer_mut(pointer).unwrap() = value;
+            fault(&reply)
+        };
+        let without = |of: &str, key: &str| {
+            let mut reply = turning(48);
+            reply.pointer_mut(of).unwrap().as_object_mut().unwrap().remove(key);
+            fault(&reply)
+        };
+        let half: Vec<f64> = (0..48).map(|k| f64::from(k) / 96.0).collect();
+        let degrees: Vec<f64> = (0..48).map(|k| 7.5 * f64::from(k)).collect();
+        for (found, said) in [
+            (changed("/time", json!(half)), "joints.pin.time covers 0.4895833333333333 s of a cycle of 1 s"),
+            (
+                changed("/time/3", json!(0.0)),
+                "joints.pin.time[3] is 0 s after 0.041666666666666664 s: instants ascend",
+            ),
+            (
+                changed("/joints/pin/force_x/5", Value::Null),
+                "the simulator returned null for output joints.pin.force_x[5] at cycle 7",
+            ),
+            (
+                changed("/joints/pin/force_x/5", json!("nan")),
+                "the simulator returned nan for output joints.pin.force_x[5] at cycle 7",
+            ),
+            (
+                changed("/joints/pin/force_x/5", json!("no")),
+                "joints.pin.force_x[5] is \"no\" instead of a number",
+            ),
+            (
+                changed("/joints/pin/force_y", json!([1, 2])),
+                "joints.pin.force_y has 2 values, expected 48 as time",
+            ),
+            (changed("/joints/pin/force_y", json!(3)), "joints.pin.force_y is 3, expected a list"),
+            (
+                changed("/joints/pin/angle", json!(degrees)),
+                "joints.pin.angle advances by 57.2958 turns over the cycle, not by whole ones: it is in radians",
+            ),
+            (changed("/joints", json!({ "Pin": {} })), "joints.pin is missing; found: Pin"),
+            (without("/joints/pin", "force_x"), "joints.pin.force_x is missing"),
+            (without("/joints/pin", "angle"), "joints.pin: neither sliding nor angle is given"),
+            (without("", "time"), "joints.pin.time is missing"),
+            (without("/outputs", "speed"), "outputs.speed is missing"),
+            (
+                json!({ "failure": "locked" })
+                    .to_string()
+                    .parse::<Value>()
+                    .map(|reply| fault(&reply))
+                    .unwrap(),
+                "the simulator reports: locked",
+            ),
+        ] {
+            assert_eq!(found, said);
+        }
+        let mut reply = turning(48);
+        reply["joints"]["pin"]["sliding"] = json!(vec![-0.025; 48]);
+        assert_eq!(
+            fault(&reply),
+            "joints.pin.sliding is against the rate of angle: the bushing's frame turns the wrong way, or one of them is bushing minus journal"
+        );
+        let mut reply = turning(48);
+        for axis in ["x", "y"] {
+            let force = reply["joints"]["pin"][format!("force_{axis}")].as_array().unwrap().clone();
+            let e: Vec<f64> = force.iter().map(|f| -3e-6 * f.as_f64().unwrap()).collect();
+            reply["joints"]["pin"][format!("eccentricity_{axis}")] = json!(e);
+        }
+        assert_eq!(
+            fault(&reply),
+            "joints.pin.force_x and force_y point against the eccentricity: they are the force of the journal on the bushing, in the bushing's frame"
+        );
+        reply["joints"]["pin"]["eccentricity_x"] = json!(vec![0.03; 48]);
+        assert_eq!(
+            fault(&reply),
+            "joints.pin.eccentricity_x and eccentricity_y reach 0.03 m, beyond the journal's radius of 0.004 m: they are in metres"
+        );
+        // A force of seven pulses, sampled twice a pulse.
+        let mut reply = turning(48);
+        let pulses: Vec<f64> = (0..48).map(|k| 100.0 * f64::from(k % 2)).collect();
+        reply["joints"]["pin"]["force_x"] = json!(pulses);
+        assert!(
+            fault(&reply).starts_with("joints.pin.force_x and force_y jump between instants"),
+            "{}",
+            fault(&reply)
+        );
+    }
+
+    #[test]
+    fn a_table_gives_the_same_cycle() {
+        let reply = turning(48);
+        let mut table = "time, pin.force_x, pin.force_y, pin.angle, speed\n".to_owned();
+        let column = |pointer: &str| reply.pointer(pointer).unwrap().as_array().unwrap().clone();
+        let columns =
+            ["/time", "/joints/pin/force_x", "/joints/pin/force_y", "/joints/pin/angle"].map(column);
+        for k in 0..48 {
+            let row: Vec<String> = columns.iter().map(|column| column[k].to_string()).collect();
+            table += &format!("{}, 2.5\n", row.join(", "));
+        }
+        assert_eq!(expected().read(&table, 0), expected().read(&reply.to_string(), 0));
+        let said = expected().read(&table.replacen("2.5\n", "\n", 1), 0).unwrap_err();
+        assert_eq!(said, NoCycle::Fault("line 2, column speed: \"\" is no number".into()));
+    }
+}

@@ -1,0 +1,161 @@
+//! Cycles of a program on the surfaces as worn so far: requests and replies of one life after the other, by the road of the program.
+
+use super::cycle_journal::CycleJournal;
+use super::cycle_reply::{CycleReply, ExpectedCycle, NoCycle};
+use super::error::SimulatorError;
+use super::program::{ProgramSlot, Request, SampleByName, Setup};
+use super::slot::{Slot, SlotError, StopSignal};
+use crate::failure::SimulationFailure;
+use crate::scene::{Gives, Scene};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Radii of the surfaces of a joint at their control points, from angle zero on, at equal angles `(points,)` each [m].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WornRadii {
+    /// The bore, in the bushing's frame.
+    pub bushing: Vec<f64>,
+    /// The journal, in its body's frame.
+    pub journal: Vec<f64>,
+}
+
+/// A cycle as it is asked of a program.
+#[derive(Debug, Clone, Copy)]
+pub struct CycleRequest<'a> {
+    /// Cycles worn so far.
+    pub cycle: u32,
+    /// Name of the accuracy.
+    pub accuracy: &'a str,
+    /// Surfaces of every joint, by its name.
+    pub joints: &'a BTreeMap<String, WornRadii>,
+}
+
+/// A slot whose program gives cycles.
+#[derive(Debug)]
+pub struct CycleSlot {
+    setup: Arc<Setup>,
+    slot: ProgramSlot,
+}
+
+/// The life of one sample, cycle by cycle.
+#[derive(Debug)]
+pub struct CyclesOfLife<'a> {
+    slot: &'a mut CycleSlot,
+    id: u64,
+    sample: &'a [f64],
+    stop: &'a StopSignal,
+    expected: ExpectedCycle,
+    journal: Option<CycleJournal>,
+}
+
+/// The line of a request.
+#[derive(Serialize)]
+struct Line<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    id: Option<u64>,
+    cycle: u32,
+    sample: SampleByName<'a>,
+    accuracy: &'a str,
+    period: f64,
+    joints: &'a BTreeMap<String, WornRadii>,
+    outputs: Vec<&'a str>,
+}
+
+impl CycleSlot {
+    /// Slot `number` of a program.
+    pub(super) fn new(setup: Arc<Setup>, number: usize) -> Self {
+        CycleSlot { slot: ProgramSlot::new(Arc::clone(&setup), number), setup }
+    }
+
+    /// Starts a program that keeps running.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Start`].
+    pub fn start(&mut self) -> Result<(), SimulatorError> {
+        self.slot.start()
+    }
+
+    /// Name of the slot in results.
+    pub fn name(&self) -> String {
+        self.slot.name()
+    }
+
+    /// The cycles of evaluation `id` of a `sample` `(d,)`, which gives the `scene`. Replies are kept in the journal of the scene, if it has one,
+    /// under `life`, a text that stands for scene and sample.
+    ///
+    /// # Errors
+    /// The journal cannot be read or written.
+    pub fn life<'a>(
+        &'a mut self,
+        (id, sample): (u64, &'a [f64]),
+        scene: &Scene,
+        life: &str,
+        stop: &'a StopSignal,
+    ) -> Result<CyclesOfLife<'a>, SlotError> {
+        let folder = match scene.simulator.as_ref().map(|simulator| &simulator.gives) {
+            Some(Gives::Cycle(program)) => program.journal.as_deref(),
+            _ => None,
+        };
+        let open = |folder: &str| {
+            CycleJournal::open(&self.setup.folder().join(folder), life)
+                .map_err(|reason| SimulatorError::Journal { folder: folder.to_owned(), reason })
+        };
+        let journal = folder.map(open).transpose()?;
+        Ok(CyclesOfLife { slot: self, id, sample, stop, expected: ExpectedCycle::from_scene(scene), journal })
+    }
+}
+
+impl CyclesOfLife<'_> {
+    /// The reply to a request, from the journal or from the program.
+    ///
+    /// # Errors
+    /// As [`Slot::evaluate`]; a reply that does not fit the scene is [`SimulatorError::Protocol`].
+    pub fn ask(
+        &mut self,
+        request: &CycleRequest,
+    ) -> Result<Result<CycleReply, SimulationFailure>, SlotError> {
+        let CyclesOfLife { slot: CycleSlot { setup, slot }, id, stop, expected, journal, sample } = self;
+        let text = |id: Option<u64>, sample: &[f64]| {
+            let CycleRequest { cycle, accuracy, joints } = *request;
+            let sample = setup.by_name(sample);
+            let outputs = expected.outputs.iter().flatten().map(String::as_str).collect();
+            let line = Line { id, cycle, sample, accuracy, period: expected.period, joints, outputs };
+            serde_json::to_string(&line).expect("numbers by name are JSON")
+        };
+        let read = |text: &str| match expected.read(text, request.cycle) {
+            Ok(cycle) => Ok(Ok(cycle)),
+            Err(NoCycle::Failure(failure)) => Ok(Err(failure)),
+            Err(NoCycle::Fault(fault)) => Err(format!("cycle {}: {fault}", request.cycle)),
+        };
+        let key = text(None, sample);
+        if let Some(known) = journal.as_ref().and_then(|journal| journal.reply(&key)) {
+            return read(known).map_err(|fault| setup.broken(*id, fault).into());
+        }
+        let with_id = |sample: &[f64]| text(Some(*id), sample);
+        let asked = slot.ask(Request { id: *id, sample, text: &with_id }, stop, |setup, text| {
+            setup.check_id(*id, text).and_then(|()| read(text))
+        });
+        let (cycle, reply) = match asked? {
+            Ok(found) => found,
+            Err(failure) => return Ok(Err(failure)),
+        };
+        if let Some(journal) = journal {
+            let written = journal.add(&key, &reply);
+            written.map_err(|reason| SimulatorError::Journal { folder: "of the life".to_owned(), reason })?;
+        }
+        Ok(Ok(cycle))
+    }
+
+    /// The error of a reply to the cycle of this life.
+    pub fn broken(&self, fault: String) -> SlotError {
+        self.slot.setup.broken(self.id, fault).into()
+    }
+
+    /// Ends the life: its journal is not needed any more.
+    pub fn end(self) {
+        if let Some(Err(error)) = self.journal.map(CycleJournal::remove) {
+            tracing::warn!("the journal of a life cannot be removed: {error}");
+        }
+    }
+}

@@ -1,0 +1,31 @@
+"""Programs that give cycles to the wear loop of Hingewise: requests of standard input, replies on standard output.
+
+A request has the sample by name, the worn surfaces of every joint (radii at control points [m]), the cycles worn so far, the name of the
+accuracy and the period [s]; a reply the contacts of every joint over one cycle and the outputs of its motion:
+coordinator/doc/cycles.md.
+"""
+
+import json
+import sys
+
+
+def serve(cycle):
+    """Answer every request by `cycle(request)`, which returns a dictionary with `joints` and `outputs`.
+
+    An error of `cycle` is the failure of its sample.
+    """
+    for line in sys.stdin:
+        request = json.loads(line)
+        try:
+            reply = cycle(request)
+        except Exception as error:  # whatever a multibody program raises
+            reply = {"failure": f"{type(error).__name__}: {error}"}
+        print(json.dumps({"id": request["id"], **reply}), flush=True)
+
+
+def in_frame(forces, angles):
+    """Global forces `(n, 2)` [N] in a frame turned by `angles` `(n,)` [rad]: the columns of a joint."""
+    from math import cos, sin
+
+    turned = [(x * cos(a) + y * sin(a), y * cos(a) - x * sin(a)) for (x, y), a in zip(forces, angles)]
+    return {"force_x": [x for x, _ in turned], "force_y": [y for _, y in turned]}

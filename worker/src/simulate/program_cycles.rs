@@ -1,0 +1,230 @@
+//! A life whose cycles another program simulates, on the surfaces as worn so far: blocks, wear, checkpoints and stated errors are those of
+//! lives of this program's own mechanics.
+//!
+//! A cycle gives for every joint and instant the normal force F [N] of the journal on the bushing, in the bushing's frame, and the sliding
+//! speed v_t [m/s]. What the wear needs besides is the place of the contact:
+//!
+//! - with the eccentricity e [m] of the program, that and its penetration by the contact law of the joint on the surfaces of the request;
+//! - without it, the equilibrium of F on the worn surfaces: e in the direction of F, with the penetration (F / K)^(2/3) [m] at first. Under
+//!   `foundation` the wear finds the equilibrium again on every profile (`wear/conformal.rs`).
+//!
+//! The cycles of a program with ideal joints depend on no surface: one of them serves the whole life.
+//!
+//! The stated error of the wear contains what the distance of the instants leaves, besides that of wear steps, blocks and control points.
+//!
+//! # Source
+//! The loop: Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020, with a multibody
+//! program for the cycles.
+
+use super::cycle_history::FirstCycle;
+use super::finish::finish;
+use super::island_state::{IslandStart, IslandState};
+use super::life_in_blocks::simulate_life;
+use super::partial_life::CycleModel;
+use super::run::Run;
+use super::side_by_side::run_alone;
+use crate::contact::{JointForce, equivalent_penetration};
+use crate::mechanism::{Pose, WearingJoint, WearingPair, island_of_program};
+use crate::outputs::RecordingRequest;
+use crate::plane::length;
+use crate::wear::{ContactHistory, ContactInstant};
+use common::accuracy::NamedAccuracy;
+use common::external::{CycleReply, CycleRequest, CyclesOfLife, JointCycle, SlotError, WornRadii};
+use common::failure::SimulationFailure;
+use common::outputs::Evaluation;
+use common::scene::{CycleTier, Scene};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Change of the depths between two requests, as a share of the clearance, from which on equal replies show a program that ignores them [1].
+const NOTICED: f64 = 1e-3;
+
+/// Why a life has no result.
+#[derive(Debug)]
+pub enum CycleError {
+    /// A failure of the sample.
+    Failed(SimulationFailure),
+    /// The program cannot be used, or the life was stopped.
+    Slot(SlotError),
+}
+
+impl From<SimulationFailure> for CycleError {
+    fn from(failure: SimulationFailure) -> Self {
+        CycleError::Failed(failure)
+    }
+}
+
+impl From<SlotError> for CycleError {
+    fn from(error: SlotError) -> Self {
+        CycleError::Slot(error)
+    }
+}
+
+/// The life of the sample that gives `scene`, with the cycles of a program of this tier.
+///
+/// # Errors
+/// [`CycleError`].
+pub fn simulate_program_life(
+    scene: &Scene,
+    NamedAccuracy { name, accuracy }: &NamedAccuracy,
+    tier: CycleTier,
+    cycles: &mut CyclesOfLife,
+) -> Result<Evaluation, CycleError> {
+    let run = |queue| {
+        let nothing = vec![None; scene.bodies.len()];
+        let pose = Pose { time: 0.0, q: nothing.clone(), v: nothing };
+        let start = IslandStart { pose: &pose, turns: &vec![0.0; scene.bodies.len()] };
+        let island = island_of_program(scene);
+        let state = IslandState::new(island, &start, scene, &RecordingRequest::default(), accuracy);
+        Run::of_islands(queue, scene, accuracy, vec![state])
+    };
+    let answered = Answered { cycles, last: None, sampling_error: 0.0 };
+    run_alone(async |queue| {
+        let mut runs = vec![run(queue)];
+        let model = ProgramCycles { name, tier, answered: &RefCell::new(answered) };
+        model.measure(&mut runs[0], 0)?;
+        let first = model.first_cycle(&runs[0]);
+        let mut life = simulate_life(&mut runs, model).await?;
+        let share = model.answered.borrow().sampling_error;
+        let outputs = scene.outputs.iter().zip(&life.histories).zip(&mut life.errors);
+        for ((_, values), errors) in outputs.filter(|((output, _), _)| output.kind.wear().is_some()) {
+            errors.iter_mut().zip(values).for_each(|(error, value)| *error += share * value.abs());
+        }
+        Ok(finish(&runs, life, first)?)
+    })
+}
+
+/// Requests and replies of a life so far.
+struct Answered<'a, 'c> {
+    cycles: &'a mut CyclesOfLife<'c>,
+    /// The last reply, and the depths at which it was asked for, of all joints one after the other [m].
+    last: Option<(CycleReply, Vec<f64>)>,
+    /// Largest relative error of the work of a joint by the distance of the instants [1].
+    sampling_error: f64,
+}
+
+/// Cycles of a program.
+#[derive(Clone, Copy)]
+struct ProgramCycles<'m, 'a, 'c> {
+    /// Name of the accuracy.
+    name: &'m str,
+    tier: CycleTier,
+    answered: &'m RefCell<Answered<'a, 'c>>,
+}
+
+impl CycleModel for ProgramCycles<'_, '_, '_> {
+    type Error = CycleError;
+
+    async fn simulate_cycle(&self, run: &mut Run<'_>, block: &Range<u32>) -> Result<bool, CycleError> {
+        self.measure(run, block.end)?;
+        Ok(true)
+    }
+
+    fn is_probed(&self, _run: &Run, _block: Option<&Range<u32>>) -> bool {
+        false
+    }
+}
+
+impl ProgramCycles<'_, '_, '_> {
+    /// Measures the cycle of the life `cycle` [cycles] on the surfaces of the run: its contacts and outputs.
+    fn measure(&self, run: &mut Run, cycle: u32) -> Result<(), CycleError> {
+        let mut answered = self.answered.borrow_mut();
+        let Answered { cycles, last, sampling_error } = &mut *answered;
+        let [state] = &mut run.islands[..] else { unreachable!("a program has one island") };
+        let depths = state.depth.concat();
+        let reply = match last.take() {
+            Some((reply, _)) if self.tier == CycleTier::Reaction => reply,
+            before => {
+                let joints = radii(state);
+                let request = CycleRequest { cycle, accuracy: self.name, joints: &joints };
+                let reply = cycles.ask(&request)??;
+                run.simulated += 1;
+                let least =
+                    state.island.joints.iter().map(|joint| NOTICED * joint.contact.surface().clearance);
+                let least = least.fold(f64::INFINITY, f64::min);
+                if let Some((before, at)) = before
+                    && before.joints == reply.joints
+                    && at.iter().zip(&depths).any(|(before, now)| (now - before).abs() > least)
+                {
+                    let fault = format!(
+                        "cycle {cycle}: joints have the same contacts as on the surfaces before: the program ignores the radii of the \
+                         request (tier = \"reaction\" is for programs with ideal joints)"
+                    );
+                    return Err(cycles.broken(fault).into());
+                }
+                reply
+            }
+        };
+        *sampling_error = sampling_error.max(reply.sampling_error);
+        let joints = state.island.joints.iter().zip(&mut state.recorder.histories);
+        for ((joint, history), cycle) in joints.zip(&reply.joints) {
+            history.bore_mut().into_iter().for_each(|history| record(joint, cycle, history));
+        }
+        run.measured.clone_from(&reply.outputs);
+        *last = Some((reply, depths));
+        Ok(())
+    }
+
+    /// Summary of the cycle measured last.
+    fn first_cycle(&self, run: &Run) -> FirstCycle {
+        let answered = self.answered.borrow();
+        let cycles = answered.last.iter().flat_map(|(reply, _)| &reply.joints);
+        let joints: Vec<_> = run.scene.joints.iter().map(|joint| &joint.name).zip(cycles).collect();
+        let peak = |cycle: &JointCycle| cycle.force.iter().map(|force| length(*force)).fold(0.0, f64::max);
+        let free = |cycle: &JointCycle| {
+            let at = (0..cycle.time.len()).filter(|&k| cycle.force[k] == [0.0; 2]);
+            at.map(|k| weight(&cycle.time, k)).sum::<f64>() / run.scene.life.period
+        };
+        FirstCycle {
+            history: None,
+            peaks: joints.iter().map(|(name, cycle)| ((*name).clone(), peak(cycle))).collect(),
+            free_flight: joints.iter().map(|(name, cycle)| ((*name).clone(), free(cycle))).collect(),
+            energy: None,
+        }
+    }
+}
+
+/// Radii of all surfaces as worn so far, by the names of the joints.
+fn radii(state: &IslandState) -> BTreeMap<String, WornRadii> {
+    let joints = state.island.joints.iter().zip(&state.depth);
+    let of_joint = |(joint, depth): (&WearingJoint, &Vec<f64>)| {
+        let (bore, of_journal) = depth.split_at(joint.first_depths());
+        let unworn = joint.contact.surface().journal_radius;
+        let bushing = bore.iter().map(|depth| joint.profile.initial_radius() + depth).collect();
+        let mut journal: Vec<f64> = of_journal.iter().map(|depth| unworn - depth).collect();
+        journal.resize(bore.len(), unworn);
+        (joint.name.clone(), WornRadii { bushing, journal })
+    };
+    joints.map(of_joint).collect()
+}
+
+/// Weight of an instant by the trapezoidal rule: half of the steps on both sides [s].
+fn weight(time: &[f64], k: usize) -> f64 {
+    0.5 * (time[(k + 1).min(time.len() - 1)] - time[k.saturating_sub(1)])
+}
+
+/// Replaces the `history` of a joint by the contacts of a cycle.
+fn record(joint: &WearingJoint, cycle: &JointCycle, history: &mut ContactHistory) {
+    history.clear();
+    let surface = joint.contact.surface();
+    for (k, force) in cycle.force.iter().enumerate() {
+        let turn = cycle.angle.as_ref().map_or(0.0, |angle| angle[k]);
+        let normal = length(*force);
+        let mut at = ContactInstant::default();
+        if normal > 0.0 {
+            let direction = force.map(|f| f / normal);
+            let of_force = equivalent_penetration(normal, surface.stiffness);
+            let balanced = || direction.map(|u| (surface.clearance + of_force) * u);
+            let e = cycle.eccentricity.as_ref().map_or_else(balanced, |e| e[k]);
+            // By another contact law the journal may not reach the wall here.
+            let reached = cycle.eccentricity.as_ref().map(|_| joint.penetration(e, turn));
+            let penetration = reached.filter(|depth| *depth > 0.0).unwrap_or(of_force);
+            let sliding = cycle.sliding[k];
+            let contact = JointForce { normal, direction, penetration, sliding, ..JointForce::default() };
+            at = ContactInstant::new(e, &contact).turned(turn);
+        }
+        history.push(weight(&cycle.time, k), &at);
+    }
+    history.close_interval();
+}

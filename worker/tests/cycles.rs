@@ -1,0 +1,199 @@
+//! The wear loop around programs that give one cycle: this program's own mechanics as such a program, against the built-in simulator; the
+//! journal of a life; and replies that are wrong. The programs are this worker and shell scripts.
+
+use common::accuracy::Accuracy;
+use common::external::{SampleResult, Slot, SlotError, StopSignal};
+use common::outputs::Evaluation;
+use common::scene::SceneSource;
+use worker::evaluation_slots::EvaluationSlots;
+use worker::simulate::{SimulateOptions, simulate};
+
+const WORKER: &str = env!("CARGO_BIN_EXE_worker");
+
+/// The joints of the built-in four-bar, whose cycles a program gives.
+const SCENE: &str = r#"
+[scene]
+name = "four-bar-by-program"
+[simulator]
+gives = "cycle"
+PROGRAM
+[parameters]
+wear_coefficient = "1e-13 1/Pa"
+clearance = "30 um"
+[materials.steel]
+elastic_modulus = "206 GPa"
+poisson_ratio = 0.3
+[materials.bronze]
+elastic_modulus = "105 GPa"
+poisson_ratio = 0.34
+JOINTS
+[[outputs]]
+name = "max_wear_depth"
+type = "largest-wear"
+[[outputs]]
+name = "coupler_joint_speed"
+unit = "rad/s"
+[[limit_states]]
+name = "wear"
+output = "max_wear_depth"
+threshold = "8 um"
+[life]
+period = "1/15 * 1 s"
+cycles = 8000
+checkpoint_every = 1000
+[study]
+accuracy = "draft"
+[[variables]]
+name = "wear_coefficient"
+changes = ["parameters.wear_coefficient"]
+distribution = "truncated-normal"
+std = "5 %"
+[[variables]]
+name = "load_torque"
+distribution = "truncated-normal"
+mean = "-0.8 N m"
+std = "3 %"
+[[variables]]
+name = "clearance_crank"
+changes = ["joints.crank.radial_clearance"]
+distribution = "truncated-normal"
+std = "2 um"
+"#;
+
+const JOINT: &str = r#"
+[[joints]]
+name = "NAME"
+journal_radius = "4 mm"
+radial_clearance = "clearance"
+width = "10 mm"
+journal_material = "steel"
+bushing_material = "bronze"
+contact_law = "local-hertz"
+wear_coefficient = "wear_coefficient"
+"#;
+
+/// Wear coefficient, torque and clearance of the crank, off their means [1/Pa, N m, m].
+const SAMPLE: [f64; 3] = [1.04e-13, -0.83, 31e-6];
+
+/// The scene with these lines in `[simulator]`.
+fn scene(program: &str) -> SceneSource {
+    let joints = ["crank", "coupler", "rocker"].map(|name| JOINT.replace("NAME", name)).concat();
+    let text = SCENE.replace("PROGRAM", program).replace("JOINTS", &joints);
+    SceneSource::parse(&text, "four-bar-by-program.toml").unwrap_or_else(|faults| panic!("{faults}"))
+}
+
+fn evaluate(source: &SceneSource, sample: &[f64]) -> Result<SampleResult, SlotError> {
+    let slots = EvaluationSlots::open(source).unwrap().unwrap();
+    slots.slot(0).evaluate(7, sample, &StopSignal::default())
+}
+
+fn served(more: &str) -> SceneSource {
+    scene(&format!("program = [\"{WORKER}\", \"--serve-cycle\", \"four-bar\"]\n{more}"))
+}
+
+/// The same life by the built-in simulator.
+fn built_in() -> Evaluation {
+    let own = SceneSource::builtin("four-bar").unwrap();
+    let [wear_coefficient, load_torque, clearance] = SAMPLE;
+    let settings = [
+        ("wear_coefficient", wear_coefficient),
+        ("load_torque", load_torque),
+        ("clearance_crank", clearance),
+    ];
+    let sample = own.sample_with(&settings.map(|(name, value)| (name.to_owned(), value))).unwrap();
+    let scene = own.resolve_sample(&sample).unwrap();
+    simulate(&scene, &Accuracy::draft(), SimulateOptions::default()).unwrap()
+}
+
+#[test]
+fn own_mechanics_as_a_program_wear_like_the_built_in_ones() {
+    let life = evaluate(&served("tier = \"contact\""), &SAMPLE).unwrap().unwrap();
+    let own = built_in();
+    assert_eq!(life.cycles, own.cycles);
+    for (k, tolerance) in [(0, 1e-3), (1, 1e-3)] {
+        for ((found, expected), error) in life.histories[k].iter().zip(&own.histories[k]).zip(&life.errors[k])
+        {
+            eprintln!("{k} {found:e} {expected:e} {error:e} {:e}", own.errors[k][0]);
+            assert!(
+                (found - expected).abs() <= tolerance * expected,
+                "output {k}: {found}, built in {expected}"
+            );
+            assert!(*error > 0.0 && *error < 0.05 * expected);
+        }
+    }
+    for (found, expected) in life.joints.iter().zip(&own.joints) {
+        let [found, expected] = [found, expected].map(|joint| (joint.name.clone(), joint.wear_depth.clone()));
+        assert_eq!(found.0, expected.0);
+        let deepest = expected.1.iter().copied().fold(0.0, f64::max);
+        let off = found.1.iter().zip(&expected.1).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 2e-3 * deepest, "{}: {off} of {deepest}", found.0);
+    }
+}
+
+#[test]
+fn one_cycle_of_ideal_joints_serves_a_whole_life() {
+    let life = evaluate(&served("tier = \"reaction\""), &SAMPLE).unwrap().unwrap();
+    let own = built_in();
+    assert_eq!(life.diagnostics.simulated_cycles, 1);
+    let depths = life.histories[0].iter().zip(&own.histories[0]).zip(&life.errors[0]);
+    for ((found, expected), error) in depths {
+        // What the wear changes in the forces is left out.
+        assert!(
+            (found - expected).abs() <= error + 0.02 * expected,
+            "{found} +- {error}, built in {expected}"
+        );
+    }
+    assert!(life.histories[1].iter().all(|speed| *speed == life.histories[1][0]));
+}
+
+/// A program of a shell script, which may call the worker as `served`.
+fn script(text: &str, more: &str) -> SceneSource {
+    let text = format!("served() {{ {WORKER} --serve-cycle four-bar; }}\n{text}");
+    scene(&format!("program = [\"sh\", \"-c\", '''\n{text}\n''']\n{more}"))
+}
+
+#[test]
+fn a_program_that_ignores_the_surfaces_is_found_out() {
+    let repeats = script(
+        "read line; reply=$(echo \"$line\" | served); echo \"$reply\"; while read line; do echo \"$reply\"; done",
+        "tier = \"contact\"",
+    );
+    let said = evaluate(&repeats, &SAMPLE).unwrap_err().to_string();
+    assert!(said.contains("joints have the same contacts as on the surfaces before"), "{said}");
+}
+
+#[test]
+fn a_bad_reply_is_named_with_its_field() {
+    for (edit, said) in [
+        ("s/force_y/force_z/g", "cycle 0: joints.crank.force_y is missing"),
+        ("s/rocker/rocket/g", "cycle 0: joints.rocker is missing; found: coupler, crank, rocket"),
+        ("s/:7/:8/", "its id is 8, expected 7"),
+    ] {
+        let edited = script(&format!("served | sed -u {edit}"), "tier = \"contact\"");
+        let found = evaluate(&edited, &SAMPLE).unwrap_err().to_string();
+        assert!(found.contains(said), "{edit}: {found}");
+    }
+}
+
+#[test]
+fn a_life_goes_on_from_its_journal() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().display();
+    let more = format!("tier = \"contact\"\njournal = \"{path}\"");
+    let whole = evaluate(&served("tier = \"contact\""), &SAMPLE).unwrap().unwrap();
+    // Every process ends before its third reply.
+    let count = format!(
+        "while read line; do echo \"$line\" >> {path}/requests; [ $(wc -l < {path}/requests) -gt 2 ] && exit 1; echo \"$line\" | served; done"
+    );
+    let died = evaluate(&script(&count, &more), &SAMPLE).unwrap().unwrap_err().to_string();
+    assert!(died.contains("exit status: 1"), "{died}");
+    let requests = || std::fs::read_to_string(folder.path().join("requests")).unwrap().lines().count();
+    assert_eq!(requests(), 4);
+    let goes_on = format!("tee -a {path}/requests | served");
+    let life = evaluate(&script(&goes_on, &more), &SAMPLE).unwrap().unwrap();
+    assert_eq!((&life.histories, &life.errors), (&whole.histories, &whole.errors));
+    // The two replies were not asked for again, the third one by the two processes that ended.
+    assert_eq!(requests() as u64, whole.diagnostics.simulated_cycles + 2);
+    let kept = std::fs::read_dir(folder.path()).unwrap().count();
+    assert_eq!(kept, 1, "the journal of a life that has ended");
+}
