@@ -2,7 +2,7 @@
 //! journal of a life; and replies that are wrong. The programs are this worker and shell scripts.
 
 use common::accuracy::Accuracy;
-use common::external::{SampleResult, Slot, SlotError, StopSignal};
+use common::external::{SampleResult, SlotError, StopSignal};
 use common::outputs::Evaluation;
 use common::scene::SceneSource;
 use worker::evaluation_slots::EvaluationSlots;

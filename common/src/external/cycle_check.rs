@@ -1,6 +1,6 @@
 //! What a closed cycle of a joint shows about its units, its frame and its instants.
 
-use super::cycle_reply::{CycleJoint, JointCycle};
+use super::joint_cycle::{CycleJoint, JointCycle};
 use std::f64::consts::TAU;
 
 /// Part of a turn by which an angle may miss a whole number of turns over a cycle [1]: motions that have not quite settled.

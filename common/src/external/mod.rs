@@ -11,19 +11,22 @@
 //! | `working_folder` | one run of a program in a folder, with files in and out |
 //! | `program`, `umbridge` | the two kinds of simulators |
 //! | `cycle_slot`, `cycle_journal` | cycles of a program on worn surfaces; the replies of a life under way |
-//! | `cycle_reply`, `cycle_table`, `cycle_check` | one cycle as it is read, and what shows that it is wrong |
+//! | `cycle_reply`, `joint_cycle`, `cycle_table`, `cycle_check` | one cycle as it is read, and what shows that it is wrong |
 //! | `opened` | the simulator of a scene, ready to give slots |
 //! | `identity` | what a coordinator and a worker with its own program agree by |
 
 mod cycle_check;
 mod cycle_journal;
 mod cycle_reply;
+#[cfg(test)]
+mod cycle_reply_tests;
 mod cycle_slot;
 mod cycle_table;
 mod error;
 mod executable;
 mod guard;
 mod identity;
+mod joint_cycle;
 mod opened;
 mod process;
 mod program;
@@ -34,11 +37,12 @@ mod template;
 mod umbridge;
 mod working_folder;
 
-pub use cycle_reply::{CycleReply, JointCycle};
+pub use cycle_reply::CycleReply;
 pub use cycle_slot::{CycleRequest, CycleSlot, CyclesOfLife, WornRadii};
 pub use error::SimulatorError;
 pub use guard::limit_contact;
 pub use identity::SimulatorId;
+pub use joint_cycle::JointCycle;
 pub use opened::{OpenedSimulator, check};
 pub use process::kill_all;
 pub use slot::{SampleResult, Slot, SlotError, StopSignal};

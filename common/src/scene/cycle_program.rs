@@ -1,7 +1,6 @@
 //! Scenes whose simulator gives one cycle: the joints that wear, the outputs of the wear and those of the program, and the life. The bodies
 //! are those of the program, which the scene does not describe.
 
-use super::attachment::Attachment;
 use super::body_row::{BodyRow, MotionWord};
 use super::clearance::materials;
 use super::context::Range;
@@ -14,57 +13,6 @@ use super::outputs::{OutputRow, typed_output, typed_words};
 use super::quantity::TIME;
 use super::section::Section;
 use super::simulator::{checkpoints, declared_outputs};
-use serde::{Deserialize, Serialize};
-
-/// What a simulator gives in reply to a sample.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Gives {
-    /// The outputs over a whole life.
-    #[default]
-    Life,
-    /// The contacts of one cycle on the surfaces as worn so far.
-    Cycle(CycleProgram),
-}
-
-/// A program that gives cycles.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct CycleProgram {
-    /// What its cycles depend on.
-    pub tier: CycleTier,
-    /// Folder in which the replies of lives under way are kept; `None`: they are not.
-    pub journal: Option<String>,
-}
-
-/// What the cycles of a program depend on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum CycleTier {
-    /// Joints with clearance, on the surfaces of the request.
-    Contact,
-    /// Ideal joints, whose reactions depend on no surface: one cycle serves a whole life.
-    Reaction,
-}
-
-impl CycleTier {
-    /// The words of the tiers in a scene.
-    pub const WORDS: [(&'static str, CycleTier); 2] =
-        [("contact", CycleTier::Contact), ("reaction", CycleTier::Reaction)];
-}
-
-/// Reads what a simulator gives, of `[simulator]`; none if it is faulty.
-pub(super) fn gives(section: &mut Section) -> Option<Gives> {
-    let is_cycle = section.word_or("gives", &[("life", false), ("cycle", true)], false)?;
-    if !is_cycle {
-        return Some(Gives::Life);
-    }
-    if section.get("umbridge").is_some() {
-        section.inconsistent("gives", "is \"cycle\", which a UM-Bridge server cannot give: use a program");
-        return None;
-    }
-    let tier = section.word("tier", &CycleTier::WORDS);
-    let journal = section.get("journal").map(|_| section.text("journal", "a folder"));
-    let journal = journal.map_or(Some(None), |folder| folder.map(|folder| Some(folder.to_owned())));
-    Some(Gives::Cycle(CycleProgram { tier: tier?, journal: journal? }))
-}
 
 /// What a scene says about the cycles of a program, as far as it could be read.
 pub(super) struct CycleModel {
@@ -96,9 +44,6 @@ pub(super) fn cycle_model(file: &mut Section) -> CycleModel {
     CycleModel { body, joints, outputs, life }
 }
 
-/// The place of both sides of every joint, on the body that stands for the mechanism.
-pub(super) const PLACE: Attachment = Attachment { body: 0, position: [0.0; 2] };
-
 fn life(file: &mut Section) -> Option<Life> {
     let mut section = file.section("life", "a table [life] with period, cycles and checkpoint_every")?;
     let period = section.quantity("period", TIME, Range::Positive);
@@ -110,7 +55,7 @@ fn life(file: &mut Section) -> Option<Life> {
 /// Reads `[[outputs]]`: rows with a `type` are outputs of the wear, the others those of the program.
 fn outputs(file: &mut Section, joints: &[JointRow]) -> Vec<OutputRow> {
     let of_wear =
-        OutputKind::KINDS.iter().filter(|kind| kind.keys.iter().any(|key| key.form == Form::WearQuantity));
+        OutputKind::KINDS.iter().filter(|kind| kind.keys.iter().any(|key| key.form == Form::WornJoints));
     let words: Vec<_> = of_wear.flat_map(typed_words).collect();
     declared_outputs(file, |name, row| {
         if row.peek("type").is_some() {

@@ -1,9 +1,9 @@
 //! Reads joints: ideal ones between two places, and those with clearance between journal and bushing.
 
+use super::attachment::Attachment;
 use super::body_row::{BodyRow, place};
 use super::clearance::{FRICTION, MaterialRow, clearance};
 use super::context::Range;
-use super::cycle_program::PLACE;
 use super::guide::guide;
 use super::joint::{IdealFriction, Joint, JointKind};
 use super::quantity::{ANGLE, LENGTH, NUMBER, SPEED};
@@ -70,6 +70,9 @@ fn joint(
         joint.map(|((kind, friction), (journal, bushing))| Joint { name, journal, bushing, kind, friction });
     (unworn, joint)
 }
+
+/// The place of both sides of every joint, on the body that stands for the mechanism.
+const PLACE: Attachment = Attachment { body: 0, position: [0.0; 2] };
 
 /// Reads a joint with clearance whose bodies are those of a program.
 pub(super) fn worn_joint(row: &mut Section, name: &str, materials: &[MaterialRow]) -> JointRow {

@@ -7,7 +7,7 @@
 //! | layer | modules | content |
 //! |---|---|---|
 //! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
-//! | model | [`model`], `attachment`, `joint`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_output`, `wear_model`, `explained` | the types of a checked scene, all exported here |
+//! | model | [`model`], `attachment`, `gives`, `joint`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_output`, `wear_model`, `explained` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
 //! | reading | `document`, `duplicate_key`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `record`, `input` | one pass over the file that records every fault |
 //! | readers | `bodies`, `joints`, `clearance`, `key_reading`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `cycle_program`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
@@ -36,6 +36,7 @@ mod expression_error;
 mod extends;
 pub mod faults;
 mod fits;
+mod gives;
 mod guide;
 mod input;
 mod joint;
@@ -86,11 +87,11 @@ mod wear_outputs;
 pub use attachment::Attachment;
 pub use context::{Range, number_and_unit, read_quantity};
 pub use csv_file::{Cell, CsvRow, csv_rows};
-pub use cycle_program::{CycleProgram, CycleTier, Gives};
 pub use drive::{Curve, Drive, Over, Table};
 pub use explained::filled;
 pub use extends::read_input as read_text;
 pub use faults::{Fault, FaultKind, Faults, nearest};
+pub use gives::{CycleProgram, CycleTier, Gives};
 pub use input::{InputFile, read_rows};
 pub use joint::{
     Clearance, ContactDamping, ContactLaw, ControlPoints, GuideClearance, GuideWear, IdealFriction, Joint,

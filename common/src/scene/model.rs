@@ -3,8 +3,8 @@
 //! Planar, SI units, angles counter-clockwise from +x. Bodies are referred to by index into [`Scene::bodies`].
 
 use super::attachment::Attachment;
-use super::cycle_program::Gives;
 use super::drive::Drive;
+use super::gives::Gives;
 use super::joint::Joint;
 use super::load::Load;
 use super::output::Output;

@@ -2,7 +2,7 @@
 //! behind the UM-Bridge protocol. Its random variables are the inputs, its outputs and life are declared.
 
 use super::context::Range;
-use super::cycle_program::gives;
+use super::gives::gives;
 use super::limits::{CHECKPOINT_LIMIT, COUNT_LIMIT};
 use super::model::{Exchange, ExternalSimulator, FileExchange, Life, Program, SimulatorKind, UmBridgeModel};
 use super::output::{Output, OutputKind};

@@ -3,9 +3,24 @@
 
 use super::local::run_on_threads;
 use super::{EvaluateError, Evaluator, Request, RequestSource};
-use common::external::{SimulatorError, Slot, StopSignal};
+use common::external::{OpenedSimulator, SimulatorError, Slot, StopSignal};
+use common::scene::{ExternalSimulator, Scene};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+
+/// Opens the simulator of a scene, which gives whole lives, on `slots` slots; the model of a server is checked against the scene.
+///
+/// # Errors
+/// [`SimulatorError`].
+pub fn open(
+    simulator: &ExternalSimulator,
+    scene: &Scene,
+    slots: usize,
+    interrupted: Arc<AtomicBool>,
+) -> Result<Box<dyn Evaluator>, SimulatorError> {
+    let opened = OpenedSimulator::open(simulator, scene)?;
+    on_slots((0..slots).map(|number| opened.slot(number)).collect(), interrupted)
+}
 
 /// An evaluator on these slots. The first program is started here, so that a program that cannot start is reported at once.
 ///
