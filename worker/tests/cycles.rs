@@ -113,7 +113,6 @@ fn own_mechanics_as_a_program_wear_like_the_built_in_ones() {
     for (k, tolerance) in [(0, 1e-3), (1, 1e-3)] {
         for ((found, expected), error) in life.histories[k].iter().zip(&own.histories[k]).zip(&life.errors[k])
         {
-            eprintln!("{k} {found:e} {expected:e} {error:e} {:e}", own.errors[k][0]);
             assert!(
                 (found - expected).abs() <= tolerance * expected,
                 "output {k}: {found}, built in {expected}"
@@ -196,4 +195,134 @@ fn a_life_goes_on_from_its_journal() {
     assert_eq!(requests() as u64, whole.diagnostics.simulated_cycles + 2);
     let kept = std::fs::read_dir(folder.path()).unwrap().count();
     assert_eq!(kept, 1, "the journal of a life that has ended");
+}
+
+/// True if Python has these packages; else the test is skipped by their names.
+fn has_packages(what: &str, packages: &str) -> bool {
+    let import = std::process::Command::new("python3").args(["-c", &format!("import {packages}")]).output();
+    let found = import.is_ok_and(|output| output.status.success());
+    if !found {
+        eprintln!("skipped: {what}: python3 has not all of {packages}");
+    }
+    found
+}
+
+/// A folder of the Python package.
+fn python_package(inner: &str) -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../deploy/python")
+        .join(inner)
+        .canonicalize()
+        .unwrap()
+}
+
+#[test]
+fn the_four_bar_of_other_programs_wears_like_the_built_in_one() {
+    for program in ["mujoco", "exudyn"] {
+        if !has_packages("the four-bar", program) {
+            continue;
+        }
+        let path = python_package("examples/four-bar").join(format!("{program}.toml"));
+        let source = SceneSource::load(path.to_str().unwrap()).unwrap();
+        let life = evaluate(&source, &SAMPLE).unwrap().unwrap();
+        let own = built_in();
+        for ((found, expected), error) in life.histories[0].iter().zip(&own.histories[0]).zip(&life.errors[0])
+        {
+            eprintln!(
+                "{program}: {found:e} +- {error:e}, built in {expected:e}: {:+.2} %",
+                100.0 * (found / expected - 1.0)
+            );
+            // Friction, which the ideal joints have not, takes up to 2 % of the forces.
+            assert!((found - expected).abs() <= error + 0.03 * expected);
+        }
+        let speed = life.histories[1][0] / own.histories[1][0] - 1.0;
+        assert!(speed.abs() < 5e-3, "{program}: {speed}");
+    }
+}
+
+/// A slider-crank with a controlled motor, as an FMU.
+const FMU: &str = r#"
+[scene]
+name = "slider-crank-fmu"
+[simulator]
+gives = "cycle"
+tier = "reaction"
+program = ["python3", "-m", "hingewise.fmu", "SliderCrank.fmu", "pin.force_x=pin_fx", "*.force_y=*_fy", "pin.angle=pin_turn", "peak=largest(torque)"]
+[materials.steel]
+elastic_modulus = "206 GPa"
+poisson_ratio = 0.3
+[[joints]]
+name = "pin"
+journal_radius = "5 mm"
+radial_clearance = "30 um"
+width = "10 mm"
+journal_material = "steel"
+bushing_material = "steel"
+contact_law = "foundation"
+wear_coefficient = "1e-13 1/Pa"
+[[outputs]]
+name = "wear"
+type = "worn-volume"
+[[outputs]]
+name = "peak"
+unit = "N m"
+[life]
+period = "100 ms"
+cycles = 4000
+checkpoint_every = 1000
+[study]
+accuracy = "draft"
+[[variables]]
+name = "load"
+mean = 5
+std = "5 %"
+[[limit_states]]
+name = "worn"
+output = "wear"
+threshold = "1 mm^3"
+"#;
+
+#[test]
+fn an_fmu_wears_its_pin() {
+    if !has_packages("an FMU", "fmpy, pythonfmu") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let build = std::process::Command::new("python3")
+        .args(["-m", "pythonfmu", "build", "-f"])
+        .arg(python_package("tests/fmu").join("slider_crank.py"))
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(build.status.success(), "{}", String::from_utf8_lossy(&build.stderr));
+    let path = folder.path().join("fmu.toml");
+    let package = format!("program = [\"env\", \"PYTHONPATH={}\", ", python_package(".").display());
+    std::fs::write(&path, FMU.replace("program = [", &package)).unwrap();
+    let source = SceneSource::load(path.to_str().unwrap()).unwrap();
+    let life = |load| evaluate(&source, &[load]).unwrap().unwrap();
+    let (light, heavy) = (life(5.0), life(10.0));
+    // Archard: V = K F s, in proportion to the cycles.
+    let [first, .., last] = light.histories[0][..] else { panic!("four checkpoints") };
+    assert!((last / first / 4.0 - 1.0).abs() < 0.02, "{:?}", light.histories[0]);
+    // The controlled crank turns at 20 pi rad/s to some per cent.
+    let expected = 4000.0 * 1e-13 * 5e-3 * force_over_turn(5.0);
+    assert!((last / expected - 1.0).abs() < 0.08, "{last}, at constant speed {expected}");
+    assert!(heavy.histories[0][3] > 1.01 * last && heavy.histories[1][0] > 1.1 * light.histories[1][0]);
+}
+
+/// Integral over a turn of the crank at constant speed of the force on its pin over the angle in the rod's bore [N rad], under a `load` of the
+/// slider [N]: crank of 20 mm, massless rod of 80 mm, slider of 0.5 kg.
+fn force_over_turn(load: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    let (crank, rod, speed) = (0.02_f64, 0.08_f64, 20.0 * PI);
+    let parts = 2000;
+    let at = |k: i32| {
+        let (s, c) = (TAU * (f64::from(k) + 0.5) / f64::from(parts)).sin_cos();
+        let root = (rod * rod - (crank * s).powi(2)).sqrt();
+        let bent = crank * crank * (c * c - s * s) / root + crank.powi(4) * (s * c).powi(2) / root.powi(3);
+        let inertia = -0.5 * speed * speed * (crank * c + bent);
+        let cosine = root / rod;
+        ((inertia + load) / cosine).abs() * (1.0 + crank * c / rod / cosine) * TAU / f64::from(parts)
+    };
+    (0..parts).map(at).sum()
 }

@@ -8,7 +8,6 @@ use super::model::{Exchange, ExternalSimulator, FileExchange, Life, Program, Sim
 use super::output::{Output, OutputKind};
 use super::outputs::OutputRow;
 use super::quantity::TIME;
-use super::record::record;
 use super::section::Section;
 use std::path::{Component, Path};
 use toml::{Table, Value};
@@ -43,7 +42,7 @@ pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>>
     let gives = gives(&mut section);
     section.finish();
     let version = version.map(str::to_owned);
-    Some(record!(ExternalSimulator { kind: kind, timeout: timeout, version: version, gives: gives }))
+    Some((|| Some(ExternalSimulator { kind: kind?, timeout: timeout?, version: version?, gives: gives? }))())
 }
 
 fn program(section: &mut Section) -> Option<Program> {

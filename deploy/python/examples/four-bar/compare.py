@@ -11,7 +11,7 @@ import importlib
 import json
 import subprocess
 import sys
-from math import hypot
+from math import hypot, remainder, tau
 
 PERIOD = 1 / 15
 SAMPLE = {"load_torque": -0.8, "friction": 1e-9}
@@ -46,7 +46,7 @@ def compared(program, joints):
             t = reply["time"][k]
             x, y, angle = (at(own["time"], own[key], t) for key in ("force_x", "force_y", "angle"))
             forces.append(hypot(other["force_x"][k] - x, other["force_y"][k] - y))
-            angles.append(abs(other["angle"][k] - angle))
+            angles.append(abs(remainder(other["angle"][k] - angle, tau)))
         yield name, largest, peak / largest - 1, max(forces) / largest, max(angles)
 
 
