@@ -2,6 +2,9 @@
 
 use std::f64::consts::TAU;
 
+/// Largest distance of the next angle of a cycle, extrapolated from its last two, from a whole turn [rad].
+const NEARLY_WHOLE: f64 = 0.3;
+
 /// A joint as its program knows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CycleJoint {
@@ -36,7 +39,9 @@ impl JointCycle {
         if let Some(angle) = &mut self.angle {
             let n = angle.len();
             let next = angle[n - 1] + (angle[n - 1] - angle[n - 2]);
-            angle.push(angle[0] + TAU * ((next - angle[0]) / TAU).round());
+            let whole = angle[0] + TAU * ((next - angle[0]) / TAU).round();
+            // Of an angle that is not in radians the next one is kept, for the check of its turns.
+            angle.push(if (whole - next).abs() < NEARLY_WHOLE { whole } else { next });
         }
         if let Some(eccentricity) = &mut self.eccentricity {
             eccentricity.push(eccentricity[0]);

@@ -309,10 +309,7 @@ mod tests {
     fn sample_keys_keep_the_order_of_the_scene() {
         let program = Program { command: vec!["sh".into()], folder: ".".into(), exchange: Exchange::Lines };
         let setup = Setup::new(&program, 1.0, scene().nominal());
-        assert_eq!(
-            setup.line(3, &[0.5, 2.0]),
-            "{\"id\":3,\"sample\":{\"z\":0.5,\"a\":2.0},\"cycles\":[1]}\n"
-        );
+        assert_eq!(setup.line(3, &[0.5, 2.0]), "{\"id\":3,\"sample\":{\"z\":0.5,\"a\":2.0},\"cycles\":[1]}");
     }
 
     #[test]

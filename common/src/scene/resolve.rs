@@ -8,7 +8,6 @@ use super::context::{Context, Overrides};
 use super::correlations::{correlation_rows, correlations};
 use super::cycle_program::{CycleModel, cycle_model};
 use super::faults::{Fault, FaultKind, Faults};
-use super::gives::Gives;
 use super::joints::{JointRow, joints};
 use super::life::life;
 use super::limit_states::limit_states;
@@ -140,8 +139,9 @@ impl Parts {
     fn read(file: &mut Section, variables: usize) -> Self {
         let head = head(file);
         let simulator = simulator(file);
-        let gives = simulator.as_ref().map(|read| read.as_ref().map(|simulator| &simulator.gives));
-        let is_cycle = matches!(gives, Some(Some(Gives::Cycle(_))));
+        // A faulty simulator may still say that it gives cycles.
+        let gives = file.peek("simulator").and_then(|simulator| simulator.get("gives"));
+        let is_cycle = gives.and_then(toml::Value::as_str) == Some("cycle");
         let model = match simulator {
             Some(_) if is_cycle => cycles(file),
             Some(_) => external(file),
@@ -159,8 +159,9 @@ impl Parts {
     fn changes(&self) -> Changes {
         match &self.simulator {
             None => Changes::Required,
-            Some(Some(ExternalSimulator { gives: Gives::Life, .. })) => Changes::None,
-            Some(_) => Changes::Optional,
+            // The body that stands for the mechanism.
+            Some(_) if !self.model.bodies.is_empty() => Changes::Optional,
+            Some(_) => Changes::None,
         }
     }
 

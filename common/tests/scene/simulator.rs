@@ -334,18 +334,18 @@ fn joints_of_a_program_that_gives_cycles_are_read() {
 #[test]
 fn faults_of_a_program_that_gives_cycles_are_named() {
     for (from, to, said) in [
-        ("tier = \"contact\"\n", "", "simulator.tier is missing, expected one of contact, reaction"),
+        ("tier = \"contact\"\n", "", "simulator.tier: is missing, expected one of contact, reaction"),
         (
             "program = [\"mechanism\"]",
             "umbridge = \"http://h:1\"",
-            "simulator.gives is \"cycle\", which a UM-Bridge server cannot give: use a program",
+            "simulator.gives: is \"cycle\", which a UM-Bridge server cannot give: use a program",
         ),
-        ("gives = \"cycle\"", "gives = \"cycles\"", "simulator.gives = \"cycles\""),
-        ("type = \"largest-wear\"", "type = \"driving-torque\"", "outputs.depth.type = \"driving-torque\""),
-        ("type = \"clearance\"", "type = \"guide\"", "joints.pin.type = \"guide\""),
-        ("period = \"50 ms\"\n", "", "life.period is missing"),
+        ("gives = \"cycle\"", "gives = \"cycles\"", "simulator.gives: "),
+        ("type = \"largest-wear\"", "type = \"driving-torque\"", "outputs.depth.type: "),
+        ("type = \"clearance\"", "type = \"guide\"", "joints.pin.type: "),
+        ("period = \"50 ms\"\n", "", "life.period: is missing"),
         ("joints = [\"pin\"]", "joints = [\"pen\"]", "outputs.depth.joints"),
-        ("mean = \"3 N m\"\n", "", "variables.load.mean is missing"),
+        ("mean = \"3 N m\"\n", "", "variables.load.mean: is missing"),
         ("parameters.worn", "parameters.warn", "variables.wear.changes"),
     ] {
         assert!(CYCLE.contains(from), "{from}");
