@@ -1,26 +1,28 @@
 //! Reads bodies: their motion, the drives of those that are driven, their points.
 
 use super::body_row::{BodyRow, MotionWord};
+use super::clearance::MaterialRow;
 use super::context::Range;
 use super::drive::Drive;
 use super::model::{DrivenInertia, Motion, Point};
 use super::quantity::*;
 use super::record::record;
 use super::section::Section;
+use super::shape::{MassProperties, shape};
 use super::tables::{Repetition, over_time};
 
 /// Reads `[[bodies]]`; a faulty body keeps its row.
-pub(super) fn bodies(file: &mut Section) -> Vec<BodyRow> {
+pub(super) fn bodies(file: &mut Section, materials: &[MaterialRow]) -> Vec<BodyRow> {
     let words = [("fixed", MotionWord::Fixed), ("driven", MotionWord::Driven), ("free", MotionWord::Free)];
     let mut bodies = Vec::new();
     for (name, mut row) in file.rows("bodies") {
         let word = row.word("motion", &words);
+        let points = points(&mut row);
         let motion = word.and_then(|word| match word {
             MotionWord::Fixed => Some(Motion::Fixed),
-            MotionWord::Driven => driven(&mut row),
-            MotionWord::Free => free(&mut row),
+            MotionWord::Driven => driven(&mut row, &points, materials),
+            MotionWord::Free => free(&mut row, &points, materials),
         });
-        let points = points(&mut row);
         row.finish();
         bodies.push(BodyRow { name: name.to_owned(), word, motion, points });
     }
@@ -30,12 +32,20 @@ pub(super) fn bodies(file: &mut Section) -> Vec<BodyRow> {
     bodies
 }
 
-fn driven(row: &mut Section) -> Option<Motion> {
+fn driven(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Option<Motion> {
     record!(Motion::Driven {
         position: row.pair("position", LENGTH),
         drive: drive(row),
-        inertia: driven_inertia(row),
+        inertia: driven_inertia(row, points, materials),
     })
+}
+
+/// A quantity that the shape of the body gives unless it is written.
+fn or_of_shape(row: &mut Section, key: &'static str, kind: Kind, of_shape: Option<f64>) -> Option<f64> {
+    match of_shape {
+        Some(value) => row.quantity_or(key, kind, Range::Positive, value),
+        None => row.quantity(key, kind, Range::Positive),
+    }
 }
 
 /// A body is driven at a speed, constant or by a table, or at an angle by a table.
@@ -72,25 +82,38 @@ fn drive(row: &mut Section) -> Option<Drive> {
     }
 }
 
-/// Mass and moment of inertia of a driven body: both or neither.
-fn driven_inertia(row: &mut Section) -> Option<Option<DrivenInertia>> {
-    let given = ["mass", "inertia", "centre_of_mass"].map(|key| row.get(key).is_some());
-    if given == [false; 3] {
+/// Mass and moment of inertia of a driven body, or its shape: both or neither.
+fn driven_inertia(
+    row: &mut Section,
+    points: &[Point],
+    materials: &[MaterialRow],
+) -> Option<Option<DrivenInertia>> {
+    let given = ["mass", "inertia", "centre_of_mass", "shape"].map(|key| row.get(key).is_some());
+    if given == [false; 4] {
         return Some(None);
     }
+    let shape = shape(row, points, materials)?;
     let inertia = record!(DrivenInertia {
-        mass: row.quantity("mass", MASS, Range::Positive),
-        inertia: row.quantity("inertia", INERTIA, Range::Positive),
-        centre_of_mass: row.pair_or("centre_of_mass", LENGTH, [0.0; 2]),
+        mass: or_of_shape(row, "mass", MASS, shape.map(|shape| shape.mass)),
+        inertia: or_of_shape(row, "inertia", INERTIA, shape.map(|shape| shape.inertia)),
+        centre_of_mass: row.pair_or("centre_of_mass", LENGTH, shape.map_or([0.0; 2], |shape| shape.centre)),
     });
     inertia.map(Some)
 }
 
-fn free(row: &mut Section) -> Option<Motion> {
+fn free(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Option<Motion> {
+    // A faulty shape leaves its quantities open: they are then no faults as well.
+    let shape = match shape(row, points, materials) {
+        None => Some(MassProperties { mass: 1.0, inertia: 1.0, centre: [0.0; 2] }),
+        Some(shape) => shape,
+    };
     record!(Motion::Free {
-        mass: row.quantity("mass", MASS, Range::Positive),
-        inertia: row.quantity("inertia", INERTIA, Range::Positive),
-        centre_of_mass: row.pair("centre_of_mass", LENGTH),
+        mass: or_of_shape(row, "mass", MASS, shape.map(|shape| shape.mass)),
+        inertia: or_of_shape(row, "inertia", INERTIA, shape.map(|shape| shape.inertia)),
+        centre_of_mass: match shape {
+            Some(shape) => row.pair_or("centre_of_mass", LENGTH, shape.centre),
+            None => row.pair("centre_of_mass", LENGTH),
+        },
         start_position: row.pair("start_position", LENGTH),
         start_angle: row.quantity("start_angle", ANGLE, Range::Any),
         start_velocity: match row.get("start_velocity") {

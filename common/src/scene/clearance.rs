@@ -19,7 +19,13 @@ pub(super) const FRICTION: Range = Range::Within(0.0, 2.0);
 const LEAST_SPEED: f64 = 1e-3;
 
 /// Name of a material with the material; none if it is faulty.
-pub(super) type MaterialRow = (String, Option<Material>);
+pub(super) struct MaterialRow {
+    pub(super) name: String,
+    /// Elastic constants; none if they are faulty.
+    elastic: Option<Material>,
+    /// Density [kg/m^3], if it is given.
+    pub(super) density: Option<f64>,
+}
 
 /// Reads the tables `[materials.NAME]`.
 pub(super) fn materials(file: &mut Section) -> Vec<MaterialRow> {
@@ -29,8 +35,9 @@ pub(super) fn materials(file: &mut Section) -> Vec<MaterialRow> {
             elastic_modulus: section.quantity("elastic_modulus", PRESSURE, Range::Positive),
             poisson_ratio: section.quantity("poisson_ratio", NUMBER, POISSON),
         });
+        let density = section.quantity_if_any("density", DENSITY, Range::Positive).flatten();
         section.finish();
-        materials.push((name.to_owned(), material));
+        materials.push(MaterialRow { name: name.to_owned(), elastic: material, density });
     }
     materials
 }
@@ -166,8 +173,8 @@ fn bushing_radius(row: &mut Section, journal_radius: Option<f64>) -> Option<f64>
 /// Reads the name of a material under `key`.
 pub(super) fn material(row: &mut Section, key: &'static str, materials: &[MaterialRow]) -> Option<Material> {
     let name = row.text(key, "the name of a material")?;
-    let i = row.reference(key, "material", name, materials.iter().map(|(name, _)| name.as_str()))?;
-    materials[i].1
+    let i = row.reference(key, "material", name, materials.iter().map(|material| material.name.as_str()))?;
+    materials[i].elastic
 }
 
 /// Reads the dissipation of a contact.

@@ -1,8 +1,10 @@
 //! Loads and outputs in one line each, by the sentences of their tables.
 
-use super::drive::Curve;
+use super::drive::{Curve, Drive, Table};
+use super::joint::JointKind;
 use super::key_table::{Form, Key, Value};
 use super::load::Load;
+use super::mesh::{Mesh, MeshForm};
 use super::model::Scene;
 use super::output::OutputKind;
 use super::output_values::HeldInput;
@@ -23,6 +25,39 @@ impl Load {
     /// Name, kind, constants and bodies of the load in one line.
     pub fn explanation(&self, scene: &Scene) -> String {
         format!("{}: {}", self.name(), with_values(self.kind().sentence, &self.values(), scene))
+    }
+}
+
+impl JointKind {
+    /// What an ideal joint of one condition is, in words; `None` for the others.
+    pub fn coupling(&self) -> Option<String> {
+        let range = |table: &Table| {
+            let ends = [f64::INFINITY, f64::NEG_INFINITY];
+            let [low, high] = table.value.iter().fold(ends, |[low, high], value| [low.min(*value), high.max(*value)]);
+            format!("{:.3} to {:.3} mm", low * 1e3, high * 1e3)
+        };
+        Some(match self {
+            JointKind::Slot { axis } => format!("pin in a slot along {:.3} deg", axis.to_degrees()),
+            JointKind::LinearDrive(Drive::ConstantSpeed { start_angle: length, speed }) => {
+                format!("linear drive from {:.3} mm at {:.3} mm/s", length * 1e3, speed * 1e3)
+            }
+            JointKind::LinearDrive(Drive::Angle(table) | Drive::Speed { table, .. }) => {
+                format!("linear drive, {} by a table over time", range(table))
+            }
+            JointKind::Mesh(Mesh { form, radii: [a, b], .. }) => {
+                let radii = format!("{:.3} and {:.3} mm", a * 1e3, b * 1e3);
+                match form {
+                    MeshForm::Gear => format!("gear pair, pitch radii {radii}, ratio {:.6}", -a / b),
+                    MeshForm::InternalGear => format!("internal gear, pitch radii {radii}, ratio {:.6}", a / b),
+                    MeshForm::Belt => format!("belt on radii {radii}, ratio {:.6}", a / b),
+                    MeshForm::Rack => format!("rack on a wheel of pitch radius {:.3} mm", b * 1e3),
+                }
+            }
+            JointKind::Cam { direction: [x, y], lift } => {
+                format!("cam, lift {} along {:.3} deg", range(lift), y.atan2(*x).to_degrees())
+            }
+            _ => return None,
+        })
     }
 }
 

@@ -1,6 +1,8 @@
 //! Joints between bodies: ideal ones and those with clearance.
 
 use super::attachment::Attachment;
+use super::drive::{Drive, Table};
+use super::mesh::{Mesh, MeshForm};
 use serde::{Deserialize, Serialize};
 
 /// A joint between two bodies.
@@ -51,6 +53,22 @@ pub enum JointKind {
     Clearance(Clearance),
     /// A slider in a wider guide.
     Guide(GuideClearance),
+    /// The first body's point lies on a line through the second body's point; both bodies turn.
+    Slot {
+        /// Direction of the line in the second body's frame [rad].
+        axis: f64,
+    },
+    /// The distance of the two points is a given function of time [m].
+    LinearDrive(Drive),
+    /// Gear pair, rack or belt.
+    Mesh(Mesh),
+    /// The first body's point is at a distance along `direction` from the second body's that depends on the angle of the second body.
+    Cam {
+        /// Direction in the global frame `(2,)` [1].
+        direction: [f64; 2],
+        /// Distance [m] over the angle of the second body [rad]: a cubic spline.
+        lift: Table,
+    },
 }
 
 /// The word of a kind of joint, its keys of the places on its two bodies, and its key of the length on which the friction of an ideal
@@ -59,12 +77,19 @@ type JointWords = (&'static str, [&'static str; 2], Option<&'static str>);
 
 impl JointKind {
     /// The words of all kinds in a scene.
-    pub const WORDS: [JointWords; 5] = [
+    pub const WORDS: [JointWords; 12] = [
         ("revolute", ["a", "b"], Some("pin_radius")),
         ("prismatic", ["a", "b"], Some("guide_length")),
         ("fixed", ["a", "b"], None),
         ("clearance", ["journal", "bushing"], None),
         ("guide", ["slider", "guide"], None),
+        ("slot", ["a", "b"], None),
+        ("linear-drive", ["a", "b"], None),
+        ("gear", ["a", "b"], None),
+        ("internal-gear", ["a", "b"], None),
+        ("belt", ["a", "b"], None),
+        ("rack", ["a", "b"], None),
+        ("cam", ["a", "b"], None),
     ];
 
     /// The words of the kind.
@@ -75,6 +100,15 @@ impl JointKind {
             JointKind::Fixed { .. } => Self::WORDS[2],
             JointKind::Clearance(_) => Self::WORDS[3],
             JointKind::Guide(_) => Self::WORDS[4],
+            JointKind::Slot { .. } => Self::WORDS[5],
+            JointKind::LinearDrive(_) => Self::WORDS[6],
+            JointKind::Mesh(mesh) => match mesh.form {
+                MeshForm::Gear => Self::WORDS[7],
+                MeshForm::InternalGear => Self::WORDS[8],
+                MeshForm::Belt => Self::WORDS[9],
+                MeshForm::Rack => Self::WORDS[10],
+            },
+            JointKind::Cam { .. } => Self::WORDS[11],
         }
     }
 

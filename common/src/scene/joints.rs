@@ -4,11 +4,18 @@ use super::attachment::Attachment;
 use super::body_row::{BodyRow, place};
 use super::clearance::{FRICTION, MaterialRow, clearance};
 use super::context::Range;
+use super::couplings::{cam, linear_drive, mesh};
+use super::faults::FaultKind;
 use super::guide::guide;
 use super::joint::{IdealFriction, Joint, JointKind};
+use super::mesh::MeshForm;
 use super::quantity::{ANGLE, LENGTH, NUMBER, SPEED};
 use super::record::record;
 use super::section::Section;
+use toml::Table;
+
+/// Table of the keys of all joints with clearance that do not have their own.
+const DEFAULTS: &str = "joint_defaults";
 
 /// A joint while its scene is read; a faulty one keeps its name, so that references to it are found.
 pub(super) struct JointRow {
@@ -22,10 +29,27 @@ pub(super) struct JointRow {
 /// Reads `[[joints]]`; a faulty joint keeps its row.
 pub(super) fn joints(file: &mut Section, bodies: &[BodyRow], materials: &[MaterialRow]) -> Vec<JointRow> {
     let mut joints = Vec::new();
+    let defaults = match file.get(DEFAULTS) {
+        Some(value) if !value.is_table() => {
+            file.wrong_type(DEFAULTS, value, "a table of keys of joints with clearance");
+            None
+        }
+        value => value.and_then(toml::Value::as_table),
+    };
+    let mut known: Vec<&'static str> = Vec::new();
     for (name, mut row) in file.rows("joints") {
+        if row.peek("type").and_then(toml::Value::as_str) == Some("clearance") {
+            row.with_defaults(defaults);
+        }
         let (unworn, joint) = joint(&mut row, name, bodies, materials);
         row.finish();
+        if defaults.is_some() {
+            known.extend(row.known());
+        }
         joints.push(JointRow { name: name.to_owned(), unworn, joint });
+    }
+    for key in defaults.into_iter().flat_map(Table::keys).filter(|key| !known.contains(&key.as_str())) {
+        file.fault(&format!("{DEFAULTS}.{key}"), FaultKind::unknown_key(key, known.iter().copied()));
     }
     if joints.is_empty() {
         file.missing("joints", "at least one joint, [[joints]]");
@@ -42,6 +66,8 @@ fn joint(
     let words = JointKind::WORDS.map(|words| (words.0, words));
     let Some((word, [first, second], size)) = row.word("type", &words) else { return (None, None) };
     let mut unworn = Some("is ideal");
+    let (journal, bushing) = (place(row, first, bodies), place(row, second, bodies));
+    let places = journal.zip(bushing).map(<[Attachment; 2]>::from);
     let mut angle = |key| row.quantity_or(key, ANGLE, Range::Any, 0.0);
     let kind = match word {
         "revolute" => Some(JointKind::Revolute),
@@ -52,12 +78,18 @@ fn joint(
             unworn = (wears == Some(false)).then_some("has wear = false");
             clearance(row, materials, wears == Some(true), true).map(JointKind::Clearance)
         }
+        "slot" => angle("axis").map(|axis| JointKind::Slot { axis }),
+        "linear-drive" => linear_drive(row).map(JointKind::LinearDrive),
+        "gear" => mesh(row, MeshForm::Gear, bodies, places).map(JointKind::Mesh),
+        "internal-gear" => mesh(row, MeshForm::InternalGear, bodies, places).map(JointKind::Mesh),
+        "belt" => mesh(row, MeshForm::Belt, bodies, places).map(JointKind::Mesh),
+        "rack" => mesh(row, MeshForm::Rack, bodies, places).map(JointKind::Mesh),
+        "cam" => cam(row, bodies, places).map(|(direction, lift)| JointKind::Cam { direction, lift }),
         _ => {
             unworn = row.peek("wears").is_none().then_some("is a guide without the key wears");
             guide(row, materials).map(JointKind::Guide)
         }
     };
-    let (journal, bushing) = (place(row, first, bodies), place(row, second, bodies));
     let friction = size.map_or(Some(None), |size| friction(row, size));
     if let (Some(journal), Some(bushing)) = (journal, bushing)
         && journal.body == bushing.body

@@ -4,6 +4,8 @@ use super::body_row::{BodyRow, MotionWord};
 use super::context::Range;
 use super::drive::{Curve, Drive, Over};
 use super::faults::{FaultKind, in_first_unit};
+use super::joint::JointKind;
+use super::joints::JointRow;
 use super::limits::{CHECKPOINT_LIMIT, COUNT_LIMIT};
 use super::load::Load;
 use super::model::{Life, Motion};
@@ -28,16 +30,18 @@ const WHOLE_TURN: f64 = 1e-6;
 pub(super) fn life(
     file: &mut Section,
     bodies: &[BodyRow],
+    joints: &[JointRow],
     loads: &[Load],
     outputs: &[OutputRow],
 ) -> Option<Life> {
+    let strokes = strokes(joints);
     let mut section = file.section("life", "a table [life] with cycles and checkpoint_every")?;
     let written = section.get("period").and_then(Value::as_str);
     let turning = written.and_then(|text| text.trim().strip_prefix(TURN_OF));
     let period = match (turning, section.peek("period")) {
         (Some(name), _) => turn(&section, name.trim(), bodies),
         (None, Some(_)) => section.quantity("period", TIME, Range::Positive).map(|period| (period, None)),
-        (None, None) => period_of_drive(&section, bodies).map(|period| (period, None)),
+        (None, None) => period_of_drive(&section, bodies, &strokes).map(|period| (period, None)),
     };
     let cycles = section.integer("cycles", 1..=COUNT_LIMIT, None);
     let every = section.integer("checkpoint_every", 1..=COUNT_LIMIT, None);
@@ -67,6 +71,7 @@ pub(super) fn life(
     // A motion seen once may be cut anywhere.
     if !life.is_single_cycle() {
         check_drives(&section, period, bodies);
+        strokes.iter().for_each(|(name, drive)| check_stroke(&section, period, name, drive));
         check_curves(&section, period, loads, outputs);
     }
     Some(life)
@@ -102,13 +107,46 @@ fn turn(life: &Section, name: &str, bodies: &[BodyRow]) -> Option<(f64, Option<u
     }
 }
 
-/// One turn, or one repetition of the table, of the only driven body.
-fn period_of_drive(life: &Section, bodies: &[BodyRow]) -> Option<f64> {
+/// Linear drives with their names.
+fn strokes(joints: &[JointRow]) -> Vec<(&str, &Drive)> {
+    let joints = joints.iter().filter_map(|row| Some((row.name.as_str(), &row.joint.as_ref()?.kind)));
+    joints
+        .filter_map(|(name, kind)| match kind {
+            JointKind::LinearDrive(drive) => Some((name, drive)),
+            _ => None,
+        })
+        .collect()
+}
+
+/// Checks that a linear drive repeats a whole number of times per cycle.
+fn check_stroke(life: &Section, period: f64, name: &str, drive: &Drive) {
+    let key = format!("joints.{name}.length");
+    match drive {
+        Drive::Angle(table) if table.repeat => {
+            if repetitions(period, span(table)).is_none() {
+                does_not_fit(life, period, &key, span(table));
+            }
+        }
+        _ => {
+            let message =
+                format!("does not repeat, but the cycles follow each other: write a table that repeats, or see it once{ONCE}");
+            life.cx.inconsistent(key, message);
+        }
+    }
+}
+
+/// One turn, or one repetition of the table, of the only driven body, or of the only linear drive of a scene without one.
+fn period_of_drive(life: &Section, bodies: &[BodyRow], strokes: &[(&str, &Drive)]) -> Option<f64> {
     // A body without a valid motion may be a driven one; its own fault comes first.
     if bodies.iter().any(|body| body.word.is_none()) {
         return None;
     }
     let driven: Vec<_> = bodies.iter().filter(|body| body.word == Some(MotionWord::Driven)).collect();
+    if let ([], [(_, Drive::Angle(table))]) = (&driven[..], strokes)
+        && table.repeat
+    {
+        return Some(span(table));
+    }
     let expected = match driven[..] {
         [body] => match repeats_every(body.drive()?) {
             Some(period) => return Some(period),

@@ -31,6 +31,62 @@ elements! {
     }
     "spring of {stiffness}, {damping} between {a} and {b}, slack at {free_length}"
 
+    /// End stop between two points: where their distance l is shorter, with delta = shortest - l, they are pushed apart by
+    /// stiffness delta (1 + dissipation d delta/dt), never pulled.
+    "end-stop" ("{stiffness}") => EndStop {
+        /// Name, unique in its scene.
+        name: String = Form::Name,
+        /// Place of one end.
+        a: Attachment = Form::Place,
+        /// Place of the other end, on another body.
+        b: Attachment = Form::Place,
+        /// Distance at which contact begins [m].
+        shortest: f64 = Form::Number(LENGTH, Range::Positive),
+        /// Force per length [N/m].
+        stiffness: f64 = Form::Number(STIFFNESS, Range::NonNegative),
+        /// Dissipation per speed of approach [s/m].
+        dissipation: f64 = Form::NumberOr(INVERSE_SPEED, Range::NonNegative, 0.0),
+    }
+    "end stop of {stiffness}, dissipation {dissipation} between {a} and {b}, from {shortest} down"
+
+    /// Rope or stop between two points: where their distance l is longer, with delta = l - longest, they are pulled together by
+    /// stiffness delta (1 + dissipation d delta/dt), never pushed.
+    "rope" ("{stiffness}") => Rope {
+        /// Name, unique in its scene.
+        name: String = Form::Name,
+        /// Place of one end.
+        a: Attachment = Form::Place,
+        /// Place of the other end, on another body.
+        b: Attachment = Form::Place,
+        /// Distance at which it is taut [m].
+        longest: f64 = Form::Number(LENGTH, Range::Positive),
+        /// Force per length [N/m].
+        stiffness: f64 = Form::Number(STIFFNESS, Range::NonNegative),
+        /// Dissipation per speed of lengthening [s/m].
+        dissipation: f64 = Form::NumberOr(INVERSE_SPEED, Range::NonNegative, 0.0),
+    }
+    "rope of {stiffness}, dissipation {dissipation} between {a} and {b}, taut from {longest} on"
+
+    /// End stops of the angle between two bodies, phi = angle_a - angle_b: beyond either, with delta the angle beyond it, the torque
+    /// stiffness delta (1 + dissipation d delta/dt) turns them back, never on.
+    "angle-stop" ("{stiffness}") => AngleStop {
+        /// Name, unique in its scene.
+        name: String = Form::Name,
+        /// First of the two bodies.
+        a: usize = Form::Body,
+        /// Second of the two bodies.
+        b: usize = Form::Body,
+        /// Angle of a minus that of b at the lower stop [rad].
+        lower: f64 = Form::Number(ANGLE, Range::Any),
+        /// Angle of a minus that of b at the upper stop, above the lower one [rad].
+        upper: f64 = Form::Number(ANGLE, Range::Any),
+        /// Torque per angle [N m/rad].
+        stiffness: f64 = Form::Number(TORSIONAL_STIFFNESS, Range::NonNegative),
+        /// Dissipation per angular velocity of approach, in seconds per radian [s].
+        dissipation: f64 = Form::NumberOr(TIME, Range::NonNegative, 0.0),
+    }
+    "angle stops of {stiffness}, dissipation {dissipation} between {a} and {b}, at {lower} and {upper}"
+
     /// Spring acting along a fixed direction d on a point p of a body against an anchor point a of another:
     /// with y = d . (p - a), the force on p is -stiffness (y - free_length) d, and its opposite acts on a.
     "directional-spring" ("{stiffness}") => DirectionalSpring {

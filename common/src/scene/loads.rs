@@ -29,6 +29,9 @@ fn check(row: &Section, keys: &[Key], values: &[Option<Value>]) -> Option<()> {
     let contradiction = match (value("a"), value("b")) {
         (Some(Value::Place(a)), Some(Value::Place(b))) if a.body == b.body => "a and b are on the same body",
         (Some(Value::Body(a)), Some(Value::Body(b))) if a == b => "a and b are the same body",
+        _ if value("upper").is_some() && value("lower").is_some() && number("lower") >= number("upper") => {
+            "lower is not below upper"
+        }
         _ if number("stall_torque") * number("no_load_speed") < 0.0 => {
             "stall_torque and no_load_speed have opposite signs: the torque would grow with the speed"
         }

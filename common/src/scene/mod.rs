@@ -7,10 +7,10 @@
 //! | layer | modules | content |
 //! |---|---|---|
 //! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
-//! | model | [`model`], `attachment`, `gives`, `joint`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_output`, `wear_model`, `explained` | the types of a checked scene, all exported here |
+//! | model | [`model`], `attachment`, `gives`, `joint`, `mesh`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_output`, `wear_model`, `explained` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
 //! | reading | `document`, `duplicate_key`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `record`, `input` | one pass over the file that records every fault |
-//! | readers | `bodies`, `joints`, `clearance`, `key_reading`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `cycle_program`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
+//! | readers | `bodies`, `shape`, `joints`, `couplings`, `clearance`, `key_reading`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `cycle_program`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
 //! | whole | `resolve`, `conditioned`, `merge`, `edit`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`], `setting` | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples; values set by name |
 
 mod attachment;
@@ -22,6 +22,7 @@ mod conditioned;
 mod conditions;
 mod context;
 mod correlations;
+mod couplings;
 mod csv_file;
 mod csv_import;
 mod cycle_program;
@@ -53,6 +54,7 @@ mod location;
 mod magnitudes;
 mod measured;
 mod merge;
+mod mesh;
 pub mod model;
 #[cfg(test)]
 mod model_tests;
@@ -72,6 +74,7 @@ mod reference;
 mod resolve;
 mod section;
 mod setting;
+mod shape;
 mod simulator;
 pub mod source;
 mod tables;
@@ -102,6 +105,7 @@ pub use limits::VALUE_LIMIT;
 pub use load::Load;
 pub use location::Location;
 pub use measured::MeasuredVariable;
+pub use mesh::{Mesh, MeshForm};
 pub use model::{
     Body, Condition, DrivenInertia, Exchange, ExternalSimulator, Fails, FileExchange, Life, LimitState,
     Motion, Point, Program, Scene, SimulatorKind, StudySettings, UmBridgeModel,

@@ -37,6 +37,19 @@ pub fn cubic_integral(h: f64, [y0, y1]: [f64; 2], [d0, d1]: [f64; 2]) -> f64 {
     h * (0.5 * (y0 + y1) + h * (d0 - d1) / 12.0)
 }
 
+/// Value of the monotone cubic of `table` at `x`: periodic where it repeats, else its end values outside it.
+pub fn monotone_value(table: &Table, x: f64) -> f64 {
+    let (slope, last) = (monotone_slopes(table), table.at.len() - 1);
+    let [from, to] = [table.at[0], table.at[last]];
+    let x = if table.repeat { from + (x - from).rem_euclid(to - from) } else { x.clamp(from, to) };
+    let k = table.at.partition_point(|at| *at <= x).clamp(1, last) - 1;
+    let h = table.at[k + 1] - table.at[k];
+    let s = (x - table.at[k]) / h;
+    let (y0, y1) = (table.value[k], table.value[k + 1]);
+    let (d0, d1) = (h * slope[k], h * slope[k + 1]);
+    y0 + s * (d0 + s * (3.0 * (y1 - y0) - 2.0 * d0 - d1 + s * (2.0 * (y0 - y1) + d0 + d1)))
+}
+
 /// Integral of the monotone cubic of `table` from its first argument to its last.
 pub fn monotone_integral(table: &Table) -> f64 {
     let slope = monotone_slopes(table);
@@ -59,6 +72,9 @@ mod tests {
 
     #[test]
     fn the_integral_is_that_of_the_cubic_between_the_points() {
+        let rise = Table { at: vec![0.0, 1.0, 2.0], value: vec![0.0, 0.0, 4.0], repeat: false };
+        let values = [-1.0, 0.5, 1.5, 2.0, 3.0].map(|x| monotone_value(&rise, x));
+        assert_eq!(values, [0.0, 0.0, 2.0, 4.0, 4.0]);
         // A straight line, and a rise between two level pieces: half of it by symmetry.
         let table = |at: &[f64], value: &[f64]| Table { at: at.into(), value: value.into(), repeat: false };
         assert!((monotone_integral(&table(&[0.0, 1.0, 3.0], &[2.0, 2.0, 2.0])) - 6.0).abs() < 1e-15);

@@ -216,6 +216,7 @@ kinds! {
     INVERSE_PRESSURE "an inverse pressure" (-1 1 2) "1/Pa, mm^2/N" "1/Pa" Open;
     INVERSE_SPEED "an inverse speed" (0 -1 1) "s/m" "s/m" Open;
     AREA "an area" (0 2 0) "mm^2, m^2" "m^2" Open;
+    DENSITY "a density" (1 -3 0) "kg/m^3, g/cm^3" "kg/m^3" Open;
     VOLUME "a volume" (0 3 0) "mm^3, m^3" "m^3" Open;
 }
 

@@ -209,13 +209,13 @@ struct Model {
 
 /// Reads a mechanism.
 fn mechanism(file: &mut Section) -> Model {
-    let bodies = bodies(file);
     let materials = materials(file);
+    let bodies = bodies(file, &materials);
     let joints = joints(file, &bodies, &materials);
     let loads = loads(file, &bodies);
     let gravity = file.pair_or("gravity", ACCELERATION, [0.0; 2]);
     let outputs = outputs(file, &bodies, &joints);
-    let life = life(file, &bodies, &loads, &outputs);
+    let life = life(file, &bodies, &joints, &loads, &outputs);
     let read = joints.iter().filter_map(|row| row.joint.as_ref());
     let wear = wear_model(file, read);
     Model { bodies, joints, loads, gravity, outputs, wear, life }

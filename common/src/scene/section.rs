@@ -8,6 +8,9 @@ use super::quantity_list::quantity_list;
 use std::ops::RangeInclusive;
 use toml::{Table, Value};
 
+/// Pairs of keys of which a table has one.
+const EITHER: [[&str; 2]; 1] = [["radial_clearance", "bushing_radius"]];
+
 /// A table with its path, and the context of the pass that reads it.
 pub struct Section<'s> {
     /// State of the pass.
@@ -15,6 +18,8 @@ pub struct Section<'s> {
     /// Path of the table, e.g. `joints.1`; empty for the whole file.
     pub(super) path: String,
     table: &'s Table,
+    /// Table with the values of keys that this one does not have.
+    defaults: Option<&'s Table>,
     /// Keys that this table may have, as far as they were read.
     known: Vec<&'static str>,
     /// True if the type of the table is unknown, and with it the keys that it may have.
@@ -24,7 +29,7 @@ pub struct Section<'s> {
 /// Keys and faults.
 impl<'s> Section<'s> {
     pub(super) fn new(cx: &'s Context<'s>, path: impl Into<String>, table: &'s Table) -> Self {
-        Section { cx, path: path.into(), table, known: Vec::new(), given_up: false }
+        Section { cx, path: path.into(), table, defaults: None, known: Vec::new(), given_up: false }
     }
 
     /// Path of a key of this table.
@@ -107,12 +112,28 @@ impl<'s> Section<'s> {
         if !self.known.contains(&key) {
             self.known.push(key);
         }
-        self.table.get(key)
+        self.peek(key)
     }
 
     /// The value of a key that need not become a known one.
     pub(super) fn peek(&self, key: &str) -> Option<&'s Value> {
-        self.table.get(key)
+        self.table.get(key).or_else(|| self.defaults?.get(key).filter(|_| !self.excludes(key)))
+    }
+
+    /// True if the table has the other key of a pair of which a row has one, so that there is no default for this one.
+    fn excludes(&self, key: &str) -> bool {
+        let other = EITHER.iter().find(|pair| pair.contains(&key)).map(|pair| pair[usize::from(pair[0] == key)]);
+        other.is_some_and(|other| self.table.contains_key(other))
+    }
+
+    /// Takes the values of keys that this table does not have from another one.
+    pub(super) fn with_defaults(&mut self, defaults: Option<&'s Table>) {
+        self.defaults = defaults;
+    }
+
+    /// Keys that this table may have, as far as they were read.
+    pub(super) fn known(&self) -> &[&'static str] {
+        &self.known
     }
 
     fn require(&mut self, key: &'static str, expected: impl FnOnce() -> String) -> Option<&'s Value> {

@@ -90,6 +90,34 @@ fn joints() {
     let JointKind::Prismatic { axis, angle } = guide.kind else { panic!() };
     same(&[axis, angle], &[PI / 12.0, -PI / 9.0]);
     assert_eq!(joint(&scene, "plain_guide").kind, JointKind::Prismatic { axis: 0.0, angle: 0.0 });
+    assert_eq!(joint(&scene, "yoke").kind, JointKind::Slot { axis: 0.5 * PI });
+    let JointKind::LinearDrive(Drive::Angle(stroke)) = &joint(&scene, "cylinder").kind else { panic!() };
+    same_table(stroke, &[0.0, 0.05, 0.1], &[0.03, 0.034, 0.03], true);
+    let mesh = |name: &str| match &joint(&scene, name).kind {
+        JointKind::Mesh(mesh) => mesh.clone(),
+        other => panic!("{other:?}"),
+    };
+    // Velocities of both pitch circles where they touch are equal along the line of action: outside, inside and by a strand.
+    let (pair, ring, strap) = (mesh("pair"), mesh("ring"), mesh("strap"));
+    let cos = (-PI / 7.2).cos();
+    same(&pair.arms, &[0.015 * cos, 0.005 * cos]);
+    same(&ring.arms, &[-0.015 * (PI / 9.0).cos(), 0.025 * (PI / 9.0).cos()]);
+    same(&strap.arms, &[-0.005, 0.01]);
+    // The slider lies below the axis of the rack, which is turned by 15 deg: its wheel moves it along the axis.
+    same(&mesh("toothed_rod").arms, &[0.0, -0.012 * (PI / 9.0).cos()]);
+    let JointKind::Cam { direction, lift } = &joint(&scene, "follower").kind else { panic!() };
+    assert!(direction[0].abs() < 1e-15 && direction[1] == -1.0);
+    same_table(lift, &[0.0, PI / 1.5, TAU], &[0.02, 0.025, 0.02], true);
+    let stop = Load::AngleStop {
+        name: "hinge_stop".to_owned(),
+        a: body(&scene, "rod"),
+        b: body(&scene, "frame"),
+        lower: -PI / 1.8,
+        upper: PI / 1.8,
+        stiffness: 20.0,
+        dissipation: 0.1,
+    };
+    assert_eq!(scene.loads.iter().find(|load| load.name() == "hinge_stop"), Some(&stop));
     let JointKind::Fixed { angle } = joint(&scene, "weld").kind else { panic!() };
     same(&[angle], &[PI / 2.0]);
 }
@@ -142,21 +170,7 @@ fn clearances() {
 #[test]
 fn loads() {
     let scene = scene();
-    let load = |name: &str| {
-        let of = |load: &&Load| match load {
-            Load::DirectionalSpring { name, .. }
-            | Load::ConstantForce { name, .. }
-            | Load::ConstantTorque { name, .. }
-            | Load::Spring { name, .. }
-            | Load::TorsionSpring { name, .. }
-            | Load::VariableForce { name, .. }
-            | Load::VariableTorque { name, .. }
-            | Load::Motor { name, .. }
-            | Load::Drag { name, .. }
-            | Load::RotationalDrag { name, .. } => name.clone(),
-        };
-        scene.loads.iter().find(|load| of(load) == name).unwrap().clone()
-    };
+    let load = |name: &str| scene.loads.iter().find(|load| load.name() == name).unwrap().clone();
     let named = str::to_owned;
     let (rod, slider) = (body(&scene, "rod"), body(&scene, "slider"));
     let (far, pin) = (place(&scene, "rod", [0.02, 0.0]), place(&scene, "slider", [0.0, 0.0]));

@@ -1,13 +1,14 @@
 //! `coordinator check`: every fault and warning of a scene with its place, for people and for editors.
 
-use super::draw::{check_picture, write_drawing};
+use super::draw::{check_picture, look};
 use super::error::CommandError;
 use super::external;
 use super::measured::{MeasuredFinding, measured_findings};
+use super::model::Model;
 use super::nominal::{nominal_check, nominal_evaluation};
 use super::output::{count, print, to_json};
 use super::scenes::check_linkage;
-use super::shared::Verbosity;
+use super::shared::{SetArguments, Verbosity};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::external::SimulatorId;
@@ -36,13 +37,15 @@ fn finding_of_fault(fault: &Fault) -> Value {
 }
 
 pub const EXAMPLES: &str = "\
-Faults and warnings are printed with their line and key; warnings are no faults. The nominal mechanism is simulated until every limit \
-is passed, without --accuracy as coarsely as a first look allows.
+Faults and warnings are printed with their line and key; warnings are no faults. What is known of the linkage, its loads and the cost is \
+printed at once. Then the nominal mechanism is simulated until every limit is passed by more than its error, without --accuracy as coarsely as \
+a first look allows.
 
 Examples:
   coordinator check my.toml
   coordinator check my.toml --quick
   coordinator check my.toml --draw my.svg
+  coordinator check my.toml --set parameters.crank='25 mm' --accuracy balanced
   coordinator check my.toml --json";
 
 /// Arguments of `coordinator check`.
@@ -50,7 +53,9 @@ Examples:
 pub struct CheckArguments {
     /// Scene file, or name of a built-in scene
     pub file: String,
-    /// Write a drawing of the mechanism, as SVG
+    #[command(flatten)]
+    pub set: SetArguments,
+    /// Write a drawing of the mechanism, as SVG, and its loads that vary, over the angle of the crank, to FILE-loads.svg
     #[arg(long, value_name = "FILE.svg")]
     pub draw: Option<PathBuf>,
     /// Check text and linkage only: simulate no life
@@ -62,40 +67,51 @@ pub struct CheckArguments {
 }
 
 /// Checks a scene: its text, its bounds, the ideal linkage through a whole cycle and the nominal mechanism against its limits, or that
-/// its program exists. Unused parameters and warnings are listed but are no fault. As JSON, faults are printed too.
+/// its program exists. Unused parameters and warnings are listed but are no fault. What is known without a simulation of the life is printed
+/// before it begins. As JSON, faults are printed too.
 ///
 /// # Errors
 /// [`CommandError::Scene`] with all faults, the errors of [`check_linkage`], [`CommandError::Simulator`], or
 /// [`CommandError::Simulation`] if the nominal mechanism cannot be simulated.
 pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    let CheckArguments { file, draw, quick, accuracy } = arguments;
-    let (drawing, as_json) = (draw.as_deref(), verbosity.json);
-    check_picture(drawing)?;
-    let checked = valid_scene(file).and_then(|source| {
-        drawing.map_or(Ok(()), |drawing| write_drawing(&source, drawing))?;
-        let failed = |failure| CommandError::of_simulation(source.origin(), source.nominal(), failure);
-        if *quick {
-            return Ok((source, None));
-        }
-        let accuracy = accuracy.as_ref().map(|named| &named.accuracy);
-        let cycles = with_separators(source.nominal().life.cycles.into());
-        let doing = format!(
-            "{file}: the text is valid and the linkage closes (--quick stops here); simulating {cycles} cycles, or until every limit \
-             is passed"
-        );
-        let evaluation = while_waiting(verbosity.quiet, doing, || nominal_evaluation(source.nominal(), accuracy));
-        let evaluation = evaluation.map_err(failed)?;
-        Ok((source, evaluation))
-    });
-    if let (Err(error), true) = (&checked, as_json) {
+    let file = &arguments.file;
+    check_picture(arguments.draw.as_deref())?;
+    let checked = run(arguments, verbosity);
+    if let (Err(error), true) = (&checked, verbosity.json) {
         let findings: Vec<Value> = match error {
             CommandError::Scene(faults) => faults.0.iter().map(finding_of_fault).collect(),
             error => vec![finding(file, None, "", &error.to_string())],
         };
         print(&to_json(&json!({ "file": file, "valid": false, "faults": findings }))?)?;
     }
-    let (source, evaluation) = checked?;
+    checked
+}
+
+fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+    let CheckArguments { file, set, draw, quick, accuracy } = arguments;
+    let at_once = |text: &str| if verbosity.json { Ok(()) } else { print(text) };
+    let source = valid_scene(file, set)?;
     let scene = source.nominal();
+    at_once(&format!("{file}: valid; {}\n", counts(scene)))?;
+    let is_mechanism = scene.simulator.is_none();
+    let (loads, drawings) =
+        if is_mechanism { look(&source, draw.as_deref())? } else { (vec![], vec![]) };
+    at_once(&loads.iter().map(|line| format!("{line}\n")).collect::<String>())?;
+    let mut cost = None;
+    if is_mechanism && !quick {
+        let of_study = accuracy.as_ref().unwrap_or(&scene.accuracy);
+        cost = Model::new(scene, of_study).expected();
+        at_once(&cost.iter().map(|cost| format!("cost: {cost}\n")).collect::<String>())?;
+    }
+    let evaluation = if *quick {
+        None
+    } else {
+        let cycles = with_separators(scene.life.cycles.into());
+        let doing = format!("simulating {cycles} cycles, or until every limit is passed");
+        let given = accuracy.as_ref().map(|named| &named.accuracy);
+        while_waiting(verbosity.quiet, doing, |say| nominal_evaluation(scene, given, say))
+            .map_err(|failure| CommandError::of_simulation(source.origin(), scene, failure))?
+    };
     let unused = source.unused_parameters();
     let mut warnings = source.warnings();
     let last =
@@ -104,12 +120,13 @@ pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), Com
     warnings.extend(of_limits);
     let measured = measured_findings(&source);
     warnings.extend(measured.iter().filter_map(MeasuredFinding::warning));
-    if as_json {
+    if verbosity.json {
         let findings = warnings.iter().map(|Warning { key, message }| {
             let place = source.location(key);
             finding(place.as_ref().map_or(file, |place| &place.file), place.as_ref(), key, message)
         });
         return print(&to_json(&json!({ "file": file, "scene": scene.name, "valid": true, "faults": [],
+                                       "cost": cost, "loads": loads,
                                        "nominal": lives.iter().map(NominalLife::to_json).collect::<Value>(),
                                        "measured": measured, "unused_parameters": unused,
                                        "warnings": findings.collect::<Value>() }))?);
@@ -121,27 +138,28 @@ pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), Com
         format!("{place}: warning: {key}: {message}\n")
     });
     let unworn = lives.iter().filter(|life| life.reached == Reached::FromTheStart);
-    let verdict = match unworn.map(|life| life.limit.name.as_str()).collect::<Vec<_>>().as_slice() {
-        [] => "valid".to_owned(),
-        names => format!("valid, but the nominal mechanism fails unworn by {}", names.join(" and ")),
+    let mut text = match unworn.map(|life| life.limit.name.as_str()).collect::<Vec<_>>().as_slice() {
+        [] => String::new(),
+        names => format!("the nominal mechanism fails unworn by {}\n", names.join(" and ")),
     };
-    let lives = lives.iter().map(|life| format!("nominal {}", life.line(last)));
-    let (mut lives, lines): (String, String) = (lives.collect(), lines.collect());
-    if *quick && scene.simulator.is_none() {
-        lives.push_str("its life was not simulated (--quick)\n");
+    text.extend(lives.iter().map(|life| format!("nominal {}", life.line(last))));
+    if *quick && is_mechanism {
+        text.push_str("its life was not simulated (--quick)\n");
     }
-    let measured: String = measured.iter().map(MeasuredFinding::lines).collect();
-    let look = match (&scene.simulator, drawing) {
-        (_, Some(drawing)) => format!("drawing: {}\n", drawing.display()),
-        (None, None) => format!("To see it: coordinator draw {file}\n"),
-        (Some(simulator), None) => format!("identity for workers: {}\n", SimulatorId::new(simulator, scene)),
-    };
-    print(&format!("{file}: {verdict}; {}\n{lives}{measured}{lines}{look}", counts(scene)))
+    text.extend(measured.iter().map(MeasuredFinding::lines));
+    text.extend(lines);
+    text.extend(drawings.iter().map(|file| format!("drawing: {}\n", file.display())));
+    match &scene.simulator {
+        None if drawings.is_empty() => text += &format!("To see it: coordinator draw {file}\n"),
+        None => {}
+        Some(simulator) => text += &format!("identity for workers: {}\n", SimulatorId::new(simulator, scene)),
+    }
+    print(&text)
 }
 
 /// The scene, if its text is valid and what it describes can be simulated.
-fn valid_scene(file: &str) -> Result<SceneSource, CommandError> {
-    let source = SceneSource::load(file)?;
+fn valid_scene(file: &str, set: &SetArguments) -> Result<SceneSource, CommandError> {
+    let source = set.load(file)?;
     match &source.nominal().simulator {
         None => check_linkage(source.origin(), &source, source.nominal())?,
         Some(simulator) => common::external::check(simulator, source.nominal())?,

@@ -11,7 +11,7 @@ use super::init::InitArguments;
 use super::optimise::OptimiseArguments;
 use super::replace::ReplaceArguments;
 use super::results::{ReportArguments, StudyFolder};
-use super::shared::{DEFAULT_SCENE, Verbosity};
+use super::shared::{DEFAULT_SCENE, SetArguments, Verbosity};
 use super::simulate::SimulateArguments;
 use super::status::StatusArguments;
 use super::study_options::{ResumeArguments, RunArguments};
@@ -266,6 +266,8 @@ Examples:
         /// Scene file, or name of a built-in scene
         #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
         scene: String,
+        #[command(flatten)]
+        set: SetArguments,
         #[command(flatten)]
         accuracy: AccuracyArguments,
     },

@@ -3,23 +3,24 @@
 use super::error::CommandError;
 use super::output::{check_destination, print, to_json, unusable};
 use super::scenes::check_linkage;
+use super::shared::SetArguments;
 use clap::Args;
 use common::scene::{Motion, Scene, SceneSource};
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
-use coordinator::presentation::report::{Figure, standalone};
+use coordinator::presentation::report::{Figure, ReportError, VaryingLoads, standalone};
 use coordinator::results::result_files::write_text;
 use std::path::{Path, PathBuf};
 use worker::mechanism::Prescribed;
 
 pub const EXAMPLES: &str = "\
 Without --out the drawing is a sketch in the terminal. It shows bodies and joints with their names, supports, sliders on their \
-rails, drives with the angle of the crank, and loads; as SVG in true proportions, with a scale. With --json it is printed as \
-data: outlines of bodies, positions of joints, loads and drives in m and deg.
+rails, drives with the angle of the crank, and loads; as SVG in true proportions, with a scale. Loads that vary are drawn over the angle \
+of the crank, to FILE-loads.svg. With --json it is printed as data: outlines of bodies, positions of joints, loads and drives in m and deg.
 
 Examples:
   coordinator draw four-bar
   coordinator draw slider-crank --out slider-crank.svg
-  coordinator draw my.toml --at 0.5 --out my.svg --json";
+  coordinator draw my.toml --set parameters.crank='25 mm' --at 0.5 --out my.svg --json";
 
 /// Instants of the cycle at which sliders are followed for the length of their rails.
 const INSTANTS: usize = 201;
@@ -29,6 +30,8 @@ const INSTANTS: usize = 201;
 pub struct DrawArguments {
     /// Scene file, or name of a built-in scene
     pub scene: String,
+    #[command(flatten)]
+    pub set: SetArguments,
     /// Write a picture, as SVG
     #[arg(long, value_name = "FILE.svg")]
     pub out: Option<PathBuf>,
@@ -50,18 +53,44 @@ fn share(text: &str) -> Result<f64, String> {
 /// not close, or the error of a file that cannot be written.
 pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError> {
     check_picture(arguments.out.as_deref())?;
-    let source = SceneSource::load(&arguments.scene)?;
+    let source = arguments.set.load(&arguments.scene)?;
     let scene = source.nominal();
     check_linkage(source.origin(), &source, scene)?;
-    let drawn = drawn(source.origin(), scene, arguments.at)?;
-    if let Some(file) = &arguments.out {
-        write_text(file, &standalone(&drawing::figure(&drawn, scene)))?;
-    }
+    let (drawn, loads) = drawn(source.origin(), scene, arguments.at)?;
+    let files = match &arguments.out {
+        Some(file) => write_figures(scene, &drawn, loads.as_ref(), file)?,
+        None => vec![],
+    };
     match (as_json, &arguments.out) {
         (true, _) => print(&to_json(&drawn)?),
-        (false, Some(file)) => print(&format!("{}\n", file.display())),
-        (false, None) => print(&format!("{}: {}\n\n{}", scene.name, scene.title, drawing::sketch(&drawn))),
+        (false, Some(_)) => print(&files.iter().map(|file| format!("{}\n", file.display())).collect::<String>()),
+        (false, None) => {
+            let loads = loads.iter().flat_map(VaryingLoads::lines).map(|line| format!("{line}\n"));
+            let loads: String = loads.collect();
+            print(&format!("{}: {}\n\n{}{loads}", scene.name, scene.title, drawing::sketch(&drawn)))
+        }
     }
+}
+
+/// Writes the drawing to `file`, and the loads that vary next to it; returns the files.
+///
+/// # Errors
+/// The error of a file that cannot be written.
+fn write_figures(
+    scene: &Scene,
+    drawn: &DrawnMechanism,
+    loads: Option<&VaryingLoads>,
+    file: &Path,
+) -> Result<Vec<PathBuf>, CommandError> {
+    let of_loads = loads.map_or(Ok(vec![]), VaryingLoads::figures).map_err(ReportError::from)?;
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let beside = |figure: Figure| (file.with_file_name(format!("{stem}-{}.svg", figure.name)), figure);
+    let drawing = (file.to_owned(), drawing::figure(drawn, scene));
+    let all: Vec<(PathBuf, Figure)> = [drawing].into_iter().chain(of_loads.into_iter().map(beside)).collect();
+    for (file, figure) in &all {
+        write_text(file, &standalone(figure))?;
+    }
+    Ok(all.into_iter().map(|(file, _)| file).collect())
 }
 
 /// Checks that a picture can be written under this name.
@@ -81,15 +110,18 @@ pub fn check_picture(file: Option<&Path>) -> Result<(), CommandError> {
     }
 }
 
-/// Writes the drawing of the mechanism of a scene as an SVG file.
+/// Lines about the loads of a mechanism that vary, after its drawing was written to `file`, if any; with the files.
 ///
 /// # Errors
 /// As those of [`draw`].
-pub fn write_drawing(source: &SceneSource, file: &Path) -> Result<(), CommandError> {
+pub fn look(source: &SceneSource, file: Option<&Path>) -> Result<(Vec<String>, Vec<PathBuf>), CommandError> {
     let scene = source.nominal();
-    check_linkage(source.origin(), source, scene)?;
-    let drawn = drawn(source.origin(), scene, SHARE_OF_CYCLE)?;
-    Ok(write_text(file, &standalone(&drawing::figure(&drawn, scene)))?)
+    let (drawn, loads) = match drawn(source.origin(), scene, SHARE_OF_CYCLE) {
+        Err(_) if file.is_none() => return Ok((vec![], vec![])),
+        found => found?,
+    };
+    let files = file.map_or(Ok(vec![]), |file| write_figures(scene, &drawn, loads.as_ref(), file))?;
+    Ok((loads.map_or(vec![], |loads| loads.lines()), files))
 }
 
 /// The drawing of a mechanism as a figure; none for an external simulator, or where nothing can be drawn.
@@ -97,15 +129,20 @@ pub fn drawing_figure(origin: &str, scene: &Scene) -> Option<Figure> {
     if scene.simulator.is_some() {
         return None;
     }
-    let drawn = drawn(origin, scene, SHARE_OF_CYCLE).ok()?;
+    let (drawn, _) = drawn(origin, scene, SHARE_OF_CYCLE).ok()?;
     Some(drawing::figure(&drawn, scene))
 }
 
-/// The mechanism with ideal joints at a share of its cycle; at its start, where drives and joints do not determine the motion.
+/// The mechanism with ideal joints at a share of its cycle; at its start, where drives and joints do not determine the motion. With its loads
+/// that vary over the cycle.
 ///
 /// # Errors
 /// [`CommandError::Refused`] for a mechanism without extent, or the failure of a linkage that does not close.
-fn drawn(origin: &str, scene: &Scene, share: f64) -> Result<DrawnMechanism, CommandError> {
+fn drawn(
+    origin: &str,
+    scene: &Scene,
+    share: f64,
+) -> Result<(DrawnMechanism, Option<VaryingLoads>), CommandError> {
     let ideal = worker::mechanism::ideal_cycle(scene, INSTANTS, &mut 0)
         .map_err(|failure| CommandError::of_simulation(origin, scene, failure))?;
     let cycle: Vec<Vec<([f64; 2], f64)>> = ideal
@@ -126,9 +163,11 @@ fn drawn(origin: &str, scene: &Scene, share: f64) -> Result<DrawnMechanism, Comm
         })
         .collect();
     let shown = drawing::instant(cycle.len(), share);
-    DrawnMechanism::new(scene, &cycle, shown).ok_or_else(|| {
+    let drawn = DrawnMechanism::new(scene, &cycle, shown).ok_or_else(|| {
         CommandError::refused(origin, "not modelled yet: a mechanism whose points all coincide")
-    })
+    })?;
+    let times: Vec<f64> = ideal.iter().map(|pose| pose.time).collect();
+    Ok((drawn, VaryingLoads::new(scene, &cycle, &times)))
 }
 
 #[cfg(test)]
@@ -136,7 +175,7 @@ mod tests {
     use super::*;
     fn of(name: &str) -> (DrawnMechanism, Scene) {
         let scene = SceneSource::builtin(name).expect("built in").nominal().clone();
-        (drawn(name, &scene, SHARE_OF_CYCLE).expect("it closes"), scene)
+        (drawn(name, &scene, SHARE_OF_CYCLE).expect("it closes").0, scene)
     }
 
     #[test]
@@ -164,7 +203,7 @@ mod tests {
             let source = SceneSource::builtin(name).expect("built in");
             for eighth in 0..8 {
                 let share = f64::from(eighth) / 8.0;
-                let drawn = drawn(name, source.nominal(), share).expect("it closes");
+                let (drawn, _) = drawn(name, source.nominal(), share).expect("it closes");
                 let labels = drawing::sheet(&drawn).labels;
                 assert!(
                     labels.len() >= drawn.joints.len() + drawn.loads.len() + drawn.drives.len(),

@@ -11,7 +11,7 @@ use super::measured::{MeasuredFinding, measured_findings};
 use super::model::Model;
 use super::nominal::{nominal_check, nominal_evaluation};
 use super::output::{count, print, to_json};
-use super::shared::Verbosity;
+use super::shared::{SetArguments, Verbosity};
 use common::scene::*;
 use coordinator::presentation::nominal_life::NominalLife;
 use coordinator::presentation::terminal::while_waiting;
@@ -24,8 +24,13 @@ use variables::variables;
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn explain(name: &str, accuracy: &AccuracyArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    let source = SceneSource::load(name)?;
+pub fn explain(
+    name: &str,
+    set: &SetArguments,
+    accuracy: &AccuracyArguments,
+    verbosity: Verbosity,
+) -> Result<(), CommandError> {
+    let source = set.load(name)?;
     let scene = source.nominal();
     if let Some(simulator) = &scene.simulator {
         external::check_accuracy(source.origin(), accuracy)?;
@@ -46,8 +51,8 @@ pub fn explain(name: &str, accuracy: &AccuracyArguments, verbosity: Verbosity) -
     let doing = "simulating the nominal mechanism until every limit is passed".to_owned();
     let mut last = scene.life.cycles;
     let given = is_given.then_some(&accuracy.setting.accuracy);
-    let (lives, of_limits) = match while_waiting(verbosity.quiet, doing, || nominal_evaluation(scene, given))
-    {
+    let evaluate = |say: &dyn Fn(String)| nominal_evaluation(scene, given, say);
+    let (lives, of_limits) = match while_waiting(verbosity.quiet, doing, evaluate) {
         Ok(evaluation) => {
             let found = evaluation.inspect(|found| last = found.cycles.last().copied().unwrap_or(last));
             found.map(|found| nominal_check(scene, &found)).unwrap_or_default()
@@ -188,6 +193,10 @@ fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
             }
             JointKind::Fixed { .. } => {
                 writeln!(out, "  {}: {journal} is fixed to {bushing}, no wear", joint.name)?;
+            }
+            JointKind::Slot { .. } | JointKind::LinearDrive(_) | JointKind::Mesh(_) | JointKind::Cam { .. } => {
+                let coupling = joint.kind.coupling().unwrap_or_default();
+                writeln!(out, "  {}: {journal} and {bushing}, {coupling}, ideal, no wear", joint.name)?;
             }
             JointKind::Clearance(clearance) => {
                 writeln!(

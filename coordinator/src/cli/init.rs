@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn issue_the_template_lay_on_its_own_limit() {
         let source = SceneSource::parse(&TEMPLATE.replace(NAME, "press"), "press.toml").unwrap();
-        let evaluation = nominal_evaluation(source.nominal(), None).unwrap().unwrap();
+        let evaluation = nominal_evaluation(source.nominal(), None, &|_| {}).unwrap().unwrap();
         for life in nominal_lives(source.nominal(), &evaluation) {
             assert_eq!(life.doubt(life.last, 4.0 * life.errors[1]), "", "{life:?}");
             let reached = life.reached.expected();

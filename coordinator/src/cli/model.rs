@@ -45,6 +45,13 @@ impl Model {
         })
     }
 
+    /// Expected time of an evaluation; none if the first cycle cannot be simulated.
+    pub fn expected(&self) -> Option<String> {
+        let look = self.look.as_ref().ok()?;
+        let (seconds, steps) = (look.expected.as_secs_f64(), look.steps_per_cycle);
+        Some(format!("about {seconds:.2} s a simulation at `{}` here, {steps} time steps a cycle", self.accuracy))
+    }
+
     /// Writes the model as text.
     pub fn write(&self, out: &mut String, scene: &Scene) -> std::fmt::Result {
         writeln!(out, "Model")?;

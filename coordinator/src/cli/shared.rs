@@ -2,6 +2,8 @@
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use common::scene::{Faults, SceneSource};
+use coordinator::analyses::scene_settings::scene_with;
 use coordinator::farm::allocation::BatchSystem;
 use coordinator::presentation::terminal::print_message;
 use coordinator::statistics::named::{AUTO, parse_or_auto};
@@ -40,6 +42,25 @@ impl Verbosity {
         if !self.quiet {
             print_message(message);
         }
+    }
+}
+
+/// Values set in a scene that is only looked at.
+#[derive(Debug, Clone, Default, Args, PartialEq)]
+pub struct SetArguments {
+    /// Set a quantity of the scene by its key, the mean of a random variable by its name, or a distribution or threshold; repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+impl SetArguments {
+    /// The scene of this name or file with these values.
+    ///
+    /// # Errors
+    /// [`Faults`] of the scene or of the values.
+    pub fn load(&self, name: &str) -> Result<SceneSource, Faults> {
+        let source = SceneSource::load(name)?;
+        if self.set.is_empty() { Ok(source) } else { scene_with(&source, &self.set) }
     }
 }
 

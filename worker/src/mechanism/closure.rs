@@ -11,6 +11,7 @@
 //! Mechanical Systems. Least-norm solution by singular values: Golub, Van Loan (2013), Matrix Computations.
 
 use super::constraint::{Constraint, first_rows};
+use super::coupling::JointInput;
 use super::extent::{ROUNDING, extent, farthest, gyration};
 use super::frame::{End, Frame};
 use super::prescribed::Prescribed;
@@ -42,6 +43,8 @@ pub struct Closure<'a> {
     /// First coordinate of each free body.
     pub(super) first: Vec<Option<usize>>,
     pub(super) constraints: Vec<Constraint>,
+    /// What each joint is given.
+    inputs: Vec<Option<JointInput>>,
     /// First row of each joint.
     pub(super) row: Vec<usize>,
     pub(super) n: usize,
@@ -84,7 +87,8 @@ impl<'a> Closure<'a> {
         let arm = |body: &Body| gyration(body).map(|radius| if m < n { radius } else { size });
         let unit = scene.bodies.iter().filter_map(arm).flat_map(|arm| [1.0, 1.0, arm]).collect();
         let prescribed = scene.bodies.iter().map(Prescribed::from_body).collect();
-        Closure { scene, prescribed, first, constraints, row, n, m, size, unit }
+        let inputs = scene.joints.iter().map(|joint| JointInput::new(&joint.kind)).collect();
+        Closure { scene, prescribed, first, constraints, inputs, row, n, m, size, unit }
     }
 
     /// Size of the mechanism [m]; see [`extent`].
@@ -120,14 +124,27 @@ impl<'a> Closure<'a> {
         }
     }
 
+    /// Joint `k` with what it is given at time `t` [s] and this frame of its second body.
+    fn joint_at(&self, k: usize, t: f64, second: &Frame) -> Constraint {
+        let mut c = self.constraints[k];
+        if let Some(input) = &self.inputs[k] {
+            c.input = input.jet(t, second.angle);
+        }
+        c
+    }
+
     pub(super) fn gaps(&self, t: f64, q: &DVector<f64>) -> Gaps {
         let mut gaps = Gaps {
             phi: DVector::zeros(self.m),
             jacobian: DMatrix::zeros(self.m, self.n),
             rate: DVector::zeros(self.m),
         };
-        for (c, &row) in self.constraints.iter().zip(&self.row) {
-            let frames = c.ends.map(|end| self.frame(end.frame, t, q));
+        for (k, &row) in self.row.iter().enumerate() {
+            let frames = self.constraints[k].ends.map(|end| self.frame(end.frame, t, q));
+            let c = self.joint_at(k, t, &frames[1]);
+            if let Some([rate, _]) = c.over_time() {
+                gaps.rate[row] += rate;
+            }
             let (phi, g) = c.position(&frames[0], &frames[1]);
             for r in 0..c.rows() {
                 let unit = if c.is_angle(r) { self.size } else { 1.0 };
@@ -227,11 +244,12 @@ impl<'a> Closure<'a> {
     pub(crate) fn acceleration(&self, t: f64, q: &DVector<f64>, v: &DVector<f64>) -> Option<DVector<f64>> {
         let jacobian = self.gaps(t, q).jacobian;
         let mut second = DVector::zeros(self.m);
-        for (c, &row) in self.constraints.iter().zip(&self.row) {
-            let frames = c.ends.map(|end| match self.first[end.frame] {
+        for (k, &row) in self.row.iter().enumerate() {
+            let frames = self.constraints[k].ends.map(|end| match self.first[end.frame] {
                 Some(k) => Frame::free(&[q[k], q[k + 1], q[k + 2]], &[v[k], v[k + 1], v[k + 2]]),
                 None => self.frame(end.frame, t, q),
             });
+            let c = self.joint_at(k, t, &frames[1]);
             let h = c.centripetal(&frames[0], &frames[1]);
             let (_, g) = c.position(&frames[0], &frames[1]);
             for r in 0..c.rows() {

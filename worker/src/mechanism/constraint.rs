@@ -7,7 +7,8 @@
 //!
 //! - revolute: d = 0;
 //! - prismatic: n.d = 0 and theta_1 - theta_2 = angle;
-//! - fixed: d = 0 and theta_1 - theta_2 = angle.
+//! - fixed: d = 0 and theta_1 - theta_2 = angle;
+//! - slot: n.d = 0; distances and meshes: see `coupling`.
 //!
 //! The acceleration form is phi'' = G a + h(q, v) with G = dphi/dq and the accelerations a. Integration needs
 //! the exact derivatives of G a + h at constant a, and of G' lambda at constant multipliers lambda.
@@ -19,11 +20,14 @@
 // In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
 #![allow(clippy::needless_range_loop)]
 
+use super::coupling::{Geometry, second_derivative};
 use super::frame::{End, Frame};
+use super::piecewise_cubic::Jet;
+use super::prescribed::Prescribed;
 use super::sliding::{FrictionConstants, NormalForce, Sliding};
 use crate::lanes::{Lanewise, Real, lanewise};
 use crate::plane::{dot, left};
-use common::scene::{GuideClearance, IdealFriction, JointKind};
+use common::scene::{GuideClearance, IdealFriction, JointKind, Mesh};
 use std::f64::consts::TAU;
 
 /// Most scalar constraints of one joint.
@@ -42,21 +46,28 @@ pub struct Constraint<R = f64> {
     /// Points of the joint on the two bodies.
     pub ends: [End<R>; 2],
     kind: Kind,
-    /// Normal of a prismatic joint's line in the second body's frame `(2,)` [1].
+    /// Normal of a prismatic joint's or slot's line in the second body's frame, direction of the force of a mesh in the global one `(2,)` [1].
     normal: [R; 2],
-    /// theta_1 - theta_2 of a prismatic or fixed joint [rad].
+    /// theta_1 - theta_2 of a prismatic or fixed joint [rad]; 1 / L of a distance [1/m]; the value that a mesh keeps [m].
     angle: R,
+    /// Lever arms of a mesh `(2,)` [m].
+    arms: [R; 2],
+    /// What the joint is given, with its derivatives, at the state last set.
+    pub(super) input: Jet<R>,
     /// Friction of a revolute or prismatic joint, if it has any.
     pub friction: Option<FrictionConstants<R>>,
 }
 
-lanewise!(Constraint { scene_joint, ends, kind, normal, angle, friction });
+lanewise!(Constraint { scene_joint, ends, kind, normal, angle, arms, input, friction });
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     Revolute,
     Prismatic,
     Fixed,
+    Slot,
+    Distance,
+    Mesh,
 }
 
 impl Lanewise for Kind {
@@ -81,17 +92,6 @@ pub(crate) fn first_rows<R: Real>(constraints: &[Constraint<R>]) -> (Vec<usize>,
     (first, rows)
 }
 
-/// Arms and distance of the two points of a joint, in global axes.
-struct Geometry<R> {
-    /// Arms a of the first point and b of the second [m].
-    a: [R; 2],
-    b: [R; 2],
-    /// Distance d from the second point to the first [m].
-    d: [R; 2],
-    /// Rate dd/dt of that distance [m/s].
-    rate: [R; 2],
-}
-
 impl<R: Real> Geometry<R> {
     #[inline(always)]
     fn new(ends: &[End<R>; 2], first: &Frame<R>, second: &Frame<R>) -> Self {
@@ -110,15 +110,36 @@ impl Constraint {
     /// The constraint that closes a joint of this kind; a joint with clearance closes as a revolute one, a guide with
     /// clearance as a prismatic one.
     pub(crate) fn new(scene_joint: usize, ends: [End; 2], kind: &JointKind) -> Self {
+        let normal_of = |axis: f64| {
+            let (sin, cos) = libm::sincos(axis);
+            [-sin, cos]
+        };
+        let (mut arms, mut input) = ([0.0; 2], [0.0; 4]);
         let (kind, normal, angle) = match kind {
             JointKind::Revolute | JointKind::Clearance(_) => (Kind::Revolute, [0.0; 2], 0.0),
             JointKind::Prismatic { axis, angle } | JointKind::Guide(GuideClearance { axis, angle, .. }) => {
-                let (sin, cos) = libm::sincos(*axis);
-                (Kind::Prismatic, [-sin, cos], *angle)
+                (Kind::Prismatic, normal_of(*axis), *angle)
             }
             JointKind::Fixed { angle } => (Kind::Fixed, [0.0; 2], *angle),
+            JointKind::Slot { axis } => (Kind::Slot, normal_of(*axis), 0.0),
+            JointKind::LinearDrive(drive) => {
+                input = Prescribed::stroke(drive).jet(0.0);
+                (Kind::Distance, [0.0; 2], 1.0 / input[0])
+            }
+            JointKind::Mesh(Mesh { direction, arms: of_force, value, .. }) => {
+                arms = *of_force;
+                (Kind::Mesh, *direction, *value)
+            }
+            JointKind::Cam { direction, .. } => (Kind::Mesh, *direction, 0.0),
         };
-        Constraint { scene_joint, ends, kind, normal, angle, friction: None }
+        Constraint { scene_joint, ends, kind, normal, angle, arms, input, friction: None }
+    }
+
+    /// Holds a distance that is given over time at its present value.
+    pub(crate) fn stop(&mut self) {
+        if self.kind == Kind::Distance {
+            self.input[1..].fill(0.0);
+        }
     }
 
     /// The constraint with this friction.
@@ -131,6 +152,8 @@ impl Constraint {
     pub(crate) fn force(&self, lambda: &[f64], friction: f64) -> f64 {
         match self.kind {
             Kind::Prismatic => libm::hypot(lambda[0], friction),
+            Kind::Distance => (lambda[0] * self.input[0] * self.angle).abs(),
+            Kind::Slot | Kind::Mesh => lambda[0].abs(),
             Kind::Revolute | Kind::Fixed => libm::hypot(lambda[0], lambda[1]),
         }
     }
@@ -143,15 +166,24 @@ impl<R: Real> Constraint<R> {
         match self.kind {
             Kind::Revolute | Kind::Prismatic => 2,
             Kind::Fixed => 3,
+            Kind::Slot | Kind::Distance | Kind::Mesh => 1,
         }
+    }
+
+    /// Derivatives of phi and of G a + h to time of a joint that is given a function of time.
+    #[inline(always)]
+    pub(crate) fn over_time(&self) -> Option<[R; 2]> {
+        let [s, rate, second, third] = self.input;
+        let of_acceleration = rate * second * 3.0 + s * third;
+        (self.kind == Kind::Distance).then(|| [-(s * rate * self.angle), -(of_acceleration * self.angle)])
     }
 
     /// Normal force that the friction of the joint follows, if it has friction.
     pub(super) fn normal_force(&self) -> Option<NormalForce<R>> {
         let size = self.friction?.size;
         Some(match self.kind {
-            Kind::Revolute | Kind::Fixed => NormalForce::on_pin(),
             Kind::Prismatic => NormalForce::in_guide(size),
+            _ => NormalForce::on_pin(),
         })
     }
 
@@ -160,8 +192,8 @@ impl<R: Real> Constraint<R> {
     pub(super) fn sliding(&self, first: &Frame<R>, second: &Frame<R>) -> Option<Sliding<R>> {
         let friction = self.friction?;
         Some(match self.kind {
-            Kind::Revolute | Kind::Fixed => Sliding::on_pin(friction, first, second),
             Kind::Prismatic => Sliding::in_guide(friction, self.normal, self.ends[0].arm, first, second),
+            _ => Sliding::on_pin(friction, first, second),
         })
     }
 
@@ -169,9 +201,9 @@ impl<R: Real> Constraint<R> {
     #[inline(always)]
     pub(crate) fn is_angle(&self, k: usize) -> bool {
         match self.kind {
-            Kind::Revolute => false,
             Kind::Prismatic => k == 1,
             Kind::Fixed => k == 2,
+            _ => false,
         }
     }
 
@@ -197,12 +229,20 @@ impl<R: Real> Constraint<R> {
                     (phi[2], rows[2]) = relative_angle(first, second, self.angle);
                 }
             }
-            Kind::Prismatic => {
+            Kind::Prismatic | Kind::Slot => {
                 let n = second.turn(self.normal);
                 phi[0] = dot(n, g.d);
                 let turn = dot(left(n), g.d) - dot(n, left(g.b));
                 rows[0] = [n[0], n[1], dot(n, left(g.a)), -n[0], -n[1], turn];
-                (phi[1], rows[1]) = relative_angle(first, second, self.angle);
+                if self.kind == Kind::Prismatic {
+                    (phi[1], rows[1]) = relative_angle(first, second, self.angle);
+                }
+            }
+            Kind::Distance => (phi[0], rows[0]) = g.distance(self.angle, &self.input),
+            Kind::Mesh => {
+                let angles = [first.angle, second.angle];
+                (phi[0], rows[0]) = g.mesh(self.normal, self.arms, &self.input, angles);
+                phi[0] = phi[0] - self.angle;
             }
         }
         (phi, rows)
@@ -217,7 +257,9 @@ impl<R: Real> Constraint<R> {
         let d2 = [wb * g.b[0] - wa * g.a[0], wb * g.b[1] - wa * g.a[1]];
         match self.kind {
             Kind::Revolute | Kind::Fixed => [d2[0], d2[1], zero],
-            Kind::Prismatic => {
+            Kind::Distance => [g.distance_centripetal(self.angle, &self.input, d2), zero, zero],
+            Kind::Mesh => [dot(self.normal, d2) - self.input[2] * wb, zero, zero],
+            Kind::Prismatic | Kind::Slot => {
                 let n = second.turn(self.normal);
                 let h = dot(n, d2) - wb * dot(n, g.d) + second.omega * dot(left(n), g.rate) * 2.0;
                 [h, zero, zero]
@@ -256,14 +298,23 @@ impl<R: Real> Constraint<R> {
                     to_v[k][5] = wj * g.b[k] * 2.0;
                 }
             }
-            Kind::Prismatic => {
+            Kind::Distance => {
+                let d2 = second_derivative(&g, [first, second], acceleration);
+                (to_q[0], to_v[0]) =
+                    g.distance_derivatives(self.angle, d2, [first_turn, second_turn], [wi, wj]);
+            }
+            Kind::Mesh => {
+                let (u, [_, _, second, third]) = (self.normal, self.input);
+                to_q[0][2] = dot(u, first_turn);
+                to_q[0][5] = dot(u, second_turn) - second * aj - third * wj * wj;
+                to_v[0][2] = wi * dot(u, g.a) * -2.0;
+                to_v[0][5] = wj * (dot(u, g.b) - second) * 2.0;
+            }
+            Kind::Prismatic | Kind::Slot => {
                 let n = second.turn(self.normal);
                 let sn = left(n);
-                let mut d2 = [zero; 2];
+                let d2 = second_derivative(&g, [first, second], acceleration);
                 for k in 0..2 {
-                    d2[k] =
-                        acceleration[k] + ai * sa[k] - wi * wi * g.a[k] - acceleration[3 + k] - aj * sb[k]
-                            + wj * wj * g.b[k];
                     let along = aj * sn[k] - wj * wj * n[k];
                     (to_q[0][k], to_q[0][3 + k]) = (along, -along);
                     let along = wj * sn[k] * 2.0;
@@ -298,7 +349,12 @@ impl<R: Real> Constraint<R> {
                 to_q[2][2] = -dot(g.a, l);
                 to_q[5][5] = dot(g.b, l);
             }
-            Kind::Prismatic => {
+            Kind::Distance => to_q = g.distance_reaction(lambda[0] * self.angle),
+            Kind::Mesh => {
+                to_q[2][2] = -(lambda[0] * dot(self.normal, g.a));
+                to_q[5][5] = lambda[0] * (dot(self.normal, g.b) - self.input[2]);
+            }
+            Kind::Prismatic | Kind::Slot => {
                 let (n, l) = (second.turn(self.normal), lambda[0]);
                 let sn = left(n);
                 for k in 0..2 {

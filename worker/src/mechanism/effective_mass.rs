@@ -13,6 +13,7 @@
 //! Effective mass of a collision: Gilardi, Sharf (2002), Literature survey of contact dynamics modelling, Mechanism and Machine Theory
 //! 37, 1213-1239, section 3.
 
+use super::constraint::Constraint;
 use super::frame::Frame;
 use super::island::Island;
 use super::joint::joint_motion;
@@ -75,7 +76,10 @@ impl Island {
         let jets: Vec<Jet> = self.prescribed.iter().map(|motion| [motion.angle(t), 0.0, 0.0, 0.0]).collect();
         let mut change = impulse.to_vec();
         let placed = Placed { frames: &frames, jets: &jets };
-        let existence = self.ideal.clone().add_reactions(placed, &mut change);
+        let mut ideal = self.ideal.clone();
+        ideal.update_inputs(t, &frames);
+        ideal.constraints.iter_mut().for_each(Constraint::stop);
+        let existence = ideal.add_reactions(placed, &mut change);
         (existence.independent > 0.0).then_some(change)
     }
 

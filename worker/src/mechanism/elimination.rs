@@ -24,6 +24,8 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::constraint::{Constraint, first_rows};
+use super::coupling::JointInput;
+use super::frame::Frame;
 use super::joint_friction::JointFriction;
 use super::orthonormal::OrthonormalRows;
 use super::placed::Placed;
@@ -35,6 +37,8 @@ use crate::lanes::{Lanewise, Real};
 pub struct Elimination<R = f64> {
     /// The ideal joints as constraints.
     pub constraints: Vec<Constraint<R>>,
+    /// What constraints are given, by their index, one per lane.
+    inputs: Vec<(usize, Vec<JointInput>)>,
     /// First row of each.
     first: Vec<usize>,
     /// Number of coordinates n.
@@ -76,17 +80,27 @@ impl Elimination {
         Elimination { constraints, first, m, ..none }
     }
 
+    /// The elimination with what constraints of these indices are given.
+    pub(crate) fn with_inputs(mut self, inputs: Vec<(usize, JointInput)>) -> Self {
+        self.inputs = inputs.into_iter().map(|(joint, input)| (joint, vec![input])).collect();
+        self
+    }
+
     /// This elimination in every lane; `like` sets the number of lanes.
     pub(crate) fn in_lanes<R: Real>(&self, like: R) -> Elimination<R> {
         let constraints = self.constraints.iter().map(|c| c.in_lanes(like)).collect();
         let root = self.factors.roots().iter().map(|root| root.in_lanes(like)).collect();
-        Elimination::with_roots(constraints, root, like)
+        let inputs = self.inputs.iter().map(|(joint, input)| (*joint, vec![input[0].clone(); R::LANES]));
+        Elimination { inputs: inputs.collect(), ..Elimination::with_roots(constraints, root, like) }
     }
 
     /// Writes the constants of this elimination into lane `lane` of `to`, an elimination of the same topology.
     pub(crate) fn write_lane<R: Real>(&self, lane: usize, to: &mut Elimination<R>) {
         for (to, from) in to.constraints.iter_mut().zip(&self.constraints) {
             from.write_lane::<R>(lane, to);
+        }
+        for ((_, to), (_, from)) in to.inputs.iter_mut().zip(&self.inputs) {
+            to[lane].clone_from(&from[0]);
         }
         to.friction.update(&to.constraints);
         to.factors.set_lane(lane, &self.factors);
@@ -113,6 +127,7 @@ impl<R: Real> Elimination<R> {
         Elimination {
             friction: JointFriction::new(&constraints, &first, m, like),
             constraints,
+            inputs: vec![],
             first,
             n,
             m,
@@ -121,6 +136,32 @@ impl<R: Real> Elimination<R> {
             lambda: vec![zero; m],
             c: vec![zero; m * n],
         }
+    }
+
+    /// Evaluates what joints are given at time `t` [s] and these frames.
+    #[inline(always)]
+    pub(crate) fn update_inputs(&mut self, t: R, frames: &[Frame<R>]) {
+        for (joint, inputs) in &self.inputs {
+            let c = &mut self.constraints[*joint];
+            let angle = frames[c.ends[1].frame].angle;
+            for (lane, input) in inputs.iter().enumerate() {
+                let jet = input.jet(t.lane(lane), angle.lane(lane));
+                for k in 0..4 {
+                    c.input[k].set_lane(lane, jet[k]);
+                }
+            }
+        }
+    }
+
+    /// Power of the joints that are given functions of time, for the multipliers `lambda` `(m,)` [W].
+    pub(crate) fn driving_power(&self, lambda: &[R]) -> R {
+        let mut power = self.factors.apart.zero();
+        for (joint, c) in self.constraints.iter().enumerate() {
+            if let Some([rate, _]) = c.over_time() {
+                power += lambda[self.first[joint]] * rate;
+            }
+        }
+        power
     }
 
     /// Number m of scalar constraints.
@@ -327,6 +368,9 @@ impl<R: Real> Elimination<R> {
         self.phi.fill(f[0].zero());
         for joint in 0..self.constraints.len() {
             let (first, c) = (self.first[joint], self.constraints[joint]);
+            if let Some([_, of_acceleration]) = c.over_time() {
+                self.phi[first] += of_acceleration;
+            }
             if at.jet(c.ends[0].frame).is_none() && at.jet(c.ends[1].frame).is_none() {
                 continue;
             }
@@ -376,7 +420,7 @@ impl<R: Real> Elimination<R> {
             let [a, b] = at.pair(&c);
             let (_, rows) = c.position(a, b);
             for r in 0..c.rows() {
-                let mut given = zero;
+                let mut given = c.over_time().map_or(zero, |[rate, _]| rate);
                 for side in 0..2 {
                     if let Some(jet) = at.jet(c.ends[side].frame) {
                         given = given.plus_product(rows[r][3 * side + 2], jet[1]);

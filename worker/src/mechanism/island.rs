@@ -252,6 +252,12 @@ impl Island {
             *jet = prescribed.jet(t);
             *frame = Frame::turning(prescribed.position(), jet);
         }
+        self.ideal.update_inputs(t, &self.frames);
+    }
+
+    /// Power of the linear drives at the state of `at` [W].
+    pub(crate) fn driving_power(&self, at: &Linearised) -> f64 {
+        self.ideal.driving_power(&at.lambda)
     }
 
     /// Energies and powers of masses and loads, at the state last set.

@@ -230,6 +230,7 @@ impl<R: Real> IslandLanes<R> {
             }
             self.frames[self.bodies + k] = Frame::turning(motion.position, jet);
         }
+        self.ideal.update_inputs(t, &self.frames);
     }
 
     /// Joints and loads of the islands at the state last set, the space that their forces take, and what takes the place of a linearisation

@@ -10,6 +10,7 @@ mod closure;
 mod constraint;
 #[cfg(test)]
 mod constraint_tests;
+mod coupling;
 mod dependence;
 #[cfg(test)]
 mod derivative_tests;

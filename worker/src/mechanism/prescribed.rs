@@ -28,6 +28,11 @@ impl Prescribed {
             Motion::Driven { position, drive, .. } => (*position, drive),
             Motion::Free { .. } => return None,
         };
+        Some(Prescribed { position, ..Self::stroke(drive) })
+    }
+
+    /// A drive by itself: the distance of a linear drive [m] in the place of the angle.
+    pub(super) fn stroke(drive: &Drive) -> Self {
         let angle = match drive {
             Drive::ConstantSpeed { start_angle, speed } => {
                 Angle::Constant { start: *start_angle, speed: *speed }
@@ -37,7 +42,7 @@ impl Prescribed {
                 Angle::Integral { start: *start_angle, speed: PiecewiseCubic::monotone(table) }
             }
         };
-        Some(Prescribed { position, angle })
+        Prescribed { position: [0.0; 2], angle }
     }
 
     /// Angle and its first three derivatives at time `t` [s] [rad, rad/s, rad/s^2, rad/s^3].

@@ -1,6 +1,7 @@
 //! Topology of a scene: the islands of bodies that influence each other, with their joints and loads.
 
 use super::constraint::{Constraint, first_rows};
+use super::coupling::JointInput;
 use super::elimination::Elimination;
 use super::frame::FrameIndices;
 use super::island::{Island, Parts};
@@ -117,10 +118,15 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
     }
     let (touched, prescribed) = (frames.touched().to_vec(), frames.prescribed());
     let stiff = !(joints.is_empty() && guides.is_empty());
-    let passage = passage(&constraints, stiff, &loads, &mass);
+    let inputs: Vec<(usize, JointInput)> = constraints
+        .iter()
+        .enumerate()
+        .filter_map(|(k, c)| Some((k, JointInput::new(&scene.joints[c.scene_joint].kind)?)))
+        .collect();
+    let passage = if inputs.is_empty() { passage(&constraints, stiff, &loads, &mass) } else { None };
     let ideal = match &passage {
         Some(passage) if passage.is_large => Elimination::without_factors(constraints),
-        _ => Elimination::new(constraints, &mass),
+        _ => Elimination::new(constraints, &mass).with_inputs(inputs),
     };
     let parts = Parts { bodies, touched, joints, guides, ideal, passage, prescribed, loads, mass, weight };
     let island = Island::new(parts);

@@ -6,7 +6,7 @@
 use super::assembly::Pose;
 use super::prescribed::Prescribed;
 use common::failure::SimulationFailure;
-use common::scene::{Load, OutputKind, Scene};
+use common::scene::{JointKind, Load, OutputKind, Scene};
 use std::f64::consts::TAU;
 
 /// Whole turns of every body of `scene` per cycle `(bodies,)` [1], from the `poses` of its ideal motion at both ends of the cycle;
@@ -29,8 +29,36 @@ pub fn turns_per_cycle(scene: &Scene, poses: &[Pose]) -> Result<Vec<f64>, Simula
     let turns: Vec<Option<f64>> = (0..scene.bodies.len()).map(of_body).collect();
     if !scene.life.is_single_cycle() {
         check_differences(scene, &turns)?;
+        if poses.len() > 1 {
+            check_wheels(scene, poses)?;
+        }
     }
     Ok(turns.into_iter().map(Option::unwrap_or_default).collect())
+}
+
+/// Turns of a wheel in a cycle up to which it counts as whole [1]: six digits of a radius.
+const WHOLE: f64 = 1e-6;
+
+/// Checks that wheels of gear pairs, belts and racks turn by whole turns in a cycle, so that cycles are alike.
+fn check_wheels(scene: &Scene, poses: &[Pose]) -> Result<(), SimulationFailure> {
+    let (first, last) = (&poses[0], &poses[poses.len() - 1]);
+    for joint in &scene.joints {
+        let JointKind::Mesh(_) = &joint.kind else { continue };
+        for body in [joint.journal.body, joint.bushing.body] {
+            let (Some(from), Some(to)) = (first.q[body], last.q[body]) else { continue };
+            let turns = (to[2] - from[2]) / TAU;
+            if (turns - turns.round()).abs() > WHOLE * turns.abs().max(1.0) {
+                return Err(SimulationFailure::NotModelled {
+                    what: format!(
+                        "cycles in which {} of the joint {} makes {turns:.6} turns: write a [life] period after which every wheel has made \
+                         whole turns, or see it once with cycles = 1, checkpoint_every = 1, settle_cycles = 0",
+                        scene.bodies[body].name, joint.name
+                    ),
+                });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Checks that every angle between two bodies that a spring or an output depends on is that of the cycle before.
@@ -43,18 +71,20 @@ fn check_differences(scene: &Scene, turns: &[Option<f64>]) -> Result<(), Simulat
     };
     let names = |a: usize, b: usize| format!("{} and {}", scene.bodies[a].name, scene.bodies[b].name);
     for load in &scene.loads {
-        let Load::TorsionSpring { name, a, b, .. } = load else { continue };
+        let (Load::TorsionSpring { name, a, b, .. } | Load::AngleStop { name, a, b, .. }) = load else {
+            continue;
+        };
         if is_open(*a, *b) {
             let bodies = names(*a, *b);
             return refuse(format!(
-                "the torsion spring {name}: by how many turns {bodies} differ after a cycle is left open by the drives"
+                "the load {name}: by how many turns {bodies} differ after a cycle is left open by the drives"
             ));
         }
         let more = turns[*a].unwrap_or_default() - turns[*b].unwrap_or_default();
         if more != 0.0 {
             let bodies = names(*a, *b);
             return refuse(format!(
-                "the torsion spring {name} between {bodies}, which every cycle winds up by {} deg: no cycle repeats",
+                "the load {name} between {bodies}, which every cycle winds up by {} deg: no cycle repeats",
                 more * 360.0
             ));
         }

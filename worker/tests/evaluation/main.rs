@@ -4,6 +4,7 @@ mod backlash;
 mod both_surfaces;
 mod conditions;
 mod control_points;
+mod couplings;
 mod energy;
 mod errors;
 mod expected_cost;

@@ -1,7 +1,8 @@
 //! The motion of the nominal mechanism over a cycle: poses of its bodies, and orbits of its journals in their bores.
 
 use common::outputs::{BodyMotion, CycleHistory};
-use common::scene::{Attachment, Joint, JointKind, Motion, Scene};
+use common::scene::monotone::monotone_value;
+use common::scene::{Attachment, Joint, JointKind, Mesh, MeshForm, Motion, Scene};
 
 /// Position `(2,)` [m] and angle [rad] of a body.
 pub type Pose = ([f64; 2], f64);
@@ -69,7 +70,10 @@ pub fn supports(scene: &Scene, body: usize) -> Vec<[f64; 2]> {
         Motion::Free { .. } => vec![],
         Motion::Driven { .. } => vec![[0.0; 2]],
         Motion::Fixed => {
-            let slides = |kind: &JointKind| matches!(kind, JointKind::Prismatic { .. } | JointKind::Guide(_));
+            let slides = |kind: &JointKind| {
+                matches!(kind, JointKind::Prismatic { .. } | JointKind::Guide(_) | JointKind::Slot { .. })
+                    || matches!(kind, JointKind::Mesh(_) | JointKind::Cam { .. })
+            };
             let held = scene.joints.iter().filter(|joint| !slides(&joint.kind));
             let ends = held.flat_map(|joint| [joint.journal, joint.bushing]);
             ends.filter(|end| end.body == body).map(|end| end.position).collect()
@@ -83,6 +87,7 @@ pub fn rail(joint: &Joint, cycle: &[Vec<Pose>]) -> Option<[[f64; 2]; 2]> {
     let axis = match &joint.kind {
         JointKind::Prismatic { axis, .. } => *axis,
         JointKind::Guide(guide) => guide.axis,
+        JointKind::Slot { axis } => *axis,
         _ => return None,
     };
     let (sin, cos) = axis.sin_cos();
@@ -94,6 +99,58 @@ pub fn rail(joint: &Joint, cycle: &[Vec<Pose>]) -> Option<[[f64; 2]; 2]> {
     let (low, high) =
         along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), way: f64| (low.min(way), high.max(way)));
     (low <= high).then(|| [low, high].map(|way| [a + way * cos, b + way * sin]))
+}
+
+/// Corners of a circle, the last one that of the first.
+const CORNERS: usize = 48;
+
+/// Lines that show wheels, strands, racks, cams and linear drives in these poses, each `(n, 2)` [m].
+pub fn shapes(poses: &[Pose], joint: &Joint) -> Vec<Vec<[f64; 2]>> {
+    let (a, b) = (place(poses, &joint.journal), place(poses, &joint.bushing));
+    let beside = |[x, y]: [f64; 2], [dx, dy]: [f64; 2], far: f64| [x + far * dx, y + far * dy];
+    let around = |radius: &dyn Fn(f64) -> f64, centre: [f64; 2]| -> Vec<[f64; 2]> {
+        let corner = |k: usize| {
+            let angle = std::f64::consts::TAU * k as f64 / CORNERS as f64;
+            beside(centre, [angle.cos(), angle.sin()], radius(angle))
+        };
+        (0..=CORNERS).map(corner).collect()
+    };
+    match &joint.kind {
+        JointKind::LinearDrive(_) => {
+            let length = (a[0] - b[0]).hypot(a[1] - b[1]).max(f64::MIN_POSITIVE);
+            let along = [(a[0] - b[0]) / length, (a[1] - b[1]) / length];
+            let across = [-along[1], along[0]];
+            // The cylinder over half of the length, and its rod.
+            let (end, half) = (beside(b, along, 0.5 * length), 0.06 * length);
+            let barrel = [(b, half), (end, half), (end, -half), (b, -half), (b, half)];
+            vec![barrel.map(|(at, far)| beside(at, across, far)).into(), vec![end, a]]
+        }
+        JointKind::Mesh(Mesh { form: MeshForm::Rack, radii: [_, radius], direction, pressure_angle, .. }) => {
+            let angle = direction[1].atan2(direction[0]) - pressure_angle;
+            let along = [angle.cos(), angle.sin()];
+            vec![around(&|_| *radius, b), vec![beside(a, along, -2.0 * radius), beside(a, along, 2.0 * radius)]]
+        }
+        JointKind::Mesh(Mesh { form, radii, direction: [x, y], .. }) => {
+            let mut lines = vec![around(&|_| radii[0], a), around(&|_| radii[1], b)];
+            if *form == MeshForm::Belt {
+                let taut = [beside(a, [-y, *x], radii[0]), beside(b, [-y, *x], radii[1])];
+                let length = (b[0] - a[0]).hypot(b[1] - a[1]).max(f64::MIN_POSITIVE);
+                let line = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
+                let mirrored = |p: [f64; 2]| {
+                    let across = (p[1] - a[1]) * line[0] - (p[0] - a[0]) * line[1];
+                    beside(p, [-line[1], line[0]], -2.0 * across)
+                };
+                lines.extend([taut.to_vec(), taut.map(mirrored).to_vec()]);
+            }
+            lines
+        }
+        JointKind::Cam { direction: [x, y], lift } => {
+            let (of_cam, axis) = (poses[joint.bushing.body].1, y.atan2(*x));
+            // A point of the outline meets the axis when the cam has turned by the angle between them.
+            vec![around(&|angle| monotone_value(lift, of_cam + axis - angle), b)]
+        }
+        _ => vec![],
+    }
 }
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ mod written;
 
 pub use super::format;
 pub use figure::{Drawing, Figure};
-pub use figures::reliability as reliability_figure;
+pub use figures::{VaryingLoads, reliability as reliability_figure};
 pub use input::{
     CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, ReportInput, SUMMARY_DOCUMENT, SimulatedSample,
     WorkTotals, equal_edges,

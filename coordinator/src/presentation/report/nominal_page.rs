@@ -67,7 +67,10 @@ impl NominalView<'_> {
     fn begin(&self, page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
         page.add(self.limits());
         let drawing = studied::figure(input).or_else(|| self.drawing.cloned());
-        let drawn = page.draw(drawing.into_iter().chain(figures::histories(input)?).collect(), "two");
+        let drawn = page.draw(
+            drawing.into_iter().chain(studied::loads(input)?).chain(figures::histories(input)?).collect(),
+            "two",
+        );
         page.add(drawn);
         Ok(())
     }

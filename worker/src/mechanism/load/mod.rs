@@ -9,6 +9,7 @@ mod drag;
 mod force;
 mod size;
 mod springs;
+mod stops;
 
 pub use force::{LoadForce, NO_FRAME};
 
@@ -20,6 +21,7 @@ use drag::{Drag, RotationalDrag};
 use force::LoadLaw;
 use size::Size;
 use springs::{DirectionalSpring, Spring, TorsionSpring};
+use stops::{AngleStop, LineStop};
 
 /// Declares [`IslandLoad`] with one variant per kind of load.
 macro_rules! island_loads {
@@ -77,7 +79,7 @@ macro_rules! island_loads {
     };
 }
 
-island_loads!(DirectionalSpring, Spring, TorsionSpring, PointForce, BodyTorque, Motor, Drag, RotationalDrag);
+island_loads!(DirectionalSpring, Spring, TorsionSpring, LineStop, AngleStop, PointForce, BodyTorque, Motor, Drag, RotationalDrag);
 
 impl IslandLoad {
     /// The load of a scene, with its frames from `frames`.
@@ -90,6 +92,18 @@ impl IslandLoad {
             Load::Spring { ref a, ref b, stiffness, damping, free_length, .. } => {
                 let ends = [frames.end(a), frames.end(b)];
                 Self::Spring(Spring { ends, stiffness, damping, free_length })
+            }
+            Load::EndStop { ref a, ref b, shortest: length, stiffness, dissipation, .. } => {
+                let ends = [frames.end(a), frames.end(b)];
+                Self::LineStop(LineStop { ends, side: -1.0, length, stiffness, dissipation })
+            }
+            Load::Rope { ref a, ref b, longest: length, stiffness, dissipation, .. } => {
+                let ends = [frames.end(a), frames.end(b)];
+                Self::LineStop(LineStop { ends, side: 1.0, length, stiffness, dissipation })
+            }
+            Load::AngleStop { a, b, lower, upper, stiffness, dissipation, .. } => {
+                let frames = [frames.frame(a), frames.frame(b)];
+                Self::AngleStop(AngleStop { frames, bounds: [lower, upper], stiffness, dissipation })
             }
             Load::TorsionSpring { a, b, stiffness, damping, free_angle, .. } => {
                 let frames = [frames.frame(a), frames.frame(b)];

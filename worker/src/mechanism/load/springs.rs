@@ -79,50 +79,82 @@ impl<R: Real> LoadLaw<R> for Spring<R> {
     #[inline(always)]
     fn force(&self, _t: R, frames: &[Frame<R>]) -> LoadForce<R> {
         let Spring { ref ends, stiffness, damping, free_length } = *self;
-        let (fa, fb) = (frames[ends[0].frame], frames[ends[1].frame]);
-        let (a, b) = (fa.turn(ends[0].arm), fb.turn(ends[1].arm));
-        let (va, vb) = (fa.velocity(ends[0].arm), fb.velocity(ends[1].arm));
-        let e = [fa.x[0] + a[0] - fb.x[0] - b[0], fa.x[1] + a[1] - fb.x[1] - b[1]];
-        let w = [va[0] - vb[0], va[1] - vb[1]];
-        let mut load = LoadForce::none([ends[0].frame, ends[1].frame], stiffness);
-        let l = length(e);
-        let (nothing, one) = (l.zero(), l.like(1.0));
-        let has_line = nothing.below(l);
-        let l = R::select(has_line, l, one);
-        let (stiffness, damping) =
-            (R::select(has_line, stiffness, nothing), R::select(has_line, damping, nothing));
-        let u = [e[0] / l, e[1] / l];
-        let rate = dot(u, w);
-        let pull = stiffness * (l - free_length) + damping * rate;
-        load.stored = stiffness * (l - free_length) * (l - free_length) * 0.5;
-        load.lost = damping * rate * rate;
-        // Gradients of l, and of dl/dt, to the six coordinates; dl/dt has that of l to the six rates.
-        let g = [u[0], u[1], cross(a, u), -u[0], -u[1], -cross(b, u)];
-        // Derivative of u to e along w, and of the points and their velocities to the angles.
-        let across = [(w[0] - rate * u[0]) / l, (w[1] - rate * u[1]) / l];
-        let (sa, sb) = (left(a), left(b));
-        let to_rate = [
-            across[0],
-            across[1],
-            dot(across, sa) - fa.omega * dot(u, a),
-            -across[0],
-            -across[1],
-            -dot(across, sb) + fb.omega * dot(u, b),
-        ];
-        load.f = times(&g, -pull);
-        for r in 0..6 {
-            for c in 0..6 {
-                load.k[r][c] = -g[r] * (stiffness * g[c] + damping * to_rate[c]);
-                load.d[r][c] = -(g[r] * damping * g[c]);
+        on_line(ends, frames, |l, rate| {
+            let extension = l - free_length;
+            LinePull {
+                pull: stiffness * extension + damping * rate,
+                per_length: stiffness,
+                per_rate: damping,
+                stored: stiffness * extension * extension * 0.5,
+                lost: damping * rate * rate,
             }
-        }
-        turn_line(&mut load.k, pull, u, l, [a, b]);
-        load
+        })
     }
 
     fn frames(&self) -> Vec<usize> {
         self.ends.iter().map(|end| end.frame).collect()
     }
+}
+
+/// Pull along the line between two points.
+pub(super) struct LinePull<R> {
+    /// The pull [N].
+    pub pull: R,
+    /// Its derivatives to the length of the line [N/m] and to the rate of the length [N s/m].
+    pub per_length: R,
+    pub per_rate: R,
+    /// Stored energy [J].
+    pub stored: R,
+    /// Dissipated power [W].
+    pub lost: R,
+}
+
+/// Load of the pull that `law` states of the length of the line between two points [m] and its rate [m/s]. No force where the points coincide,
+/// which leaves the line without direction.
+#[inline(always)]
+pub(super) fn on_line<R: Real>(
+    ends: &[End<R>; 2],
+    frames: &[Frame<R>],
+    law: impl Fn(R, R) -> LinePull<R>,
+) -> LoadForce<R> {
+    let (fa, fb) = (frames[ends[0].frame], frames[ends[1].frame]);
+    let (a, b) = (fa.turn(ends[0].arm), fb.turn(ends[1].arm));
+    let (va, vb) = (fa.velocity(ends[0].arm), fb.velocity(ends[1].arm));
+    let e = [fa.x[0] + a[0] - fb.x[0] - b[0], fa.x[1] + a[1] - fb.x[1] - b[1]];
+    let w = [va[0] - vb[0], va[1] - vb[1]];
+    let l = length(e);
+    let mut load = LoadForce::none([ends[0].frame, ends[1].frame], l);
+    let (nothing, one) = (l.zero(), l.like(1.0));
+    let has_line = nothing.below(l);
+    let l = R::select(has_line, l, one);
+    let u = [e[0] / l, e[1] / l];
+    let rate = dot(u, w);
+    let LinePull { pull, per_length, per_rate, stored, lost } = law(l, rate);
+    let where_line = |x: R| R::select(has_line, x, nothing);
+    let (pull, per_length, per_rate) = (where_line(pull), where_line(per_length), where_line(per_rate));
+    (load.stored, load.lost) = (where_line(stored), where_line(lost));
+    // Gradients of l, and of dl/dt, to the six coordinates; dl/dt has that of l to the six rates.
+    let g = [u[0], u[1], cross(a, u), -u[0], -u[1], -cross(b, u)];
+    // Derivative of u to e along w, and of the points and their velocities to the angles.
+    let across = [(w[0] - rate * u[0]) / l, (w[1] - rate * u[1]) / l];
+    let (sa, sb) = (left(a), left(b));
+    let to_rate = [
+        across[0],
+        across[1],
+        dot(across, sa) - fa.omega * dot(u, a),
+        -across[0],
+        -across[1],
+        -dot(across, sb) + fb.omega * dot(u, b),
+    ];
+    load.f = times(&g, -pull);
+    for r in 0..6 {
+        for c in 0..6 {
+            load.k[r][c] = -g[r] * (per_length * g[c] + per_rate * to_rate[c]);
+            load.d[r][c] = -(g[r] * per_rate * g[c]);
+        }
+    }
+    turn_line(&mut load.k, pull, u, l, [a, b]);
+    load
 }
 
 /// Subtracts pull dg/dq from `k`: the gradient g of the length `l` of a line along `u` between points at the

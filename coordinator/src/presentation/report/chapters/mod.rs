@@ -30,7 +30,8 @@ pub fn page(input: &ReportInput, files: FigureFiles) -> Result<Page, PlotError> 
     page.add(head::lead(input));
     page.add_contents();
     page.begin("What was studied");
-    let drawing = page.draw(studied::figure(input).into_iter().collect(), "one");
+    let drawing = studied::figure(input).into_iter().chain(studied::loads(input)?).collect();
+    let drawing = page.draw(drawing, "one");
     page.add(studied::chapter(input, &drawing));
     reliability(&mut page, input)?;
     let drawn = page.draw([figures::distributions(input)?, figures::histories(input)?].concat(), "two");

@@ -54,7 +54,7 @@ pub struct DrawnBody {
 pub struct DrawnJoint {
     /// Name in the scene.
     pub name: String,
-    /// `revolute`, `prismatic`, `fixed`, `clearance` or `guide`, as in scenes.
+    /// `revolute`, `clearance`, `gear`, ... as in scenes.
     pub kind: &'static str,
     /// Position of the first body's point, the journal `(2,)` [m].
     pub at_m: [f64; 2],
@@ -62,6 +62,8 @@ pub struct DrawnJoint {
     pub rail_m: Option<[[f64; 2]; 2]>,
     /// True if the rail belongs to a fixed body.
     pub on_ground: bool,
+    /// Lines of wheels, strands, racks, cams and linear drives, each `(n, 2)` [m].
+    pub shapes_m: Vec<Vec<[f64; 2]>>,
 }
 
 /// A load in its place.
@@ -173,7 +175,8 @@ impl DrawnMechanism {
             _ => vec![],
         });
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for point in bodies.chain(joints).chain(rails).chain(coils) {
+        let shapes = self.joints.iter().flat_map(|joint| joint.shapes_m.iter().flatten());
+        for point in bodies.chain(joints).chain(rails).chain(shapes).chain(coils) {
             for axis in 0..2 {
                 // A value that is not a number must not be lost in a minimum.
                 let keep = |a: f64, b: f64, less: bool| if b.is_nan() || (b < a) == less { b } else { a };
@@ -196,6 +199,7 @@ fn joint(scene: &Scene, cycle: &[Vec<Pose>], poses: &[Pose], index: usize) -> Dr
         at_m: place(poses, &joint.journal),
         on_ground: fixed && rail_m.is_some(),
         rail_m,
+        shapes_m: mechanism::shapes(poses, joint),
     }
 }
 

@@ -66,6 +66,13 @@ fn caption(drawn: &DrawnMechanism, scene: &Scene) -> String {
         ("prismatic", "block on a rail: slider"),
         ("guide", "block on a rail: slider in a guide with clearance"),
         ("fixed", "square: rigid connection"),
+        ("slot", "block on a line: pin in a slot"),
+        ("gear", "dashed circles: pitch circles of gears"),
+        ("internal-gear", "dashed circles: pitch circles of an internal gear"),
+        ("belt", "dashed circles and lines: belt"),
+        ("rack", "dashed circle and line: wheel and rack"),
+        ("cam", "dashed outline: cam"),
+        ("linear-drive", "dashed cylinder: linear drive"),
     ];
     let shown = symbols.into_iter().filter(|(kind, _)| drawn.has(kind));
     let mut parts: Vec<&str> = shown.map(|(_, meaning)| meaning).collect();

@@ -250,7 +250,15 @@ fn joint_symbol(joint: &DrawnJoint, scale: &SheetScale) -> Symbol {
             html! { circle cx=(left_text) cy=(top_text) r="5" fill=(paper) stroke=(ink) stroke-width="2" {} },
         ),
     };
+    let shapes: Vec<Vec<[f64; 2]>> = joint.shapes_m.iter().map(|line| places(line, scale)).collect();
+    covers.extend(shapes.iter().flat_map(|line| along(line)));
     let label = Some(Label { text: joint.name.clone(), at, clear, of: LabelOf::Joint });
+    let markup = html! {
+        @for line in &shapes {
+            path d=(path_along(line)) fill="none" stroke=(Ink::Muted.hex()) stroke-width="1.5" stroke-dasharray="6 2" {}
+        }
+        (markup)
+    };
     Symbol { markup, covers, label }
 }
 

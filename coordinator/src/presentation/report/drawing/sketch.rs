@@ -89,6 +89,9 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
         if let Some([from, to]) = joint.rail_m {
             canvas.line(place(from), place(to));
         }
+        for pair in joint.shapes_m.iter().flat_map(|line| line.windows(2)) {
+            canvas.line(place(pair[0]), place(pair[1]));
+        }
     }
     for load in &drawn.loads {
         match load.symbol {
@@ -179,6 +182,7 @@ fn legend(drawn: &DrawnMechanism) -> String {
         ("prismatic", "slider"),
         ("guide", "slider in a guide with clearance"),
         ("fixed", "rigid connection"),
+        ("slot", "pin in a slot"),
     ];
     let mut parts: Vec<String> = kinds
         .into_iter()

@@ -6,7 +6,7 @@ use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::{cells, table_of_text};
 use crate::presentation::report::written::WrittenScene;
 use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, Kind, LENGTH, NUMBER};
-use common::scene::{Curve, Drive, Form, Key, Load, Motion, OutputUnit, Over, Scene, Table, Value};
+use common::scene::{Curve, Drive, Form, JointKind, Key, Load, Motion, OutputUnit, Over, Scene, Table, Value};
 use maud::{Markup, html};
 
 /// Loads with all their values, and every curve with its points.
@@ -107,6 +107,17 @@ fn curves(scene: &Scene, written: &WrittenScene) -> Vec<Vec<Markup>> {
         }
         _ => None,
     });
+    let joints = scene.joints.iter().filter_map(|joint| match &joint.kind {
+        JointKind::LinearDrive(Drive::Angle(table)) => {
+            let key = format!("joints.{}.length", joint.name);
+            Some(row(joint.name.clone(), key, "time".into(), table, ["s", "mm"]))
+        }
+        JointKind::Cam { lift, .. } => {
+            let over = format!("angle of {}", scene.bodies[joint.bushing.body].name);
+            Some(row(joint.name.clone(), format!("joints.{}.lift", joint.name), over, lift, ["deg", "mm"]))
+        }
+        _ => None,
+    });
     let of_curve = |of: String, key: String, curve: &Curve, unit: &'static str| {
         let (over, argument) = match curve.over {
             Over::Time => ("time".to_owned(), "s"),
@@ -126,5 +137,5 @@ fn curves(scene: &Scene, written: &WrittenScene) -> Vec<Vec<Markup>> {
         });
         curves.collect::<Vec<_>>()
     });
-    drives.chain(loads).chain(wanted).collect()
+    drives.chain(joints).chain(loads).chain(wanted).collect()
 }

@@ -28,7 +28,7 @@ fn of_joint(joint: &Joint) -> Vec<(usize, Material)> {
     match &joint.kind {
         JointKind::Clearance(hinge) => vec![(0, hinge.journal_material), (1, hinge.bushing_material)],
         JointKind::Guide(guide) => vec![(2, guide.slider_material), (3, guide.guide_material)],
-        JointKind::Revolute | JointKind::Prismatic { .. } | JointKind::Fixed { .. } => vec![],
+        _ => vec![],
     }
 }
 

@@ -165,6 +165,25 @@ fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
             JointKind::Fixed { angle: turned } => format!("rigid, turned by {}", angle("angle", *turned)),
             JointKind::Clearance(_) => "hinge with clearance".to_owned(),
             JointKind::Guide(_) => "slider in a guide with clearance".to_owned(),
+            JointKind::Slot { axis } => format!("pin in a slot along {}", angle("axis", *axis)),
+            JointKind::LinearDrive(Drive::ConstantSpeed { start_angle: length, speed }) => format!(
+                "linear drive, {} at the start, {}",
+                texts.value(&key("length"), *length, "mm"),
+                texts.value(&key("speed"), *speed, "mm/s")
+            ),
+            JointKind::LinearDrive(_) => "linear drive by its curve".to_owned(),
+            JointKind::Cam { direction: [x, y], .. } => {
+                format!("cam, follower along {}, by its curve", angle("axis", y.atan2(*x)))
+            }
+            JointKind::Mesh(mesh) => {
+                let (word, ..) = joint.kind.words();
+                let keys = if word == "rack" { ["", "radius"] } else { ["radius_a", "radius_b"] };
+                let radii = keys.iter().zip(mesh.radii).filter(|(_, radius)| *radius > 0.0);
+                let radii: Vec<String> =
+                    radii.map(|(name, radius)| texts.value(&key(name), radius, "mm")).collect();
+                let pressure = angle("pressure_angle", mesh.pressure_angle);
+                format!("{}, pitch radius {}, pressure angle {pressure}", word.replace('-', " "), radii.join(" and "))
+            }
         };
         let (_, ends, size) = joint.kind.words();
         let size = size.unwrap_or_default();

@@ -21,10 +21,12 @@ mod variable_tables;
 
 use super::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
 use super::figure::Figure;
+use super::figures::VaryingLoads;
 use super::format::{UNKNOWN, count};
 use super::input::ReportInput;
 use super::mechanism::poses;
 use super::page::{captioned, numbered};
+use super::plot::PlotError;
 use super::written::WrittenScene;
 use super::{tables, words};
 use crate::results::scene_summary::limit_rows;
@@ -40,6 +42,18 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
     let poses = poses(&input.scene, cycle)?;
     let drawn = DrawnMechanism::new(&input.scene, &poses, drawing::instant(poses.len(), SHARE_OF_CYCLE))?;
     Some(drawing::figure(&drawn, &input.scene))
+}
+
+/// Loads that vary by curves, over the angle of the crank.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn loads(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+    let cycle = input.nominal.as_ref().and_then(|nominal| nominal.first_cycle.as_ref());
+    let varying = cycle.and_then(|cycle| {
+        VaryingLoads::new(&input.scene, &poses(&input.scene, cycle)?, &cycle.time)
+    });
+    varying.map_or(Ok(vec![]), |varying| varying.figures())
 }
 
 /// The chapter with its figure, as it was `drawn`; long tables are left to the [`appendix`].

@@ -1,0 +1,184 @@
+//! Mass, centre of mass and moment of inertia of a body from its shape.
+//!
+//! A rod of the section A [m^2] and the density rho [kg/m^3] along the straight lines between points: m = rho A L, and for each line of length l
+//! about its middle m l^2 / 12. A plate of the thickness h [m]: the polygon with the given corners, or the convex hull of the points of the body,
+//! by the integrals of a polygon. Holes, heads and fillets are left out.
+//!
+//! # Source
+//! Shoelace formulas of area, centroid and second moments: Bourke (1988), Calculating the area and centroid of a polygon; Steger (1996), On the
+//! calculation of arbitrary moments of polygons.
+
+use super::clearance::MaterialRow;
+use super::context::Range;
+use super::model::Point;
+use super::quantity::{AREA, DENSITY, LENGTH};
+use super::section::Section;
+
+/// Mass properties of a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct MassProperties {
+    /// Mass [kg].
+    pub(super) mass: f64,
+    /// Moment of inertia about the centre of mass [kg m^2].
+    pub(super) inertia: f64,
+    /// Centre of mass in the frame of the body `(2,)` [m].
+    pub(super) centre: [f64; 2],
+}
+
+/// Words of the type of a shape.
+#[derive(Clone, Copy, PartialEq)]
+enum ShapeWord {
+    Rod,
+    Plate,
+}
+
+/// Reads `shape = { type, points, section or thickness, material or density }`; outer none if it is faulty, inner none without it.
+pub(super) fn shape(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Option<Option<MassProperties>> {
+    if row.get("shape").is_none() {
+        return Some(None);
+    }
+    let mut shape = row.section("shape", "a table { type, points, section or thickness, material or density }")?;
+    let word = shape.word("type", &[("rod", ShapeWord::Rod), ("plate", ShapeWord::Plate)]);
+    let corners = corners(&mut shape, points);
+    let size = match word? {
+        ShapeWord::Rod => shape.quantity("section", AREA, Range::Positive),
+        ShapeWord::Plate => shape.quantity("thickness", LENGTH, Range::Positive),
+    };
+    let density = density(&mut shape, materials);
+    shape.finish();
+    let (corners, size, density) = (corners?, size?, density?);
+    let found = match word? {
+        ShapeWord::Rod => rod(&corners, density * size),
+        ShapeWord::Plate => plate(&corners, density * size),
+    };
+    if found.is_none() {
+        let needed = if word == Some(ShapeWord::Rod) { "two points apart" } else { "three points that span an area" };
+        shape.inconsistent("points", format!("have no extent: {needed} are needed"));
+    }
+    found.map(Some)
+}
+
+/// The points named, in their order; without names the corners of the convex hull of all points.
+fn corners(shape: &mut Section, points: &[Point]) -> Option<Vec<[f64; 2]>> {
+    if shape.get("points").is_none() {
+        return Some(hull(points.iter().map(|point| point.position).collect()));
+    }
+    let names = shape.texts("points", "a list of names of points of the body")?;
+    let known = points.iter().map(|point| point.name.as_str());
+    let found: Vec<_> = names.iter().map(|name| shape.reference("points", "point", name, known.clone())).collect();
+    found.into_iter().map(|index| Some(points[index?].position)).collect()
+}
+
+/// Density, or that of a material [kg/m^3].
+fn density(shape: &mut Section, materials: &[MaterialRow]) -> Option<f64> {
+    let own = shape.get("density").is_some();
+    if shape.get("material").is_none() {
+        return shape.quantity("density", DENSITY, Range::Positive);
+    }
+    if own {
+        shape.inconsistent_table("give either material or density, not both");
+        return None;
+    }
+    let name = shape.text("material", "the name of a material")?;
+    let known = materials.iter().map(|material| material.name.as_str());
+    let material = &materials[shape.reference("material", "material", name, known)?];
+    if material.density.is_none() {
+        shape.inconsistent("material", format!("{name} has no density: add density to [materials.{name}]"));
+    }
+    material.density
+}
+
+/// Mass properties of lines of the mass `line` per length [kg/m]; none without a length.
+fn rod(points: &[[f64; 2]], line: f64) -> Option<MassProperties> {
+    let parts: Vec<([f64; 2], f64)> = points
+        .windows(2)
+        .map(|pair| {
+            let [[ax, ay], [bx, by]] = [pair[0], pair[1]];
+            ([0.5 * (ax + bx), 0.5 * (ay + by)], (bx - ax).hypot(by - ay))
+        })
+        .collect();
+    let length: f64 = parts.iter().map(|part| part.1).sum();
+    let centre = [0, 1].map(|k: usize| parts.iter().map(|(middle, l)| middle[k] * l).sum::<f64>() / length);
+    let about = |(middle, l): &([f64; 2], f64)| {
+        l * (l * l / 12.0 + (middle[0] - centre[0]).powi(2) + (middle[1] - centre[1]).powi(2))
+    };
+    let inertia = line * parts.iter().map(about).sum::<f64>();
+    (length > 0.0).then_some(MassProperties { mass: line * length, inertia, centre })
+}
+
+/// Mass properties of a polygon of the mass `sheet` per area [kg/m^2]; none without an area.
+fn plate(corners: &[[f64; 2]], sheet: f64) -> Option<MassProperties> {
+    let origin = *corners.first()?;
+    let local: Vec<[f64; 2]> = corners.iter().map(|[x, y]| [x - origin[0], y - origin[1]]).collect();
+    let (mut area, mut first, mut second) = (0.0, [0.0; 2], 0.0);
+    for (k, [ax, ay]) in local.iter().enumerate() {
+        let [bx, by] = local[(k + 1) % local.len()];
+        let cross = ax * by - bx * ay;
+        area += 0.5 * cross;
+        first[0] += cross * (ax + bx) / 6.0;
+        first[1] += cross * (ay + by) / 6.0;
+        second += cross * (ax * ax + ax * bx + bx * bx + ay * ay + ay * by + by * by) / 12.0;
+    }
+    let [x, y] = first.map(|moment| moment / area);
+    let inertia = sheet * (second.abs() - area.abs() * (x * x + y * y));
+    let (mass, centre) = (sheet * area.abs(), [origin[0] + x, origin[1] + y]);
+    (inertia > 0.0 && mass > 0.0).then_some(MassProperties { mass, inertia, centre })
+}
+
+/// Corners of the convex hull, counter-clockwise (Andrew's monotone chain).
+fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    points.dedup();
+    if points.len() < 3 {
+        return points;
+    }
+    let chain = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for p in points {
+            while let [.., a, b] = chain[..]
+                && (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) <= 0.0
+            {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let lower = chain(&mut points.iter().copied());
+    let upper = chain(&mut points.iter().rev().copied());
+    if lower.len() + upper.len() < 3 { points } else { [lower, upper].concat() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(found: Option<MassProperties>, mass: f64, inertia: f64, centre: [f64; 2]) {
+        let found = found.expect("a body");
+        for (found, exact) in
+            [(found.mass, mass), (found.inertia, inertia), (found.centre[0], centre[0]), (found.centre[1], centre[1])]
+        {
+            assert!((found - exact).abs() < 1e-12, "{found} against {exact}");
+        }
+    }
+
+    #[test]
+    fn rods_and_plates_have_the_moments_of_textbooks() {
+        close(rod(&[[0.1, 0.2], [0.4, 0.6]], 2.0), 1.0, 0.25 / 12.0, [0.25, 0.4]);
+        // A right angle of two rods of length 1 each: centres at 1/4 of the diagonal from the corner.
+        close(rod(&[[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]], 3.0), 6.0, 3.0 * (2.0 / 12.0 + 2.0 * 0.125), [0.25; 2]);
+        let rectangle = [[1.0, 1.0], [1.4, 1.0], [1.4, 1.3], [1.0, 1.3]];
+        close(plate(&rectangle, 10.0), 1.2, 1.2 * 0.25 / 12.0, [1.2, 1.15]);
+        let triangle = [[0.0, 0.0], [0.0, 0.6], [0.3, 0.0]];
+        // b h (b^2 + h^2) / 36 of a right triangle.
+        close(plate(&triangle, 1.0), 0.09, 0.18 * 0.45 / 36.0, [0.1, 0.2]);
+        assert!(plate(&[[0.0, 0.0], [1.0, 1.0]], 1.0).is_none() && rod(&[[0.0, 0.0]], 1.0).is_none());
+    }
+
+    #[test]
+    fn the_hull_leaves_out_what_is_inside() {
+        let points = vec![[0.0, 0.0], [1.0, 0.0], [0.5, 0.4], [1.0, 1.0], [0.5, 0.0], [0.0, 1.0]];
+        assert_eq!(hull(points), [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+    }
+}
