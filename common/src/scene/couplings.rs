@@ -25,7 +25,9 @@ fn start(body: &BodyRow) -> Option<([f64; 2], f64)> {
         Motion::Fixed => ([0.0; 2], 0.0),
         Motion::Free { start_position, start_angle, .. } => (*start_position, *start_angle),
         Motion::Driven { position, drive, .. } => match drive {
-            Drive::ConstantSpeed { start_angle, .. } | Drive::Speed { start_angle, .. } => (*position, *start_angle),
+            Drive::ConstantSpeed { start_angle, .. } | Drive::Speed { start_angle, .. } => {
+                (*position, *start_angle)
+            }
             Drive::Angle(table) => (*position, monotone_value(table, 0.0)),
         },
     })
@@ -44,7 +46,12 @@ fn start_of(bodies: &[BodyRow], places: &Places) -> Option<([f64; 2], [f64; 2])>
 }
 
 /// Reads the keys of a gear pair, a belt or a rack.
-pub(super) fn mesh(row: &mut Section, form: MeshForm, bodies: &[BodyRow], places: Option<Places>) -> Option<Mesh> {
+pub(super) fn mesh(
+    row: &mut Section,
+    form: MeshForm,
+    bodies: &[BodyRow],
+    places: Option<Places>,
+) -> Option<Mesh> {
     let radius = |row: &mut Section, key| row.quantity(key, LENGTH, Range::Positive);
     let is_rack = form == MeshForm::Rack;
     let radii = match is_rack {
@@ -118,7 +125,11 @@ pub(super) fn linear_drive(row: &mut Section) -> Option<Drive> {
 }
 
 /// Reads the axis and the lift of a cam: the distance of the place of the follower from that of the cam along the axis.
-pub(super) fn cam(row: &mut Section, bodies: &[BodyRow], places: Option<Places>) -> Option<([f64; 2], Table)> {
+pub(super) fn cam(
+    row: &mut Section,
+    bodies: &[BodyRow],
+    places: Option<Places>,
+) -> Option<([f64; 2], Table)> {
     let axis = row.quantity_or("axis", ANGLE, Range::Any, 0.0);
     let lift = curve(row, "lift", LENGTH, bodies);
     let (axis, Curve { over, table }, [_, cam]) = (axis?, lift?, places?);

@@ -33,7 +33,8 @@ impl JointKind {
     pub fn coupling(&self) -> Option<String> {
         let range = |table: &Table| {
             let ends = [f64::INFINITY, f64::NEG_INFINITY];
-            let [low, high] = table.value.iter().fold(ends, |[low, high], value| [low.min(*value), high.max(*value)]);
+            let [low, high] =
+                table.value.iter().fold(ends, |[low, high], value| [low.min(*value), high.max(*value)]);
             format!("{:.3} to {:.3} mm", low * 1e3, high * 1e3)
         };
         Some(match self {
@@ -48,7 +49,9 @@ impl JointKind {
                 let radii = format!("{:.3} and {:.3} mm", a * 1e3, b * 1e3);
                 match form {
                     MeshForm::Gear => format!("gear pair, pitch radii {radii}, ratio {:.6}", -a / b),
-                    MeshForm::InternalGear => format!("internal gear, pitch radii {radii}, ratio {:.6}", a / b),
+                    MeshForm::InternalGear => {
+                        format!("internal gear, pitch radii {radii}, ratio {:.6}", a / b)
+                    }
                     MeshForm::Belt => format!("belt on radii {radii}, ratio {:.6}", a / b),
                     MeshForm::Rack => format!("rack on a wheel of pitch radius {:.3} mm", b * 1e3),
                 }

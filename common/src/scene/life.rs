@@ -128,8 +128,9 @@ fn check_stroke(life: &Section, period: f64, name: &str, drive: &Drive) {
             }
         }
         _ => {
-            let message =
-                format!("does not repeat, but the cycles follow each other: write a table that repeats, or see it once{ONCE}");
+            let message = format!(
+                "does not repeat, but the cycles follow each other: write a table that repeats, or see it once{ONCE}"
+            );
             life.cx.inconsistent(key, message);
         }
     }

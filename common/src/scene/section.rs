@@ -122,7 +122,8 @@ impl<'s> Section<'s> {
 
     /// True if the table has the other key of a pair of which a row has one, so that there is no default for this one.
     fn excludes(&self, key: &str) -> bool {
-        let other = EITHER.iter().find(|pair| pair.contains(&key)).map(|pair| pair[usize::from(pair[0] == key)]);
+        let other =
+            EITHER.iter().find(|pair| pair.contains(&key)).map(|pair| pair[usize::from(pair[0] == key)]);
         other.is_some_and(|other| self.table.contains_key(other))
     }
 

@@ -33,11 +33,16 @@ enum ShapeWord {
 }
 
 /// Reads `shape = { type, points, section or thickness, material or density }`; outer none if it is faulty, inner none without it.
-pub(super) fn shape(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Option<Option<MassProperties>> {
+pub(super) fn shape(
+    row: &mut Section,
+    points: &[Point],
+    materials: &[MaterialRow],
+) -> Option<Option<MassProperties>> {
     if row.get("shape").is_none() {
         return Some(None);
     }
-    let mut shape = row.section("shape", "a table { type, points, section or thickness, material or density }")?;
+    let mut shape =
+        row.section("shape", "a table { type, points, section or thickness, material or density }")?;
     let word = shape.word("type", &[("rod", ShapeWord::Rod), ("plate", ShapeWord::Plate)]);
     let corners = corners(&mut shape, points);
     let size = match word? {
@@ -52,7 +57,8 @@ pub(super) fn shape(row: &mut Section, points: &[Point], materials: &[MaterialRo
         ShapeWord::Plate => plate(&corners, density * size),
     };
     if found.is_none() {
-        let needed = if word == Some(ShapeWord::Rod) { "two points apart" } else { "three points that span an area" };
+        let needed =
+            if word == Some(ShapeWord::Rod) { "two points apart" } else { "three points that span an area" };
         shape.inconsistent("points", format!("have no extent: {needed} are needed"));
     }
     found.map(Some)
@@ -65,7 +71,8 @@ fn corners(shape: &mut Section, points: &[Point]) -> Option<Vec<[f64; 2]>> {
     }
     let names = shape.texts("points", "a list of names of points of the body")?;
     let known = points.iter().map(|point| point.name.as_str());
-    let found: Vec<_> = names.iter().map(|name| shape.reference("points", "point", name, known.clone())).collect();
+    let found: Vec<_> =
+        names.iter().map(|name| shape.reference("points", "point", name, known.clone())).collect();
     found.into_iter().map(|index| Some(points[index?].position)).collect()
 }
 
@@ -156,9 +163,12 @@ mod tests {
 
     fn close(found: Option<MassProperties>, mass: f64, inertia: f64, centre: [f64; 2]) {
         let found = found.expect("a body");
-        for (found, exact) in
-            [(found.mass, mass), (found.inertia, inertia), (found.centre[0], centre[0]), (found.centre[1], centre[1])]
-        {
+        for (found, exact) in [
+            (found.mass, mass),
+            (found.inertia, inertia),
+            (found.centre[0], centre[0]),
+            (found.centre[1], centre[1]),
+        ] {
             assert!((found - exact).abs() < 1e-12, "{found} against {exact}");
         }
     }
@@ -167,7 +177,12 @@ mod tests {
     fn rods_and_plates_have_the_moments_of_textbooks() {
         close(rod(&[[0.1, 0.2], [0.4, 0.6]], 2.0), 1.0, 0.25 / 12.0, [0.25, 0.4]);
         // A right angle of two rods of length 1 each: centres at 1/4 of the diagonal from the corner.
-        close(rod(&[[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]], 3.0), 6.0, 3.0 * (2.0 / 12.0 + 2.0 * 0.125), [0.25; 2]);
+        close(
+            rod(&[[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]], 3.0),
+            6.0,
+            3.0 * (2.0 / 12.0 + 2.0 * 0.125),
+            [0.25; 2],
+        );
         let rectangle = [[1.0, 1.0], [1.4, 1.0], [1.4, 1.3], [1.0, 1.3]];
         close(plate(&rectangle, 10.0), 1.2, 1.2 * 0.25 / 12.0, [1.2, 1.15]);
         let triangle = [[0.0, 0.0], [0.0, 0.6], [0.3, 0.0]];

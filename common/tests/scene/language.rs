@@ -60,7 +60,12 @@ fn drives() {
     let on_axis = DrivenInertia { mass: 0.1, inertia: 2e-5, centre_of_mass: [0.0, 0.0] };
     assert_eq!(inertia, Some(on_axis));
 
-    let (Drive::Angle(table), _) = drive("lever") else { panic!() };
+    let (Drive::Angle(table), inertia) = drive("lever") else { panic!() };
+    // A right triangle: 9 cm^2 of 1 cm, and b h (b^2 + h^2) / 36 of its area.
+    let found = inertia.expect("by its shape");
+    same(&[found.mass], &[9e-4 * 0.01 * 7850.0]);
+    assert!((found.inertia - 78.5 * 0.0018 * 0.0045 / 36.0).abs() < 1e-18, "{found:?}");
+    assert!((found.centre_of_mass[0] - 0.01).abs() < 1e-15 && (found.centre_of_mass[1] - 0.02).abs() < 1e-15);
     same_table(&table, &[0.0, 0.05, 0.1], &[0.0, PI / 18.0, 0.0], true);
 }
 

@@ -29,6 +29,7 @@ fn open(scene: &Scene, joint: &Joint) -> (f64, f64) {
             ((gap[1] * cos - gap[0] * sin).abs(), turned(angle))
         }
         JointKind::Fixed { angle } => (gap[0].hypot(gap[1]), turned(angle)),
+        _ => panic!("no built-in scene has one: {joint:?}"),
     }
 }
 

@@ -94,8 +94,7 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), CommandEr
     let scene = source.nominal();
     at_once(&format!("{file}: valid; {}\n", counts(scene)))?;
     let is_mechanism = scene.simulator.is_none();
-    let (loads, drawings) =
-        if is_mechanism { look(&source, draw.as_deref())? } else { (vec![], vec![]) };
+    let (loads, drawings) = if is_mechanism { look(&source, draw.as_deref())? } else { (vec![], vec![]) };
     at_once(&loads.iter().map(|line| format!("{line}\n")).collect::<String>())?;
     let mut cost = None;
     if is_mechanism && !quick {

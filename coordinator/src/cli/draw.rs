@@ -63,7 +63,9 @@ pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError
     };
     match (as_json, &arguments.out) {
         (true, _) => print(&to_json(&drawn)?),
-        (false, Some(_)) => print(&files.iter().map(|file| format!("{}\n", file.display())).collect::<String>()),
+        (false, Some(_)) => {
+            print(&files.iter().map(|file| format!("{}\n", file.display())).collect::<String>())
+        }
         (false, None) => {
             let loads = loads.iter().flat_map(VaryingLoads::lines).map(|line| format!("{line}\n"));
             let loads: String = loads.collect();

@@ -194,7 +194,10 @@ fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
             JointKind::Fixed { .. } => {
                 writeln!(out, "  {}: {journal} is fixed to {bushing}, no wear", joint.name)?;
             }
-            JointKind::Slot { .. } | JointKind::LinearDrive(_) | JointKind::Mesh(_) | JointKind::Cam { .. } => {
+            JointKind::Slot { .. }
+            | JointKind::LinearDrive(_)
+            | JointKind::Mesh(_)
+            | JointKind::Cam { .. } => {
                 let coupling = joint.kind.coupling().unwrap_or_default();
                 writeln!(out, "  {}: {journal} and {bushing}, {coupling}, ideal, no wear", joint.name)?;
             }

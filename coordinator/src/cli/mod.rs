@@ -124,7 +124,9 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Completions { shell } => shell::completions(shell),
         CommandArguments::Man { out } => shell::man(out.as_deref()),
         CommandArguments::Check(options) => check::check(&options, verbosity),
-        CommandArguments::Explain { scene, set, accuracy } => explain::explain(&scene, &set, &accuracy, verbosity),
+        CommandArguments::Explain { scene, set, accuracy } => {
+            explain::explain(&scene, &set, &accuracy, verbosity)
+        }
     }
 }
 

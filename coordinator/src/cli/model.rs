@@ -49,7 +49,10 @@ impl Model {
     pub fn expected(&self) -> Option<String> {
         let look = self.look.as_ref().ok()?;
         let (seconds, steps) = (look.expected.as_secs_f64(), look.steps_per_cycle);
-        Some(format!("about {seconds:.2} s a simulation at `{}` here, {steps} time steps a cycle", self.accuracy))
+        Some(format!(
+            "about {seconds:.2} s a simulation at `{}` here, {steps} time steps a cycle",
+            self.accuracy
+        ))
     }
 
     /// Writes the model as text.

@@ -91,11 +91,16 @@ fn until_failed(
         if cycles == life.cycles || expected < f64::from(cycles) {
             return Ok(evaluation);
         }
-        let each = lives.iter().map(|life| {
-            format!("{} {} of {}", life.limit.name, life.shown(life.last), life.thresholds())
-        });
+        let each = lives
+            .iter()
+            .map(|life| format!("{} {} of {}", life.limit.name, life.shown(life.last), life.thresholds()));
         let each: Vec<String> = each.collect();
-        say(format!("{} of {} cycles simulated: {}", grouped(cycles.into()), grouped(life.cycles.into()), each.join(", ")));
+        say(format!(
+            "{} of {} cycles simulated: {}",
+            grouped(cycles.into()),
+            grouped(life.cycles.into()),
+            each.join(", ")
+        ));
         let next = whole_checkpoints(RESERVE * expected.min(2.0 * f64::from(life.cycles)));
         // No more than a part again, or all of it.
         cycles = if next > cycles && next < life.cycles / 2 { next } else { life.cycles };
@@ -211,7 +216,8 @@ mod tests {
     fn issue_a_mechanism_past_its_limit_before_the_first_checkpoint_passed_without_a_word() {
         let mut scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
         let found = |scene: &Scene| {
-            let evaluation = nominal_evaluation(scene, None, &|_| {}).expect("simulated").expect("by the worker");
+            let evaluation =
+                nominal_evaluation(scene, None, &|_| {}).expect("simulated").expect("by the worker");
             let (lives, warnings) = nominal_check(scene, &evaluation);
             (lives[0].reached, warnings)
         };
@@ -246,7 +252,8 @@ mod tests {
         scene.limit_states.truncate(1);
         scene.life.cycles = 2_000_000;
         scene.life.checkpoint_every = 2000;
-        let evaluation = nominal_evaluation(&scene, None, &|_| {}).expect("simulated").expect("by the worker");
+        let evaluation =
+            nominal_evaluation(&scene, None, &|_| {}).expect("simulated").expect("by the worker");
         let lives = nominal_lives(&scene, &evaluation);
         assert!(
             matches!(lives[0].reached, Reached::After(life) if (5000.0..7000.0).contains(&life)),

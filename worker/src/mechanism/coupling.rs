@@ -130,7 +130,10 @@ pub(super) fn second_derivative<R: Real>(
     let (sa, sb) = (left(g.a), left(g.b));
     let (wi, wj) = (first.omega * first.omega, second.omega * second.omega);
     let along = |k: usize| {
-        acceleration[k] + acceleration[2] * sa[k] - wi * g.a[k] - acceleration[3 + k] - acceleration[5] * sb[k]
+        acceleration[k] + acceleration[2] * sa[k]
+            - wi * g.a[k]
+            - acceleration[3 + k]
+            - acceleration[5] * sb[k]
             + wj * g.b[k]
     };
     [along(0), along(1)]

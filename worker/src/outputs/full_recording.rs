@@ -80,8 +80,12 @@ fn power_state(island: &Island, t: f64, v: &[f64], at: &Linearised) -> PowerStat
     let loads = island.load_power(t, v);
     let drives: f64 =
         at.prescribed.iter().zip(island.prescribed_speeds()).map(|(f, omega)| -f[2] * omega).sum();
-    let mut now =
-        PowerState { stored: loads.stored, input: drives + island.driving_power(at) + loads.driving, lost: loads.lost, unphysical: 0.0 };
+    let mut now = PowerState {
+        stored: loads.stored,
+        input: drives + island.driving_power(at) + loads.driving,
+        lost: loads.lost,
+        unphysical: 0.0,
+    };
     now.lost += at.friction.iter().map(|[force, speed]| force * speed).sum::<f64>();
     for (k, force) in at.joints.iter().enumerate() {
         let joint = &island.joints[k];

@@ -106,7 +106,8 @@ fn pair(kind: &str, radii: [f64; 2], distance: f64) -> [f64; 3] {
             ["second", "centre"],
             &format!("radius_a = \"{a} m\"\nradius_b = \"{b} m\""),
         );
-    let load = "[[loads]]\nname = \"brake\"\ntype = \"constant-torque\"\nbody = \"second\"\ntorque = \"5 N m\"\n";
+    let load =
+        "[[loads]]\nname = \"brake\"\ntype = \"constant-torque\"\nbody = \"second\"\ntorque = \"5 N m\"\n";
     let found = seen_once(0.5, 0.0, &format!("b = [\"{distance} m\", \"0 m\"]"), &(wheels + &joints + load));
     let (t, _, angle) = motion(&found, "second").last().expect("instants");
     let last = |name: &str| *force(&found, name).last().expect("instants");

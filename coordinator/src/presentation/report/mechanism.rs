@@ -125,10 +125,15 @@ pub fn shapes(poses: &[Pose], joint: &Joint) -> Vec<Vec<[f64; 2]>> {
             let barrel = [(b, half), (end, half), (end, -half), (b, -half), (b, half)];
             vec![barrel.map(|(at, far)| beside(at, across, far)).into(), vec![end, a]]
         }
-        JointKind::Mesh(Mesh { form: MeshForm::Rack, radii: [_, radius], direction, pressure_angle, .. }) => {
+        JointKind::Mesh(Mesh {
+            form: MeshForm::Rack, radii: [_, radius], direction, pressure_angle, ..
+        }) => {
             let angle = direction[1].atan2(direction[0]) - pressure_angle;
             let along = [angle.cos(), angle.sin()];
-            vec![around(&|_| *radius, b), vec![beside(a, along, -2.0 * radius), beside(a, along, 2.0 * radius)]]
+            vec![
+                around(&|_| *radius, b),
+                vec![beside(a, along, -2.0 * radius), beside(a, along, 2.0 * radius)],
+            ]
         }
         JointKind::Mesh(Mesh { form, radii, direction: [x, y], .. }) => {
             let mut lines = vec![around(&|_| radii[0], a), around(&|_| radii[1], b)];

@@ -79,7 +79,18 @@ macro_rules! island_loads {
     };
 }
 
-island_loads!(DirectionalSpring, Spring, TorsionSpring, LineStop, AngleStop, PointForce, BodyTorque, Motor, Drag, RotationalDrag);
+island_loads!(
+    DirectionalSpring,
+    Spring,
+    TorsionSpring,
+    LineStop,
+    AngleStop,
+    PointForce,
+    BodyTorque,
+    Motor,
+    Drag,
+    RotationalDrag
+);
 
 impl IslandLoad {
     /// The load of a scene, with its frames from `frames`.

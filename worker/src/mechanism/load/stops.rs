@@ -121,15 +121,18 @@ mod tests {
     const V: [f64; 6] = [1.0, -2.0, 30.0, 0.5, 0.7, -12.0];
 
     fn loads() -> Vec<Box<dyn Fn(&[f64; 6], &[f64; 6]) -> LoadForce>> {
-        let frames = |q: &[f64; 6], v: &[f64; 6]| [Frame::free(&q[..3], &v[..3]), Frame::free(&q[3..], &v[3..])];
+        let frames =
+            |q: &[f64; 6], v: &[f64; 6]| [Frame::free(&q[..3], &v[..3]), Frame::free(&q[3..], &v[3..])];
         let ends = [End { frame: 0, arm: [0.03, 0.02] }, End { frame: 1, arm: [-0.01, 0.05] }];
         let line = move |side, length| {
             let stop = LineStop { ends, side, length, stiffness: 300.0, dissipation: 0.2 };
-            Box::new(move |q: &[f64; 6], v: &[f64; 6]| stop.force(0.0, &frames(q, v))) as Box<dyn Fn(&_, &_) -> _>
+            Box::new(move |q: &[f64; 6], v: &[f64; 6]| stop.force(0.0, &frames(q, v)))
+                as Box<dyn Fn(&_, &_) -> _>
         };
         let angle = move |bounds, dissipation| {
             let stop = AngleStop { frames: [0, 1], bounds, stiffness: 5.0, dissipation };
-            Box::new(move |q: &[f64; 6], v: &[f64; 6]| stop.force(0.0, &frames(q, v))) as Box<dyn Fn(&_, &_) -> _>
+            Box::new(move |q: &[f64; 6], v: &[f64; 6]| stop.force(0.0, &frames(q, v)))
+                as Box<dyn Fn(&_, &_) -> _>
         };
         vec![line(1.0, 0.05), line(-1.0, 0.5), angle([-1.0, 1.0], 0.01), angle([-2.0, -1.5], 0.01)]
     }
@@ -141,7 +144,8 @@ mod tests {
             assert!(exact.stored > 0.0 && exact.f.iter().any(|f| *f != 0.0), "the stop acts");
             let h = 1e-6;
             for c in 0..6 {
-                let shifted = |x: &[f64; 6], h: f64| std::array::from_fn(|k| x[k] + if k == c { h } else { 0.0 });
+                let shifted =
+                    |x: &[f64; 6], h: f64| std::array::from_fn(|k| x[k] + if k == c { h } else { 0.0 });
                 let (low, high) = (load(&shifted(&Q, -h), &V), load(&shifted(&Q, h), &V));
                 let (slow, fast) = (load(&Q, &shifted(&V, -h)), load(&Q, &shifted(&V, h)));
                 for r in 0..6 {
@@ -153,7 +157,11 @@ mod tests {
             let power: f64 = exact.f.iter().zip(&V).map(|(f, v)| f * v).sum();
             let moved = |t: f64| load(&std::array::from_fn(|k| Q[k] + t * V[k]), &V).stored;
             let stored = (moved(h) - moved(-h)) / (2.0 * h);
-            assert!((power + stored + exact.lost).abs() < 1e-3, "{power} against {stored} and {}", exact.lost);
+            assert!(
+                (power + stored + exact.lost).abs() < 1e-3,
+                "{power} against {stored} and {}",
+                exact.lost
+            );
         }
     }
 

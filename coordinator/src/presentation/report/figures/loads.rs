@@ -43,9 +43,14 @@ impl VaryingLoads {
             let largest = points.iter().copied().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
             let place = largest.map_or(0.0, |point| point.0);
             let (what, of) = self.over.split_once(" [").unwrap_or((&self.over, ""));
-            let place = format!("{} {}", fixed(place, if of == "s]" { 4 } else { 0 }), of.trim_end_matches(']'));
+            let place =
+                format!("{} {}", fixed(place, if of == "s]" { 4 } else { 0 }), of.trim_end_matches(']'));
             let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-            format!("load {name}: {} to {}{unit}, largest at {place}, {what}", three_digits(low), three_digits(high))
+            format!(
+                "load {name}: {} to {}{unit}, largest at {place}, {what}",
+                three_digits(low),
+                three_digits(high)
+            )
         };
         self.loads.iter().map(line).collect()
     }
@@ -74,7 +79,10 @@ impl VaryingLoads {
                 series: &series,
             };
             let (what, _) = self.over.split_once(" [").unwrap_or((&self.over, ""));
-            plot.figure(&format!("Loads over the {what}"), &format!("By their curves. {}.", self.lines().join("; ")))
+            plot.figure(
+                &format!("Loads over the {what}"),
+                &format!("By their curves. {}.", self.lines().join("; ")),
+            )
         };
         units.iter().enumerate().map(figure).collect()
     }

@@ -6,7 +6,9 @@ use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::{cells, table_of_text};
 use crate::presentation::report::written::WrittenScene;
 use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, Kind, LENGTH, NUMBER};
-use common::scene::{Curve, Drive, Form, JointKind, Key, Load, Motion, OutputUnit, Over, Scene, Table, Value};
+use common::scene::{
+    Curve, Drive, Form, JointKind, Key, Load, Motion, OutputUnit, Over, Scene, Table, Value,
+};
 use maud::{Markup, html};
 
 /// Loads with all their values, and every curve with its points.

@@ -182,7 +182,11 @@ fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
                 let radii: Vec<String> =
                     radii.map(|(name, radius)| texts.value(&key(name), radius, "mm")).collect();
                 let pressure = angle("pressure_angle", mesh.pressure_angle);
-                format!("{}, pitch radius {}, pressure angle {pressure}", word.replace('-', " "), radii.join(" and "))
+                format!(
+                    "{}, pitch radius {}, pressure angle {pressure}",
+                    word.replace('-', " "),
+                    radii.join(" and ")
+                )
             }
         };
         let (_, ends, size) = joint.kind.words();

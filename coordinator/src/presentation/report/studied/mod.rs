@@ -50,9 +50,8 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
 /// [`PlotError`].
 pub fn loads(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let cycle = input.nominal.as_ref().and_then(|nominal| nominal.first_cycle.as_ref());
-    let varying = cycle.and_then(|cycle| {
-        VaryingLoads::new(&input.scene, &poses(&input.scene, cycle)?, &cycle.time)
-    });
+    let varying =
+        cycle.and_then(|cycle| VaryingLoads::new(&input.scene, &poses(&input.scene, cycle)?, &cycle.time));
     varying.map_or(Ok(vec![]), |varying| varying.figures())
 }
 
