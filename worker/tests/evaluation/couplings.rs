@@ -150,7 +150,7 @@ fn a_wheel_moves_a_rack_and_presses_it_against_its_guide() {
 
 #[test]
 fn a_cam_lifts_its_follower_with_the_force_of_its_inertia() {
-    // 30 mm + 5 mm cos theta, at 24 points: the error of the periodic spline is below 1e-5 of the amplitude.
+    // 30 mm + 5 mm cos theta, at 24 points: the error of a cubic spline is at most 5/384 h^4 of the fourth derivative, 0.3 um.
     let points: Vec<f64> = (0..=24).map(|k| TAU * f64::from(k) / 24.0).collect();
     let list = |unit: &str, values: Vec<f64>| format!("{{ unit = \"{unit}\", values = {values:?} }}");
     let lift: Vec<f64> = points.iter().map(|angle| 0.03 + 0.005 * angle.cos()).collect();
@@ -166,7 +166,7 @@ fn a_cam_lifts_its_follower_with_the_force_of_its_inertia() {
     let found = seen_once(0.6, 0.0, "g = [\"0 m\", \"0 m\"]", &(bodies + &joints));
     for ((t, x, _), force) in motion(&found, "follower").zip(force(&found, "lift")) {
         let cos = (10.0 * t).cos();
-        near(x[1], 0.03 + 0.005 * cos, 5e-8);
+        near(x[1], 0.03 + 0.005 * cos, 3.1e-7);
         near(*force, (2.0 * 0.005 * 100.0 * cos).abs(), 0.01);
     }
 }
@@ -181,7 +181,8 @@ fn a_pin_in_a_slot_moves_a_yoke_harmonically() {
     for ((t, x, _), force) in motion(&found, "yoke").zip(force(&found, "slot")) {
         let cos = (10.0 * t).cos();
         near(x[0], 0.04 * cos, 1e-9);
-        near(*force, (2.0 * 0.04 * 100.0 * cos).abs(), 1e-6);
+        // Forces are interpolated between time steps.
+        near(*force, (2.0 * 0.04 * 100.0 * cos).abs(), 1e-4);
     }
 }
 

@@ -56,7 +56,7 @@ fn mixed() -> Vec<SimulationInput> {
             let size = match joint.kind {
                 JointKind::Revolute => 2e-3,
                 JointKind::Prismatic { .. } => 2e-2,
-                JointKind::Fixed { .. } | JointKind::Clearance(_) | JointKind::Guide(_) => continue,
+                _ => continue,
             };
             joint.friction = Some(IdealFriction { coefficient: 0.1, speed: 1e-2, size });
         }

