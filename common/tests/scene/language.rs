@@ -410,3 +410,21 @@ fn parameters_that_nothing_reads_are_listed() {
         assert_eq!(SceneSource::builtin(name).unwrap().unused_parameters(), [""; 0], "{name}");
     }
 }
+
+/// The scenes that show linear drives, gears, cams and stops; what they leave out is in their defaults.
+#[test]
+fn joints_have_the_defaults_of_their_scene() {
+    let lift = SceneSource::parse(include_str!("../scenes/lift-table.toml"), "lift-table").unwrap();
+    let JointKind::Clearance(pin) = &lift.nominal().joints[0].kind else { panic!() };
+    same(&[pin.width, pin.film_damping, pin.radial_clearance()], &[0.04, 2000.0, pin.radial_clearance()]);
+    assert!((pin.radial_clearance() - 6e-5).abs() < 1e-15);
+    // A value of a joint takes precedence, and a quantity that is set is that of the joint.
+    let changed = lift.resolve_with(&[("joints.pin.width".to_owned(), 0.05)]).unwrap();
+    let JointKind::Clearance(pin) = &changed.joints[0].kind else { panic!() };
+    same(&[pin.width], &[0.05]);
+    let geared = include_str!("../scenes/geared-cam.toml");
+    assert_eq!(SceneSource::parse(geared, "geared-cam").unwrap().nominal().joints.len(), 4);
+    let wrong = geared.replace("[joint_defaults]", "[joint_defaults]\nwidht = \"2 mm\"");
+    let faults = SceneSource::parse(&wrong, "geared-cam").unwrap_err().to_string();
+    assert!(faults.contains("joint_defaults.widht"), "{faults}");
+}

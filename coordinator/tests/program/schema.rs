@@ -254,8 +254,18 @@ fn schema_and_program_know_the_same_keys() {
             let named = ["/parameters", "/materials"].contains(&path.as_str())
                 || path.ends_with("/points")
                 || path.contains("/changes");
-            let alternative =
-                ["/size", "/torque", "/factor", "/speed", "/angle", "/over", "/contact_damping", "/a", "/b"];
+            let alternative = [
+                "/size",
+                "/torque",
+                "/factor",
+                "/speed",
+                "/angle",
+                "/over",
+                "/contact_damping",
+                "/a",
+                "/b",
+                "/length",
+            ];
             if named || alternative.iter().any(|end| path.ends_with(end)) {
                 continue;
             }
