@@ -242,7 +242,7 @@ impl<R: Real> Constraint<R> {
             Kind::Mesh => {
                 let angles = [first.angle, second.angle];
                 (phi[0], rows[0]) = g.mesh(self.normal, self.arms, &self.input, angles);
-                phi[0] = phi[0] - self.angle;
+                phi[0] -= self.angle;
             }
         }
         (phi, rows)

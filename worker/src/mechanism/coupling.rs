@@ -94,7 +94,7 @@ impl<R: Real> Geometry<R> {
         let (along_a, along_b) = (dot(self.d, self.a), dot(self.d, self.b));
         to_q[2] += (dot(self.d, turns[0]) - wi * dot(self.rate, self.a) * 2.0) * inverse;
         to_q[5] += (dot(self.d, turns[1]) + wj * dot(self.rate, self.b) * 2.0) * inverse;
-        to_v[2] = to_v[2] - wi * along_a * inverse * 2.0;
+        to_v[2] -= wi * along_a * inverse * 2.0;
         to_v[5] += wj * along_b * inverse * 2.0;
         (to_q, to_v)
     }
@@ -104,7 +104,7 @@ impl<R: Real> Geometry<R> {
     pub(super) fn distance_reaction(&self, force: R) -> [[R; 6]; 6] {
         let columns = self.columns();
         let mut to_q = columns.map(|row| columns.map(|column| dot(row, column) * force));
-        to_q[2][2] = to_q[2][2] - force * dot(self.d, self.a);
+        to_q[2][2] -= force * dot(self.d, self.a);
         to_q[5][5] += force * dot(self.d, self.b);
         to_q
     }

@@ -96,7 +96,7 @@ impl<R: Real> LoadLaw<R> for AngleStop<R> {
             let (depth, approach) = ((phi - bound) * side, rate * side);
             let [torque, per_angle, per_rate] = contact(stiffness, dissipation, depth, approach);
             let [stored, lost] = energy(stiffness, depth, approach, torque);
-            load.f[2] = load.f[2] - torque * side;
+            load.f[2] -= torque * side;
             load.f[5] += torque * side;
             for (r, c, sign) in [(2, 2, -1.0), (2, 5, 1.0), (5, 2, 1.0), (5, 5, -1.0)] {
                 load.k[r][c] += per_angle * sign;
@@ -120,19 +120,20 @@ mod tests {
     const Q: [f64; 6] = [0.1, 0.2, 0.7, 0.02, -0.03, 2.0];
     const V: [f64; 6] = [1.0, -2.0, 30.0, 0.5, 0.7, -12.0];
 
-    fn loads() -> Vec<Box<dyn Fn(&[f64; 6], &[f64; 6]) -> LoadForce>> {
+    /// A load at coordinates and rates.
+    type LoadAt = Box<dyn Fn(&[f64; 6], &[f64; 6]) -> LoadForce>;
+
+    fn loads() -> Vec<LoadAt> {
         let frames =
             |q: &[f64; 6], v: &[f64; 6]| [Frame::free(&q[..3], &v[..3]), Frame::free(&q[3..], &v[3..])];
         let ends = [End { frame: 0, arm: [0.03, 0.02] }, End { frame: 1, arm: [-0.01, 0.05] }];
         let line = move |side, length| {
             let stop = LineStop { ends, side, length, stiffness: 300.0, dissipation: 0.2 };
-            Box::new(move |q: &[f64; 6], v: &[f64; 6]| stop.force(0.0, &frames(q, v)))
-                as Box<dyn Fn(&_, &_) -> _>
+            Box::new(move |q: &[f64; 6], v: &[f64; 6]| stop.force(0.0, &frames(q, v))) as LoadAt
         };
         let angle = move |bounds, dissipation| {
             let stop = AngleStop { frames: [0, 1], bounds, stiffness: 5.0, dissipation };
-            Box::new(move |q: &[f64; 6], v: &[f64; 6]| stop.force(0.0, &frames(q, v)))
-                as Box<dyn Fn(&_, &_) -> _>
+            Box::new(move |q: &[f64; 6], v: &[f64; 6]| stop.force(0.0, &frames(q, v))) as LoadAt
         };
         vec![line(1.0, 0.05), line(-1.0, 0.5), angle([-1.0, 1.0], 0.01), angle([-2.0, -1.5], 0.01)]
     }
