@@ -11,6 +11,8 @@
 //! | [`optimise`] | the cheapest design that reaches a reliability |
 //! | [`what_if`] | reliability of a study's scene with changed distributions and thresholds |
 //! | [`replace`] | the age, or the measured level, of replacement with the least cost |
+//! | [`test_plan`] | units and cycles of a test that demonstrates a reliability |
+//! | [`weibull`] | Weibull distribution of lives of a population, beside a study |
 //! | [`update`] | single units from what was measured of them |
 //! | [`paired_results`] | changes between two results from the same simulations |
 //! | [`quantity`] | quantities of outputs as a person writes them |
@@ -25,6 +27,8 @@ pub mod replace;
 pub mod scene_difference;
 pub mod scene_settings;
 mod setting;
+pub mod test_plan;
 pub mod tradeoff;
 pub mod update;
+pub mod weibull;
 pub mod what_if;

@@ -15,8 +15,10 @@ use super::shared::{DEFAULT_SCENE, SetArguments, Verbosity};
 use super::simulate::SimulateArguments;
 use super::status::StatusArguments;
 use super::study_options::{ResumeArguments, RunArguments};
+use super::test_plan::TestPlanArguments;
 use super::tradeoff::TradeoffArguments;
 use super::update::UpdateArguments;
+use super::weibull::WeibullArguments;
 use super::what_if::WhatIfArguments;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::fmt::Write;
@@ -31,7 +33,7 @@ const GROUPS: [(&str, &[&str]); 4] = [
 ];
 
 /// Commands that the first page of the help names without a description.
-const MORE: [&str; 5] = ["doctor", "tradeoff", "schema", "completions", "man"];
+const MORE: [&str; 7] = ["test-plan", "weibull", "doctor", "tradeoff", "schema", "completions", "man"];
 
 const EXAMPLE: &str = "\
 Without a command, `coordinator --workers auto` runs a study with the options of `run`.
@@ -193,6 +195,12 @@ Examples:
     /// Find the age, or the measured level, of replacement with the least cost
     #[command(after_help = super::replace::EXAMPLES)]
     Replace(ReplaceArguments),
+    /// Units and cycles of a test that demonstrates a reliability, with a study as prior knowledge
+    #[command(after_help = super::test_plan::EXAMPLES)]
+    TestPlan(TestPlanArguments),
+    /// Weibull distribution of lives with suspensions and intervals, beside the reliability of a study
+    #[command(after_help = super::weibull::EXAMPLES)]
+    Weibull(WeibullArguments),
     /// Reliability and lives of every design, from a study with design variables
     #[command(after_help = super::designs::EXAMPLES)]
     Designs(Box<DesignsArguments>),

@@ -9,6 +9,7 @@ use coordinator::analyses::budget::BudgetError;
 use coordinator::analyses::calibrate::CalibrationError;
 use coordinator::analyses::optimise::OptimiseError;
 use coordinator::analyses::replace::ReplacementError;
+use coordinator::analyses::test_plan::TestPlanError;
 use coordinator::farm::dispatch::{ClientError, DispatchError};
 use coordinator::farm::evaluate::EvaluateError;
 use coordinator::presentation::monitor::MonitorError;
@@ -74,6 +75,9 @@ pub enum CommandError {
     /// The question about a replacement has no answer.
     #[error(transparent)]
     Replacement(#[from] ReplacementError),
+    /// There is no plan of a test.
+    #[error(transparent)]
+    TestPlan(#[from] TestPlanError),
     /// The user stopped the study.
     #[error("interrupted; everything done so far is saved, continue with `coordinator resume {}`", dir.display())]
     Interrupted {
@@ -156,6 +160,7 @@ impl CommandError {
             | Self::Setting(_)
             | Self::Incomparable(_)
             | Self::Replacement(_)
+            | Self::TestPlan(_)
             | Self::Calibration(CalibrationError::Scene(_))
             | Self::Budget(BudgetError::OutOfReach { .. } | BudgetError::NothingToHold)
             | Self::Study { error: StudyError::Setting(_), .. }

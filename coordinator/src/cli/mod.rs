@@ -38,8 +38,10 @@ mod simulated;
 mod status;
 mod stored_study;
 mod study_options;
+mod test_plan;
 mod tradeoff;
 mod update;
+mod weibull;
 mod what_if;
 
 use command::{CommandArguments, CommandLine};
@@ -105,6 +107,8 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Compare(options) => compare::compare(&options, json),
         CommandArguments::Update(options) => update::update(&options, json),
         CommandArguments::Replace(options) => replace::replace(&options, json),
+        CommandArguments::TestPlan(options) => test_plan::test_plan(&options, json),
+        CommandArguments::Weibull(options) => weibull::weibull(&options, json),
         CommandArguments::Init(options) => init::init(&options, json),
         CommandArguments::Tradeoff(options) => tradeoff::tradeoff(&options, verbosity),
         CommandArguments::Calibrate(options) => calibrate::calibrate(&options, verbosity),

@@ -181,6 +181,15 @@ pub fn share(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "allowed: a share above 0 and up to 1, e.g. 1%, 0.5% or 0.01".to_owned())
 }
 
+/// Reads a reliability or a confidence: a share below 1 [1].
+///
+/// # Errors
+/// The allowed values, in words.
+pub fn probability(text: &str) -> Result<f64, String> {
+    let allowed = || "allowed: a share between 0 and 1, e.g. 0.99 or 90%".to_owned();
+    share(text).ok().filter(|x| *x < 1.0).ok_or_else(allowed)
+}
+
 /// Parser of a setting's named values; `--help` and error messages list `names`.
 pub fn word<T>(names: impl Into<PossibleValuesParser>) -> impl TypedValueParser<Value = T>
 where

@@ -7,6 +7,7 @@ mod earlier_versions;
 mod ends;
 mod measured;
 mod nonsense;
+mod plans;
 mod reader;
 mod readme_picture;
 mod schema;

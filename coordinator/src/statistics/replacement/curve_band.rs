@@ -97,6 +97,11 @@ impl CurveBand {
         Some(Interval { lower, upper })
     }
 
+    /// The best estimate, the limits and the realisations.
+    pub fn curves(&self) -> impl Iterator<Item = &SurvivalCurve> {
+        std::iter::once(&self.best).chain(&self.limits).chain(&self.realisations)
+    }
+
     /// Share of the realisations with a property [1].
     pub fn share(&self, has: impl Fn(&SurvivalCurve) -> bool) -> f64 {
         self.realisations.iter().filter(|curve| has(curve)).count() as f64 / REALISATIONS as f64

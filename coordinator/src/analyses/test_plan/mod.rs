@@ -1,0 +1,280 @@
+//! Plans of tests that demonstrate a reliability at a life with a confidence: without prior knowledge, and with the reliability of a
+//! finished study as prior.
+//!
+//! From a study follow the prior of R at the life, a beta distribution with the mean and at least the 95 % interval of R, and, unless it
+//! is given, the Weibull shape through its lives at R = 0.99 and 0.5, which relates tests of other lengths to the life.
+
+mod text;
+
+pub use text::answer;
+
+use crate::analyses::replace::{ReplacementError, curve_of};
+use crate::results::summary::StudySummary;
+use crate::statistics::replacement::SurvivalCurve;
+use crate::statistics::test_plan::{
+    BetaPrior, GroupPlan, mean_length, pass_probability, reliability_passed, units,
+};
+use serde::Serialize;
+use thiserror::Error;
+
+/// Groups of the plans of sudden death.
+const GROUPS: [u64; 6] = [1, 2, 3, 5, 8, 12];
+/// Probability with which good units shall pass [1].
+const GOOD: f64 = 0.9;
+
+/// Reasons why there is no plan.
+#[derive(Debug, Error, PartialEq)]
+pub enum TestPlanError {
+    /// A plan needs the shape.
+    #[error(
+        "{option}: needs the Weibull shape of the lives, which relates them to --at; give --shape, or a study with lives at R = 0.99 and 0.5"
+    )]
+    NoShape {
+        /// The option.
+        option: &'static str,
+    },
+    /// The study does not reach the life.
+    #[error("--at {at}: the study ends at {end} cycles; allowed: up to there")]
+    Beyond {
+        /// The life as given [cycles].
+        at: f64,
+        /// Last checkpoint of the study [cycles].
+        end: f64,
+    },
+    /// No number of units is enough.
+    #[error(
+        "no plan: more than ten million units; allowed: a lower reliability or confidence, or longer tests"
+    )]
+    TooMany,
+    /// Allowed failures leave no units.
+    #[error("--units {units}: allowed: above the number of allowed failures, {allowed}")]
+    TooFew {
+        /// Number of units.
+        units: u64,
+        /// Allowed failures.
+        allowed: u64,
+    },
+    /// The study has no such curve.
+    #[error(transparent)]
+    Curve(#[from] ReplacementError),
+}
+
+/// What is to be demonstrated, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TestPlanQuestion {
+    /// Reliability R0 to be demonstrated [1].
+    pub reliability: f64,
+    /// Life at which it is [cycles].
+    pub at: f64,
+    /// Confidence C [1].
+    pub confidence: f64,
+    /// Most allowed failures of the plans.
+    pub allowed: u64,
+    /// Lengths of the tests; empty for the life alone, or with a shape shorter and longer ones, too [cycles].
+    pub lengths: Vec<f64>,
+    /// Number of units that are there: their length of test is sought.
+    pub units: Option<u64>,
+    /// Weibull shape of the lives [1].
+    pub shape: Option<f64>,
+    /// Units of a group of which each runs to its first failure.
+    pub group: Option<u64>,
+    /// Distance of inspections [cycles].
+    pub inspect_every: Option<f64>,
+    /// Most units that the prior is worth [1].
+    pub prior_units: f64,
+}
+
+/// A plan.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlanRow {
+    /// Length of the test [cycles].
+    pub cycles: f64,
+    /// Allowed failures.
+    pub allowed: u64,
+    /// Number of units without prior.
+    pub units: u64,
+    /// Reliability at the life of units of which 90 % of the tests are passed [1].
+    pub passes: f64,
+    /// With inspections the mean length of a test of units with R0 [cycles].
+    pub mean_cycles: Option<f64>,
+    /// The plan with the study as prior.
+    pub with_prior: Option<PriorPlan>,
+}
+
+/// A plan with a prior.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PriorPlan {
+    /// Number of units.
+    pub units: u64,
+    /// Probability of passing, over the prior [1].
+    pub passed: f64,
+    /// P(R < R0 | passed), over the prior: the error of the first kind [1].
+    pub wrongly_passed: f64,
+    /// P(failed and R >= R0), over the prior: the error of the second kind [1].
+    pub wrongly_failed: f64,
+    /// Probability of passing with R = R0, whatever the prior says [1].
+    pub passed_at_limit: f64,
+}
+
+/// The prior of R at the life.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PriorRow {
+    /// Scene of the study.
+    pub scene: String,
+    /// R by the study with its 95 % interval [1].
+    pub reliability: [f64; 3],
+    /// Parameter a of the beta distribution [1].
+    pub survived: f64,
+    /// Parameter b [1].
+    pub failed: f64,
+    /// P(R >= R0) without any test [1].
+    pub confidence: f64,
+}
+
+/// Groups of units of which each runs to its first failure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct GroupRow {
+    /// Number of groups.
+    pub groups: u64,
+    /// Mean length to be reached, to the power of the shape [cycles].
+    pub cycles: f64,
+    /// Reliability at the life of units of which 90 % of the tests are passed [1].
+    pub passes: f64,
+}
+
+/// The plans.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TestPlanReport {
+    /// Reliability to be demonstrated [1].
+    pub reliability: f64,
+    /// Life at which it is [cycles].
+    pub at: f64,
+    /// Confidence of the demonstration [1].
+    pub confidence: f64,
+    /// Weibull shape, if it is known [1].
+    pub shape: Option<f64>,
+    /// True if the shape is that of the study.
+    pub shape_of_study: bool,
+    /// The prior of R at the life.
+    pub prior: Option<PriorRow>,
+    /// The plans by length and allowed failures.
+    pub plans: Vec<PlanRow>,
+    /// Units of a group.
+    pub group: Option<u64>,
+    /// Plans by groups.
+    pub groups: Vec<GroupRow>,
+}
+
+/// Weibull shape through the lives of a curve at R = 0.99 and 0.5 [1].
+fn shape_of(curve: &SurvivalCurve) -> Option<f64> {
+    let (first, median) = (curve.life_at(0.99)?, curve.life_at(0.5)?);
+    let shape = (0.5_f64.ln() / 0.99_f64.ln()).ln() / (median / first).ln();
+    (first > 0.0 && median > first).then_some(shape)
+}
+
+/// The plans, with the curve `name` of a study as prior.
+///
+/// # Errors
+/// [`TestPlanError`].
+pub fn plan(
+    question: &TestPlanQuestion,
+    study: Option<(&StudySummary, &str)>,
+) -> Result<TestPlanReport, TestPlanError> {
+    let TestPlanQuestion { reliability, at, confidence, .. } = *question;
+    let (mut shape, mut prior) = (question.shape, None);
+    if let Some((summary, name)) = study {
+        let row = curve_of(summary, name)?;
+        let of = |values: &[f64]| SurvivalCurve::new(&row.cycles, values);
+        let best = of(&row.reliability);
+        if at > best.end() {
+            return Err(TestPlanError::Beyond { at, end: best.end() });
+        }
+        shape = shape.or_else(|| shape_of(&best));
+        let [lower, upper] = row.limits().map(|limit| of(limit).at(at));
+        let r = best.at(at);
+        let law = BetaPrior::containing(r, [lower, upper], question.prior_units);
+        let row = PriorRow {
+            scene: summary.scene.clone(),
+            reliability: [r, lower, upper],
+            survived: law.survived,
+            failed: law.failed,
+            confidence: 1.0 - law.below(reliability),
+        };
+        prior = Some((law, row));
+    }
+    let need = |option| shape.ok_or(TestPlanError::NoShape { option });
+    let lengths = match (question.lengths.as_slice(), shape) {
+        ([], Some(_)) if question.units.is_none() => [0.5, 1.0, 1.5, 2.0].map(|length| length * at).to_vec(),
+        ([], _) => vec![at],
+        (given, _) => given.to_vec(),
+    };
+    let mut plans = Vec::new();
+    for allowed in 0..=question.allowed {
+        // With given units the length follows from them.
+        let lengths = match question.units {
+            None => lengths.clone(),
+            Some(units) if units <= allowed => return Err(TestPlanError::TooFew { units, allowed }),
+            Some(units) => {
+                let seen = reliability_passed(units, allowed, 1.0 - confidence);
+                vec![at * (seen.ln() / reliability.ln()).powf(1.0 / need("--units")?)]
+            }
+        };
+        for cycles in lengths {
+            let length = cycles / at;
+            let power = if cycles.to_bits() == at.to_bits() { 1.0 } else { length.powf(need("--length")?) };
+            let seen = reliability.powf(power);
+            let found = question.units.or_else(|| units(seen, allowed, confidence));
+            let units = found.ok_or(TestPlanError::TooMany)?;
+            let mean_cycles = match question.inspect_every {
+                None => None,
+                Some(every) => {
+                    let shape = need("--inspect-every")?;
+                    let inspections =
+                        (1..).map(|k| f64::from(k) * every / at).take_while(|life| *life < length);
+                    let lives: Vec<f64> = inspections.chain([length]).collect();
+                    Some(at * mean_length(units, allowed, reliability, shape, &lives))
+                }
+            };
+            let with_prior = match &prior {
+                None => None,
+                Some((law, _)) => {
+                    let units = law.units_for(reliability, allowed, confidence, power);
+                    let units = units.ok_or(TestPlanError::TooMany)?;
+                    let risks = law.risks(reliability, (units, allowed), power);
+                    Some(PriorPlan {
+                        units,
+                        passed: risks.passed,
+                        wrongly_passed: risks.wrongly_passed,
+                        wrongly_failed: risks.wrongly_failed,
+                        passed_at_limit: pass_probability(units, allowed, seen),
+                    })
+                }
+            };
+            let passes = reliability_passed(units, allowed, GOOD).powf(1.0 / power);
+            plans.push(PlanRow { cycles, allowed, units, passes, mean_cycles, with_prior });
+        }
+    }
+    let groups = match question.group {
+        None => vec![],
+        Some(size) => {
+            let shape = need("--group")?;
+            let row = |groups: u64| {
+                let GroupPlan { length, passes, .. } =
+                    GroupPlan::new(groups, size, reliability, confidence, shape);
+                GroupRow { groups, cycles: at * length, passes }
+            };
+            GROUPS.map(row).to_vec()
+        }
+    };
+    Ok(TestPlanReport {
+        reliability,
+        at,
+        confidence,
+        shape,
+        shape_of_study: question.shape.is_none() && shape.is_some(),
+        prior: prior.map(|(_, row)| row),
+        plans,
+        group: question.group,
+        groups,
+    })
+}

@@ -1,0 +1,109 @@
+//! The answer of `coordinator test-plan` with its tables.
+
+use super::{PlanRow, PriorRow, TestPlanReport};
+use crate::presentation::report::answer::{Answer, AnswerPart, Table};
+use crate::presentation::report::format::{count, percent, significant, three_digits, whole};
+
+/// The plans as an answer.
+pub fn answer(report: &TestPlanReport) -> Answer {
+    let TestPlanReport { reliability, at, confidence, plans, .. } = report;
+    let has_prior = report.prior.is_some();
+    let has_inspections = plans.iter().any(|plan| plan.mean_cycles.is_some());
+    let mut head = vec!["cycles", "failures allowed", "units", "90 % pass with R"];
+    head.extend(has_inspections.then_some("mean length at R0"));
+    if has_prior {
+        head.extend([
+            "units with the study",
+            "passed",
+            "R < R0 if passed",
+            "failed and R >= R0",
+            "passed at R = R0",
+        ]);
+    }
+    let row = |plan: &PlanRow| {
+        let mut cells = vec![
+            whole(plan.cycles),
+            plan.allowed.to_string(),
+            count(plan.units),
+            significant(plan.passes, 6),
+        ];
+        cells.extend(plan.mean_cycles.map(whole));
+        if let Some(prior) = plan.with_prior {
+            cells.push(count(prior.units));
+            let shares = [prior.passed, prior.wrongly_passed, prior.wrongly_failed, prior.passed_at_limit];
+            cells.extend(shares.map(percent));
+        }
+        cells
+    };
+    let mut parts = vec![AnswerPart::Table(Table::new("", head, plans.iter().map(row)).with_left(&[]))];
+    if let Some(size) = report.group {
+        let rows = report.groups.iter().map(|group| {
+            vec![
+                group.groups.to_string(),
+                (group.groups * size).to_string(),
+                whole(group.cycles),
+                significant(group.passes, 6),
+            ]
+        });
+        let heading = format!("Sudden death: groups of {size}, each up to its first failure");
+        let head = ["groups", "units", "mean first failure at or after [cycles]", "90 % pass with R"];
+        parts.push(AnswerPart::Table(Table::new(heading, head, rows).with_left(&[])));
+    }
+    parts.push(AnswerPart::Notes("What is assumed", assumptions(report, has_inspections)));
+    Answer {
+        name: "test-plan".to_owned(),
+        title: format!(
+            "Tests that demonstrate R({}) >= {reliability} with a confidence of {}",
+            whole(*at),
+            percent(*confidence)
+        ),
+        subtitle:
+            "Every unit runs the cycles of its plan; the test is passed with at most the failures allowed"
+                .to_owned(),
+        parts,
+        ..Answer::default()
+    }
+}
+
+fn assumptions(report: &TestPlanReport, has_inspections: bool) -> Vec<String> {
+    let mut notes = vec![
+        "Units of the same population fail independently; without prior an R below R0 passes in at most 1 - C of all tests."
+            .to_owned(),
+    ];
+    if let Some(shape) = report.shape {
+        let origin =
+            if report.shape_of_study { "by the study's lives at R = 0.99 and 0.5" } else { "as given" };
+        notes.push(format!(
+            "Tests of other lengths than the life: Weibull lives of shape {}, {origin}. Longer tests need fewer units than this only if \
+             the shape is not smaller.",
+            three_digits(shape)
+        ));
+    }
+    if report.group.is_some() {
+        notes.push("Groups: the mean is that of the first failures to the power of the shape; a group that is stopped earlier counts with its cycles.".to_owned());
+    }
+    if has_inspections {
+        notes.push(
+            "Inspections find every failure that has happened; the test ends at the first one with more failures than allowed. The \
+             numbers of units do not change: the last inspection is at the end of the test."
+                .to_owned(),
+        );
+    }
+    if let Some(prior) = &report.prior {
+        let PriorRow { scene, reliability: [r, lower, upper], survived, failed, confidence } = prior;
+        notes.push(format!(
+            "Prior by the study of {scene}: R = {r:.5} ({lower:.5} to {upper:.5}), as Beta({}, {}), worth {} units; without any test \
+             R >= R0 with {}. The interval contains the errors of the simulations, not those of the model and of what is not known of \
+             its inputs: --prior-units limits what it is worth.",
+            three_digits(*survived),
+            three_digits(*failed),
+            whole(survived + failed),
+            percent(*confidence)
+        ));
+        notes.push(
+            "With the study, R < R0 if passed is the risk among populations whose R follows the prior; passed at R = R0 is the risk if the prior is wrong."
+                .to_owned(),
+        );
+    }
+    notes
+}

@@ -1,0 +1,197 @@
+//! The answer of `coordinator weibull` with its tables and its figure.
+
+use super::{StudyEvidence, WeibullReport};
+use crate::presentation::report::answer::{Answer, AnswerPart, Table};
+use crate::presentation::report::format::{significant, three_digits};
+use crate::presentation::report::palette::Ink;
+use crate::presentation::report::{Axis, Figure, Plot, PlotError, Series, Shape};
+use crate::statistics::life_data::{FitBounds, UnitLife};
+use serde_json::{Value, json};
+
+/// Points of a drawn curve.
+const POINTS: usize = 120;
+/// p below which data contradict a study [1].
+const CONTRADICTS: f64 = 0.05;
+
+/// The answer.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn answer(report: &WeibullReport) -> Result<Answer, PlotError> {
+    let WeibullReport { lives, confidence, .. } = report;
+    let percent = significant(100.0 * confidence, 3);
+    let head = ["", "value", "Fisher", "likelihood ratio"];
+    let rows = quantities(report).into_iter().map(|(name, bounds)| {
+        let [low, high] = bounds.likelihood_ratio.map(|bound| bound.map_or("none".to_owned(), digits));
+        let [from, to] = bounds.fisher.map(digits);
+        vec![name, digits(bounds.value), format!("{from} to {to}"), format!("{low} to {high}")]
+    });
+    let mut notes = vec![match (report.goodness, report.failures() == lives.len()) {
+        (Some(found), _) => format!(
+            "Anderson-Darling: A^2 = {:.3}, p = {}; below 0.05 the lives are not those of a Weibull distribution.",
+            found.statistic,
+            three_digits(found.p)
+        ),
+        (None, true) => "Anderson-Darling: not stated, it needs five exact lives at least.".to_owned(),
+        (None, false) => {
+            "Anderson-Darling: not stated, it is for complete data without suspensions and intervals."
+                .to_owned()
+        }
+    }];
+    if report.failures() < 20 {
+        notes.push("With fewer than 20 failures the likelihood-ratio bounds are the better ones.".to_owned());
+    }
+    let mut parts = vec![
+        AnswerPart::Table(Table::new(format!("{percent} % bounds, lives in cycles"), head, rows)),
+        AnswerPart::Notes("Fit", notes),
+    ];
+    parts.extend(report.study.as_ref().map(|study| AnswerPart::Notes("Study", against_study(study, report))));
+    parts.push(AnswerPart::Figures);
+    Ok(Answer {
+        name: "weibull".to_owned(),
+        title: format!(
+            "Weibull distribution of {} units, {} failures: shape {}, scale {} cycles",
+            lives.len(),
+            report.failures(),
+            three_digits(report.fit.law.shape),
+            digits(report.fit.law.scale)
+        ),
+        subtitle: "Maximum likelihood with suspensions and intervals".to_owned(),
+        parts,
+        figures: vec![figure(report)?],
+        ..Answer::default()
+    })
+}
+
+fn digits(value: f64) -> String {
+    significant(value, 4)
+}
+
+/// Shape, scale, B10 and the life at the level asked for.
+fn quantities(report: &WeibullReport) -> Vec<(String, FitBounds)> {
+    let WeibullReport { fit, confidence, level, .. } = report;
+    let mut rows = vec![
+        ("shape".to_owned(), fit.shape(*confidence)),
+        ("scale".to_owned(), fit.life((-1.0_f64).exp(), *confidence)),
+        ("B10".to_owned(), fit.life(0.9, *confidence)),
+    ];
+    rows.push((format!("life at R = {level}"), fit.life(*level, *confidence)));
+    rows
+}
+
+/// The study against the data, in sentences.
+fn against_study(study: &StudyEvidence, report: &WeibullReport) -> Vec<String> {
+    let StudyEvidence { scene, curve, ln_evidence: [physics, weibull], test, largest_p, .. } = study;
+    let observed = report.failures();
+    let [first, second] = if physics >= weibull { ["study", "Weibull"] } else { ["Weibull", "study"] };
+    let verdict = if *largest_p < CONTRADICTS {
+        format!(
+            "**The data contradict the study**: every curve of its 95 % band is rejected, p = {} at most",
+            three_digits(*largest_p)
+        )
+    } else if test.p < CONTRADICTS {
+        format!(
+            "The data contradict the best estimate of the study, p = {}, but not every curve of its 95 % band, p = {} at most",
+            three_digits(test.p),
+            three_digits(*largest_p)
+        )
+    } else {
+        format!("The data do not contradict the study, p = {}", three_digits(test.p))
+    };
+    let expected = significant(test.expected, 3);
+    vec![
+        format!(
+            "{verdict}. Failures: {observed}; by R of {curve} of {scene} until the lives of these units expected: {expected}."
+        ),
+        format!(
+            "Evidence, logarithm of the likelihood: study {physics:.2}, Weibull {weibull:.2} (its parameters are fitted to these data and cost \
+             ln {observed}); in favour of {first} against {second} by a factor of {}.",
+            three_digits((physics - weibull).abs().min(600.0).exp())
+        ),
+    ]
+}
+
+/// R over life: the distribution with its Fisher band, the data by the estimate of Kaplan and Meier, the study with its band.
+fn figure(report: &WeibullReport) -> Result<Figure, PlotError> {
+    let WeibullReport { fit, confidence, lives, .. } = report;
+    let longest = lives.iter().map(|unit| match *unit {
+        UnitLife::Failed(t) | UnitLife::Running(t) | UnitLife::Interval(_, t) => t,
+    });
+    let end = longest.fold(fit.law.life_at(0.05), f64::max);
+    let times = || (1..=POINTS).map(|k| end * k as f64 / POINTS as f64);
+    let band = times().map(|t| {
+        let [lower, upper] = fit.reliability(t, *confidence);
+        (t, lower, upper)
+    });
+    let mut series = vec![
+        Series::unlisted("Weibull, band", Ink::Series(0), Shape::Band(band.collect())),
+        Series::new(
+            "Weibull",
+            Ink::Series(0),
+            Shape::Line(times().map(|t| (t, fit.law.reliability(t))).collect()),
+        ),
+    ];
+    if let Some(study) = &report.study {
+        let [lower, upper] = &study.limits;
+        let cycles = study.band.best.times();
+        let band = cycles.iter().zip(lower.iter().zip(upper)).map(|(t, (lower, upper))| (*t, *lower, *upper));
+        let best = cycles.iter().zip(study.band.best.values()).map(|(t, r)| (*t, *r));
+        series.push(Series::unlisted("study, band", Ink::Series(1), Shape::Band(band.collect())));
+        series.push(Series::new("study", Ink::Series(1), Shape::Dashed(best.collect())));
+    }
+    series.push(Series::new("data", Ink::Ink, Shape::Cloud(kaplan_meier(lives))));
+    let caption = "Weibull distribution with Fisher bounds; data: estimate of Kaplan and Meier after each failure, one within an interval \
+                   at its end.";
+    Plot {
+        figure: "weibull",
+        x: Axis::linear("life [cycles]", (0.0, end)),
+        y: Axis::linear("reliability R", (0.0, 1.0)),
+        series: &series,
+    }
+    .figure("Reliability by the data", caption)
+}
+
+/// R after each failure (t, R), one within an interval at its end.
+///
+/// # Source
+/// Kaplan, Meier (1958), Nonparametric estimation from incomplete observations, JASA 53.
+fn kaplan_meier(lives: &[UnitLife]) -> Vec<(f64, f64)> {
+    let at = |unit: &UnitLife| match *unit {
+        UnitLife::Failed(t) | UnitLife::Interval(_, t) => (t, true),
+        UnitLife::Running(t) => (t, false),
+    };
+    let mut ordered: Vec<(f64, bool)> = lives.iter().map(at).collect();
+    // Of equal lives failures come first.
+    ordered.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+    let (mut r, count) = (1.0, ordered.len());
+    let steps = ordered.iter().enumerate().filter(|(_, (_, failed))| *failed);
+    steps
+        .map(|(k, (t, _))| {
+            r *= 1.0 - 1.0 / (count - k) as f64;
+            (*t, r)
+        })
+        .collect()
+}
+
+/// The answer as JSON.
+pub fn json(report: &WeibullReport) -> Value {
+    let rows = quantities(report).into_iter().map(|(name, bounds)| {
+        json!({ "quantity": name, "value": bounds.value, "fisher": bounds.fisher, "likelihood_ratio": bounds.likelihood_ratio })
+    });
+    let study = report.study.as_ref().map(|study| {
+        json!({
+            "scene": study.scene, "curve": study.curve, "ln_evidence_study": study.ln_evidence[0],
+            "ln_evidence_weibull": study.ln_evidence[1], "p": study.test.p, "largest_p": study.largest_p,
+            "expected_failures": study.test.expected, "contradicted": study.largest_p < CONTRADICTS,
+        })
+    });
+    json!({
+        "units": report.lives.len(),
+        "failures": report.failures(),
+        "confidence": report.confidence,
+        "ln_likelihood": report.fit.ln_likelihood,
+        "quantities": rows.collect::<Vec<_>>(),
+        "anderson_darling": report.goodness.map(|found| json!({ "statistic": found.statistic, "p": found.p })),
+        "study": study,
+    })
+}

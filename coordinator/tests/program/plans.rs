@@ -1,0 +1,138 @@
+//! Plans and comparisons with the real `coordinator`: `test-plan` and `weibull`.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn coordinator(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let output = coordinator(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[track_caller]
+fn refused(arguments: &[&str]) -> String {
+    let output = coordinator(arguments);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+    assert!(output.stdout.is_empty(), "{arguments:?} printed a result");
+    message
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value}"))
+}
+
+#[test]
+fn plans_of_textbooks() {
+    let plan = |more: &[&str]| {
+        let line = ["test-plan", "--reliability", "0.99", "--at", "50000", "--json"];
+        json(&[&line[..], more].concat())
+    };
+    // ln 0.1 / ln 0.99 = 229.1; with one and two failures 388 and 531 (tables of the binomial distribution).
+    let units: Vec<f64> =
+        plan(&[])["plans"].as_array().unwrap().iter().map(|plan| number(&plan["units"])).collect();
+    assert_eq!(units, [230.0, 388.0, 531.0]);
+    // Twice the life with shape 2 counts as four lives; 58 units need twice the life.
+    let longer = plan(&["--shape", "2", "--length", "100000", "--allowed", "0", "--inspect-every", "25000"]);
+    assert_eq!(number(&longer["plans"][0]["units"]), 58.0);
+    assert!(number(&longer["plans"][0]["mean_cycles"]) < 60_000.0);
+    let sought = plan(&["--shape", "2", "--units", "58", "--allowed", "0", "--group", "5"]);
+    let cycles = number(&sought["plans"][0]["cycles"]);
+    assert!((cycles - 50_000.0 * (0.1_f64.ln() / 0.99_f64.ln() / 58.0).sqrt()).abs() < 1.0, "{cycles}");
+    assert_eq!(sought["groups"].as_array().unwrap().len(), 6);
+    let line = ["test-plan", "--reliability", "0.99", "--at", "50000"];
+    for (more, says) in [
+        (&["--length", "60000"][..], "--shape"),
+        (&["--group", "5"], "--shape"),
+        (&["--units", "1", "--shape", "2", "--allowed", "1"], "above the number of allowed failures"),
+        (&["--confidence", "100%"], "between 0 and 1"),
+        (&["--curve", "wear"], "DIR"),
+    ] {
+        let message = refused(&[&line[..], more].concat());
+        assert!(message.contains(says), "{more:?}: {message}");
+    }
+}
+
+#[test]
+fn a_study_is_a_prior_and_is_compared_with_lives() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (study, file, out) = (at("study"), at("fleet.csv"), at("weibull"));
+    let run =
+        "run --scene four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 24 --quiet";
+    let run: Vec<&str> = run.split(' ').collect();
+    let summary = json(&[&run[..], &["--out", &study, "--json"]].concat());
+    let with_prior = json(&[
+        "test-plan",
+        &study,
+        "--reliability",
+        "0.99",
+        "--at",
+        "5000",
+        "--prior-units",
+        "300",
+        "--json",
+    ]);
+    let plan = &with_prior["plans"][1];
+    assert!(number(&with_prior["shape"]) > 5.0 && number(&plan["cycles"]) == 5000.0);
+    assert!(number(&plan["with_prior"]["units"]) < number(&plan["units"]));
+    assert!(number(&plan["with_prior"]["wrongly_passed"]) <= 0.1);
+    assert!(
+        refused(&["test-plan", &study, "--reliability", "0.99", "--at", "90000"])
+            .contains("the study ends at")
+    );
+
+    let life = |k: usize| {
+        summary["lives"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|l| l["limit_state"] == "total")
+            .nth(k)
+            .map(|l| number(&l["cycles"]))
+            .unwrap()
+    };
+    let (first, median) = (life(0), life(2));
+    let fleet = |factor: f64| {
+        let mut text = "unit,cycles,state,mode,from\n".to_owned();
+        for k in 0..12 {
+            let cycles = factor * (median + (median - first) * 0.4 * (f64::from(k) / 6.0 - 1.0));
+            text += &match k % 3 {
+                0 => format!("{k},{:.0},running\n", cycles - 50.0),
+                1 => format!("{k},{cycles:.0},failed,wear\n"),
+                _ => format!("{k},{:.0},interval,wear,{:.0}\n", cycles + 50.0, cycles - 50.0),
+            };
+        }
+        text
+    };
+    std::fs::write(&file, fleet(1.0)).unwrap();
+    let agrees = json(&["weibull", &file, "--study", &study, "--out", &out, "--json"]);
+    assert_eq!(
+        (number(&agrees["failures"]), &agrees["study"]["contradicted"]),
+        (8.0, &Value::from(false)),
+        "{agrees}"
+    );
+    for name in ["weibull.html", "weibull.json", "figures/weibull.svg"] {
+        assert!(Path::new(&out).join(name).is_file(), "{name}");
+    }
+    std::fs::write(&file, fleet(0.6)).unwrap();
+    let contradicts = json(&["weibull", &file, "--study", &study, "--mode", "wear", "--json"]);
+    assert_eq!(contradicts["study"]["contradicted"], true, "{contradicts}");
+    let evidence = &contradicts["study"];
+    assert!(
+        number(&evidence["ln_evidence_weibull"]) > number(&evidence["ln_evidence_study"]) + 10.0,
+        "{evidence}"
+    );
+    let text = String::from_utf8(coordinator(&["weibull", &file, "--study", &study]).stdout).unwrap();
+    assert!(text.contains("The data contradict the study:"), "{text}");
+    std::fs::write(&file, "unit,cycles,state\nA,900000,failed\nB,10,gone\n").unwrap();
+    let message = refused(&["weibull", &file, "--study", &study]);
+    assert!(message.contains("fleet.csv:2:3") && message.contains("fleet.csv:3:6"), "{message}");
+    std::fs::write(&file, "unit,cycles,state\nA,900,failed\nB,10,running\n").unwrap();
+    assert!(refused(&["weibull", &file]).contains("at least two failures"));
+}
