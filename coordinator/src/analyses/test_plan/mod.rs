@@ -224,7 +224,12 @@ pub fn plan(
             let power = if cycles.to_bits() == at.to_bits() { 1.0 } else { length.powf(need("--length")?) };
             let seen = reliability.powf(power);
             let found = question.units.or_else(|| units(seen, allowed, confidence));
-            let units = found.ok_or(TestPlanError::TooMany)?;
+            // Of the lengths that were not asked for, those without a plan are left out.
+            let is_extra = question.lengths.is_empty() && power.to_bits() != 1.0_f64.to_bits();
+            let units = match found {
+                None if is_extra => continue,
+                found => found.ok_or(TestPlanError::TooMany)?,
+            };
             let mean_cycles = match question.inspect_every {
                 None => None,
                 Some(every) => {
@@ -239,7 +244,10 @@ pub fn plan(
                 None => None,
                 Some((law, _)) => {
                     let units = law.units_for(reliability, allowed, confidence, power);
-                    let units = units.ok_or(TestPlanError::TooMany)?;
+                    let units = match units {
+                        None if is_extra => continue,
+                        units => units.ok_or(TestPlanError::TooMany)?,
+                    };
                     let risks = law.risks(reliability, (units, allowed), power);
                     Some(PriorPlan {
                         units,

@@ -86,7 +86,7 @@ fn against_study(study: &StudyEvidence, report: &WeibullReport) -> Vec<String> {
     let [first, second] = if physics >= weibull { ["study", "Weibull"] } else { ["Weibull", "study"] };
     let verdict = if *largest_p < CONTRADICTS {
         format!(
-            "**The data contradict the study**: every curve of its 95 % band is rejected, p = {} at most",
+            "The data contradict the study: every curve of its 95 % band is rejected, p = {} at most",
             three_digits(*largest_p)
         )
     } else if test.p < CONTRADICTS {
