@@ -23,14 +23,21 @@ const CLAIM_AGAIN_AFTER: Duration = Duration::from_secs(1);
 /// Simulated time after which the tasks that are open stay open.
 const LONGEST: Duration = Duration::from_secs(30 * 24 * 3600);
 const TICK: Duration = Duration::from_millis(500);
+/// Shortest interval between two notices per worker, as the coordinator has it.
+const INTERVAL_PER_WORKER: Duration = Duration::from_micros(100);
 
 /// Parameters of a simulated farm.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan {
     /// Workers, of one slot each.
     pub workers: usize,
-    /// Mean number of tasks per worker.
-    pub tasks_each: usize,
+    /// Tasks in all.
+    pub tasks: usize,
+    /// Tasks submitted at the start, and least number in progress afterwards as long as there are others.
+    pub initial: usize,
+    pub batch: usize,
+    /// Time in which the workers join, one after another.
+    pub joining: Duration,
     /// Mean time of a task on a worker of mean speed; single tasks take 0.5 to 1.5 times as long.
     pub takes: Duration,
     /// Speed of the fastest worker over that of the slowest [1].
@@ -52,7 +59,7 @@ pub struct Plan {
 pub struct Figures {
     /// Time until the last record.
     pub makespan: Duration,
-    /// Ideal makespan, with all workers always busy, over the actual one [1].
+    /// Work done over what workers that are always busy from when they join to the last record would do [1].
     pub efficiency: f64,
     /// Efficiency until the first worker finds no task [1].
     pub efficiency_before_tail: f64,
@@ -68,9 +75,12 @@ pub struct Figures {
 
 /// An event of the simulated world.
 enum Happening {
+    Joins(usize),
     Claim(usize, u64),
+    Handled(usize, u64),
     Reply(usize, u64, Vec<TaskKey>, Assignment),
     TaskEnds(usize, u64, u64),
+    Announcement,
     Notice(usize),
     ClaimAgain(usize, u64),
     Flushed(Vec<u64>),
@@ -80,6 +90,8 @@ enum Happening {
 
 struct SimulatedWorker {
     id: WorkerId,
+    /// When it joins; later ones claim nothing.
+    joins: Duration,
     speed: f64,
     sequence: u64,
     running: Option<Task>,
@@ -105,6 +117,9 @@ struct World {
     recorded: Vec<u32>,
     evaluated: Vec<u32>,
     open: usize,
+    submitted: usize,
+    earliest_notice: Duration,
+    notice_waits: bool,
     first_idle: Option<Duration>,
     work: f64,
     work_before_tail: f64,
@@ -125,15 +140,12 @@ fn chance(n: u64) -> f64 {
 /// # Panics
 /// If a task is recorded twice, is given up, or never ends.
 pub fn simulate(plan: Plan) -> Figures {
-    let tasks = plan.workers * plan.tasks_each;
+    let tasks = plan.tasks;
     let mut world = World::new(plan, tasks);
-    let requests =
-        |k| Request { id: k, sample: vec![k as f64], with_first_cycle: false, accuracy: None, level: 0 };
     for k in 0..plan.workers {
-        world.event(Event::WorkerJoined(world.hands[k].id.clone()));
-        world.at(plan.latency.mul_f64(chance(k as u64)), Happening::Notice(k));
+        world.at(world.hands[k].joins, Happening::Joins(k));
     }
-    world.event(Event::Submit((0..tasks as u64).map(requests).collect()));
+    world.submit(plan.initial);
     world.at(TICK, Happening::Tick);
     while world.open > 0 {
         let Reverse((now, order)) = world.queue.pop().expect("a farm with open tasks goes on");
@@ -149,6 +161,7 @@ impl World {
     fn new(plan: Plan, tasks: usize) -> Self {
         let hand = |k: usize| SimulatedWorker {
             id: WorkerId { name: format!("w{k}"), epoch: 1 },
+            joins: plan.joining.mul_f64(k as f64 / plan.workers as f64),
             speed: plan.spread.powf(chance(k as u64) - 0.5),
             sequence: 0,
             running: None,
@@ -175,6 +188,9 @@ impl World {
             recorded: vec![0; tasks],
             evaluated: vec![0; tasks],
             open: tasks,
+            submitted: 0,
+            earliest_notice: Duration::ZERO,
+            notice_waits: false,
             first_idle: None,
             work: 0.0,
             work_before_tail: 0.0,
@@ -196,13 +212,17 @@ impl World {
 
     fn happen(&mut self, happening: Happening) {
         match happening {
+            Happening::Joins(k) => {
+                self.event(Event::WorkerJoined(self.hands[k].id.clone()));
+                self.at(self.now + self.plan.latency.mul_f64(chance(k as u64)), Happening::Notice(k));
+            }
             Happening::Claim(k, sequence) => {
                 // The coordinator handles one claim at a time.
-                if self.coordinator_free > self.now {
-                    self.at(self.coordinator_free, Happening::Claim(k, sequence));
-                    return;
-                }
-                self.coordinator_free = self.now + self.plan.claim_cost;
+                let at = self.coordinator_free.max(self.now);
+                self.coordinator_free = at + self.plan.claim_cost;
+                self.at(at, Happening::Handled(k, sequence));
+            }
+            Happening::Handled(k, sequence) => {
                 let claim = self.claims.remove(&(k, sequence)).expect("each claim arrives once");
                 let token = self.events as Token;
                 self.tokens.insert(token, (k, sequence));
@@ -213,6 +233,7 @@ impl World {
             }
             Happening::TaskEnds(k, task, epoch) if self.hands[k].id.epoch == epoch => self.task_ends(k, task),
             Happening::TaskEnds(..) => {}
+            Happening::Announcement => self.announce(),
             Happening::Notice(k) => self.claim(k),
             Happening::ClaimAgain(k, sequence) if self.hands[k].sequence == sequence => self.claim(k),
             Happening::ClaimAgain(..) => {}
@@ -224,6 +245,8 @@ impl World {
                     self.open -= 1;
                     self.event(Event::Recorded { task });
                 }
+                let in_progress = self.submitted + self.open - self.plan.tasks;
+                self.submit(self.plan.batch.saturating_sub(in_progress));
                 self.flush();
             }
             Happening::Lost(id) => self.event(Event::WorkerLost(id)),
@@ -246,16 +269,37 @@ impl World {
                     let (k, sequence) = self.tokens.remove(&token).expect("each claim is answered once");
                     self.soon(Happening::Reply(k, sequence, acknowledged, assignment));
                 }
-                Action::Announce(_) => {
-                    let idle: Vec<usize> =
-                        (0..self.hands.len()).filter(|k| self.hands[*k].running.is_none()).collect();
-                    idle.into_iter().for_each(|k| self.soon(Happening::Notice(k)));
+                Action::Announce(_) if !self.notice_waits => {
+                    self.notice_waits = true;
+                    self.at(self.earliest_notice.max(self.now), Happening::Announcement);
                 }
                 Action::GiveUp { task, reason } => panic!("task {task} was given up: {reason}"),
-                Action::AnnounceEnd | Action::Warn(_) => {}
+                Action::Announce(_) | Action::AnnounceEnd | Action::Warn(_) => {}
             }
         }
         self.flush();
+    }
+
+    /// Submits up to `count` further tasks.
+    fn submit(&mut self, count: usize) {
+        let until = (self.submitted + count).min(self.plan.tasks);
+        let request =
+            |k| Request { id: k, sample: vec![k as f64], with_first_cycle: false, accuracy: None, level: 0 };
+        let requests: Vec<Request> = (self.submitted as u64..until as u64).map(request).collect();
+        self.submitted = until;
+        if !requests.is_empty() {
+            self.event(Event::Submit(requests));
+        }
+    }
+
+    /// Notifies the idle workers that have joined.
+    fn announce(&mut self) {
+        self.notice_waits = false;
+        let workers = u32::try_from(self.hands.len()).unwrap_or(u32::MAX);
+        self.earliest_notice = self.now + INTERVAL_PER_WORKER * workers;
+        let is_idle = |hand: &SimulatedWorker| hand.running.is_none() && hand.joins <= self.now;
+        let idle: Vec<usize> = (0..self.hands.len()).filter(|k| is_idle(&self.hands[*k])).collect();
+        idle.into_iter().for_each(|k| self.soon(Happening::Notice(k)));
     }
 
     fn flush(&mut self) {
@@ -349,14 +393,16 @@ impl World {
     }
 
     fn figures(&self) -> Figures {
-        let speed: f64 = self.hands.iter().map(|hand| hand.speed).sum();
-        let until = self.first_idle.unwrap_or(self.now).as_secs_f64();
+        let until = self.first_idle.unwrap_or(self.now);
+        let possible = |until: Duration| -> f64 {
+            self.hands.iter().map(|hand| hand.speed * until.saturating_sub(hand.joins).as_secs_f64()).sum()
+        };
         // Tasks running at the start of the tail are half done on average.
         let under_way = 0.5 * self.plan.takes.as_secs_f64() * self.plan.workers as f64;
         Figures {
             makespan: self.now,
-            efficiency: self.work / speed / self.now.as_secs_f64(),
-            efficiency_before_tail: (self.work_before_tail + under_way) / speed / until,
+            efficiency: self.work / possible(self.now),
+            efficiency_before_tail: (self.work_before_tail + under_way) / possible(until),
             repeated: self.evaluated.iter().filter(|n| **n > 1).count(),
             deaths: self.deaths,
             events: self.events,

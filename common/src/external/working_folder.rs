@@ -1,14 +1,17 @@
 //! One run of a program in a working folder of its own, with files in and out.
 //!
 //! The folder has the files of the scene, its templates with the values of the sample, and `request.json`. The program
-//! runs in it, once, to its end, and leaves its results in a file. The folder is removed afterwards.
+//! runs in it, once, to its end, and leaves its results in a file. The folder is removed afterwards; those of processes that were
+//! killed, by the next process of this user that makes one.
 
 use super::process::{LineError, Process};
 use super::slot::StopSignal;
 use super::template::fill;
 use crate::scene::{FileExchange, REQUEST_FILE};
+use std::fs::File;
 use std::io::{Error, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Once;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
@@ -101,7 +104,7 @@ impl FileProgram<'_> {
     }
 
     fn results(&self, folder: &WorkingFolder) -> Result<String, Error> {
-        let file = std::fs::File::open(folder.0.join(&self.exchange.results))?;
+        let file = File::open(folder.0.join(&self.exchange.results))?;
         let mut text = String::new();
         if file.take(LARGEST_RESULTS + 1).read_to_string(&mut text)? as u64 > LARGEST_RESULTS {
             return Err(Error::other(format!("more than {LARGEST_RESULTS} bytes")));
@@ -114,20 +117,33 @@ fn in_file(name: &str, reason: &dyn std::fmt::Display) -> Error {
     Error::other(format!("{name}: {reason}"))
 }
 
-/// A new folder for temporary files, removed when dropped.
+/// Age below which a folder without a lock may be about to be locked.
+const NEW: Duration = Duration::from_secs(60);
+
+/// Beginning of the names of working folders.
+const PREFIX: &str = "hingewise-";
+
+/// A new folder for temporary files, removed when dropped. Its process holds a lock on it, which ends with the process however that ends.
 #[derive(Debug)]
-struct WorkingFolder(PathBuf);
+struct WorkingFolder(PathBuf, #[allow(dead_code)] File);
 
 impl WorkingFolder {
     fn create() -> Result<Self, Error> {
         use std::os::unix::fs::DirBuilderExt;
         static NUMBER: AtomicU64 = AtomicU64::new(0);
+        static ABANDONED: Once = Once::new();
+        ABANDONED.call_once(|| remove_abandoned(&std::env::temp_dir(), NEW));
         loop {
             let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-            let name = format!("hingewise-{}-{number}", std::process::id());
+            let name = format!("{PREFIX}{}-{number}", std::process::id());
             let path = std::env::temp_dir().join(name);
             match std::fs::DirBuilder::new().mode(0o700).create(&path) {
-                Ok(()) => return Ok(Self(path)),
+                Ok(()) => {
+                    let lock = File::open(&path)?;
+                    // A file system without locks leaves the folder to the user if the process is killed.
+                    let _ = lock.try_lock();
+                    return Ok(Self(path, lock));
+                }
                 // Of an earlier process with this number that was killed.
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(error),
@@ -143,10 +159,61 @@ impl WorkingFolder {
     }
 }
 
+/// Removes the working folders in `place` that no process has locked and that have not changed for `at_least`.
+fn remove_abandoned(place: &Path, at_least: Duration) {
+    for entry in std::fs::read_dir(place).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let is_ours = name.to_str().and_then(|name| name.strip_prefix(PREFIX)).is_some_and(|rest| {
+            let number = |word: &str| word.parse::<u64>().is_ok();
+            rest.split_once('-').is_some_and(|(process, folder)| number(process) && number(folder))
+        });
+        // Of the entry itself: a link is no folder.
+        let Some(about) = entry.metadata().ok().filter(|about| is_ours && about.is_dir()) else { continue };
+        let is_old = about.modified().is_ok_and(|at| at.elapsed().is_ok_and(|age| age >= at_least));
+        let lock = File::open(entry.path());
+        if is_old
+            && lock.is_ok_and(|lock| lock.try_lock().is_ok())
+            && std::fs::remove_dir_all(entry.path()).is_ok()
+        {
+            tracing::info!("{} of a process that was killed is removed", entry.path().display());
+        }
+    }
+}
+
 impl Drop for WorkingFolder {
     fn drop(&mut self) {
         if let Err(error) = std::fs::remove_dir_all(&self.0) {
             tracing::warn!("{} cannot be removed: {error}", self.0.display());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn issue_working_folders_of_killed_processes_stayed() {
+        let place = tempfile::tempdir().unwrap();
+        let made = |name: &str| {
+            let path = place.path().join(name);
+            std::fs::create_dir(&path).unwrap();
+            std::fs::write(path.join("results.json"), "{}").unwrap();
+            path
+        };
+        let (abandoned, held) = (made("hingewise-4000000-0"), made("hingewise-4000001-7"));
+        let (other, named) = (made("hingewise-study"), made("other-1-2"));
+        let link = place.path().join("hingewise-1-1");
+        std::os::unix::fs::symlink(&other, &link).unwrap();
+        let lock = File::open(&held).unwrap();
+        lock.try_lock().unwrap();
+        remove_abandoned(place.path(), NEW);
+        assert!(abandoned.exists(), "it is new");
+        remove_abandoned(place.path(), Duration::ZERO);
+        assert!(!abandoned.exists());
+        assert!(held.exists() && other.exists() && named.exists() && link.exists());
+        drop(lock);
+        remove_abandoned(place.path(), Duration::ZERO);
+        assert!(!held.exists());
     }
 }
