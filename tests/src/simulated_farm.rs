@@ -1,10 +1,5 @@
 //! The real scheduler with thousands of workers in simulated time: messages have a latency, claims cost time of the
 //! coordinator, records become durable in groups, workers differ in speed and some crash.
-//!
-//! ```text
-//! worker --claim--> (latency) --> coordinator (one event after the other) --> scheduler
-//!        <--reply-- (latency) <--
-//! ```
 
 use common::build::Build;
 use common::failure::SimulationFailure;
@@ -67,8 +62,6 @@ pub struct Figures {
     pub repeated: usize,
     /// Workers that crashed.
     pub deaths: usize,
-    /// Events handled by the scheduler.
-    pub events: usize,
     /// Wall time of the scheduler per event, on this machine.
     pub per_event: Duration,
 }
@@ -140,8 +133,7 @@ fn chance(n: u64) -> f64 {
 /// # Panics
 /// If a task is recorded twice, is given up, or never ends.
 pub fn simulate(plan: Plan) -> Figures {
-    let tasks = plan.tasks;
-    let mut world = World::new(plan, tasks);
+    let mut world = World::new(plan);
     for k in 0..plan.workers {
         world.at(world.hands[k].joins, Happening::Joins(k));
     }
@@ -149,7 +141,7 @@ pub fn simulate(plan: Plan) -> Figures {
     world.at(TICK, Happening::Tick);
     while world.open > 0 {
         let Reverse((now, order)) = world.queue.pop().expect("a farm with open tasks goes on");
-        assert!(now < LONGEST, "{} of {tasks} tasks are open for ever", world.open);
+        assert!(now < LONGEST, "{} tasks are open for ever", world.open);
         world.now = now;
         let happening = world.happenings.remove(&order).expect("each happens once");
         world.happen(happening);
@@ -158,7 +150,7 @@ pub fn simulate(plan: Plan) -> Figures {
 }
 
 impl World {
-    fn new(plan: Plan, tasks: usize) -> Self {
+    fn new(plan: Plan) -> Self {
         let hand = |k: usize| SimulatedWorker {
             id: WorkerId { name: format!("w{k}"), epoch: 1 },
             joins: plan.joining.mul_f64(k as f64 / plan.workers as f64),
@@ -185,9 +177,9 @@ impl World {
             coordinator_free: Duration::ZERO,
             to_flush: vec![],
             flushing: false,
-            recorded: vec![0; tasks],
-            evaluated: vec![0; tasks],
-            open: tasks,
+            recorded: vec![0; plan.tasks],
+            evaluated: vec![0; plan.tasks],
+            open: plan.tasks,
             submitted: 0,
             earliest_notice: Duration::ZERO,
             notice_waits: false,
@@ -232,11 +224,10 @@ impl World {
                 self.replied(k, sequence, &acknowledged, assignment);
             }
             Happening::TaskEnds(k, task, epoch) if self.hands[k].id.epoch == epoch => self.task_ends(k, task),
-            Happening::TaskEnds(..) => {}
             Happening::Announcement => self.announce(),
             Happening::Notice(k) => self.claim(k),
             Happening::ClaimAgain(k, sequence) if self.hands[k].sequence == sequence => self.claim(k),
-            Happening::ClaimAgain(..) => {}
+            Happening::TaskEnds(..) | Happening::ClaimAgain(..) => {}
             Happening::Flushed(tasks) => {
                 self.flushing = false;
                 for task in tasks {
@@ -380,8 +371,12 @@ impl World {
         assert_eq!(task.key.task, number, "one task at a time");
         let done = hand.busy.as_secs_f64() * hand.speed;
         let result = Err(SimulationFailure::NotModelled { what: String::new() });
-        let wall = hand.busy.as_secs_f64();
-        hand.finished.push(Outcome { task, worker: hand.id.name.clone(), wall, result });
+        hand.finished.push(Outcome {
+            task,
+            worker: hand.id.name.clone(),
+            wall: hand.busy.as_secs_f64(),
+            result,
+        });
         self.evaluated[number as usize] += 1;
         if self.evaluated[number as usize] == 1 {
             self.work += done;
@@ -405,7 +400,6 @@ impl World {
             efficiency_before_tail: (self.work_before_tail + under_way) / possible(until),
             repeated: self.evaluated.iter().filter(|n| **n > 1).count(),
             deaths: self.deaths,
-            events: self.events,
             per_event: self.spent / u32::try_from(self.events).unwrap_or(u32::MAX),
         }
     }
