@@ -28,8 +28,9 @@ pub struct Plan {
     pub workers: usize,
     /// Tasks in all.
     pub tasks: usize,
-    /// Tasks submitted at the start, and least number in progress afterwards as long as there are others.
+    /// Tasks submitted at the start.
     pub initial: usize,
+    /// Tasks in progress afterwards, as long as there are others.
     pub batch: usize,
     /// Time in which the workers join, one after another.
     pub joining: Duration,
@@ -66,7 +67,6 @@ pub struct Figures {
     pub per_event: Duration,
 }
 
-/// An event of the simulated world.
 enum Happening {
     Joins(usize),
     Claim(usize, u64),
@@ -89,7 +89,6 @@ struct SimulatedWorker {
     sequence: u64,
     running: Option<Task>,
     finished: Vec<Outcome>,
-    /// A claim is open.
     asks: bool,
     busy: Duration,
 }
@@ -209,7 +208,6 @@ impl World {
                 self.at(self.now + self.plan.latency.mul_f64(chance(k as u64)), Happening::Notice(k));
             }
             Happening::Claim(k, sequence) => {
-                // The coordinator handles one claim at a time.
                 let at = self.coordinator_free.max(self.now);
                 self.coordinator_free = at + self.plan.claim_cost;
                 self.at(at, Happening::Handled(k, sequence));
@@ -271,7 +269,6 @@ impl World {
         self.flush();
     }
 
-    /// Submits up to `count` further tasks.
     fn submit(&mut self, count: usize) {
         let until = (self.submitted + count).min(self.plan.tasks);
         let request =
@@ -283,7 +280,6 @@ impl World {
         }
     }
 
-    /// Notifies the idle workers that have joined.
     fn announce(&mut self) {
         self.notice_waits = false;
         let workers = u32::try_from(self.hands.len()).unwrap_or(u32::MAX);
@@ -349,7 +345,6 @@ impl World {
         hand.running = Some(task);
         hand.busy = takes;
         if dies {
-            // The worker crashes halfway through the task, and a new one replaces it at once.
             self.deaths += 1;
             let gone = std::mem::replace(&mut self.hands[k].id.epoch, epoch + 1);
             let id = WorkerId { epoch: gone, ..self.hands[k].id.clone() };
@@ -392,7 +387,6 @@ impl World {
         let possible = |until: Duration| -> f64 {
             self.hands.iter().map(|hand| hand.speed * until.saturating_sub(hand.joins).as_secs_f64()).sum()
         };
-        // Tasks running at the start of the tail are half done on average.
         let under_way = 0.5 * self.plan.takes.as_secs_f64() * self.plan.workers as f64;
         Figures {
             makespan: self.now,
