@@ -13,6 +13,7 @@
 //! | [`replace`] | the age, or the measured level, of replacement with the least cost |
 //! | [`test_plan`] | units and cycles of a test that demonstrates a reliability |
 //! | [`weibull`] | Weibull distribution of lives of a population, beside a study |
+//! | [`learn`] | parameters of a population from its units, R at a confidence |
 //! | [`update`] | single units from what was measured of them |
 //! | [`paired_results`] | changes between two results from the same simulations |
 //! | [`quantity`] | quantities of outputs as a person writes them |
@@ -20,6 +21,7 @@
 pub mod budget;
 pub mod calibrate;
 pub mod designs;
+pub mod learn;
 pub mod optimise;
 pub mod paired_results;
 pub mod quantity;

@@ -8,6 +8,7 @@ use super::designs::DesignsArguments;
 use super::doctor::DoctorArguments;
 use super::draw::DrawArguments;
 use super::init::InitArguments;
+use super::learn::LearnArguments;
 use super::optimise::OptimiseArguments;
 use super::replace::ReplaceArguments;
 use super::results::{ReportArguments, StudyFolder};
@@ -26,14 +27,15 @@ use std::path::PathBuf;
 
 /// Groups of the first page of the help: the commands of a study from its scene to its decisions.
 const GROUPS: [(&str, &[&str]); 4] = [
-    ("Study", &["run", "resume", "report", "sensitivity", "compare"]),
-    ("Decide", &["what-if", "designs", "optimise", "update", "replace"]),
+    ("Study", &["run", "resume", "report", "compare"]),
+    ("Decide", &["what-if", "designs", "optimise", "learn", "update", "replace"]),
     ("Look", &["simulate", "explain", "draw", "status", "scenes"]),
     ("Prepare", &["init", "check", "calibrate"]),
 ];
 
 /// Commands that the first page of the help names without a description.
-const MORE: [&str; 7] = ["test-plan", "weibull", "doctor", "tradeoff", "schema", "completions", "man"];
+const MORE: [&str; 8] =
+    ["sensitivity", "test-plan", "weibull", "doctor", "tradeoff", "schema", "completions", "man"];
 
 const EXAMPLE: &str = "\
 Without a command, `coordinator --workers auto` runs a study with the options of `run`.
@@ -192,6 +194,9 @@ Examples:
     /// Update reliability and remaining life of single units by what was measured of them
     #[command(after_help = super::update::EXAMPLES)]
     Update(UpdateArguments),
+    /// Learn a population's parameters from its units: reliability with a confidence
+    #[command(after_help = super::learn::EXAMPLES)]
+    Learn(LearnArguments),
     /// Find the age, or the measured level, of replacement with the least cost
     #[command(after_help = super::replace::EXAMPLES)]
     Replace(ReplaceArguments),

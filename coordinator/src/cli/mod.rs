@@ -17,6 +17,7 @@ mod explain;
 mod external;
 mod farm;
 mod init;
+mod learn;
 mod limit_text;
 mod measured;
 mod model;
@@ -105,6 +106,7 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Sensitivity(study) => results::sensitivity(&study.dir, json),
         CommandArguments::Report(study) => results::report(&study, json),
         CommandArguments::Compare(options) => compare::compare(&options, json),
+        CommandArguments::Learn(options) => learn::learn(&options, json),
         CommandArguments::Update(options) => update::update(&options, json),
         CommandArguments::Replace(options) => replace::replace(&options, json),
         CommandArguments::TestPlan(options) => test_plan::test_plan(&options, json),

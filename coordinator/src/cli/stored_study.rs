@@ -6,10 +6,12 @@ use super::farm::{CommandEvaluator, announced};
 use super::shared::FarmArguments;
 use common::scene::{Scene, SceneSource};
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace, StoredSpace};
+use coordinator::analyses::learn::{fitted_reliability, uncertain_fits};
 use coordinator::analyses::what_if::{FinishedStudy, POPULATION, WhatIf, ask};
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, FILE_NAME, StoreError};
 use coordinator::results::summary::StudySummary;
+use coordinator::statistics::updating::ConfidentReliability;
 use coordinator::study::{
     Correction, LifeModel, Method, Observed, Settings, StoredOutcome, StudyError, learn_from_results,
 };
@@ -212,6 +214,28 @@ impl OpenedStudy {
             summary: Some(&self.summary).filter(|_| self.space.is_none()),
         };
         ask(&finished, changed.nominal()).map_err(|error| failed(error, self.study.campaign.dir()))
+    }
+
+    /// R and lives of a changed scene at a confidence, with what the samples of its measured variables leave open.
+    ///
+    /// # Errors
+    /// [`CommandError::Study`], or [`CommandError::Refused`] without such a variable.
+    pub fn confident(
+        &self,
+        changed: &SceneSource,
+        confidence: f64,
+    ) -> Result<ConfidentReliability, CommandError> {
+        let (dir, scene) = (self.study.campaign.dir(), changed.nominal());
+        let learned = learn_from_results(scene, self.study.scene(), &self.settings, &self.outcomes()?)
+            .map_err(|error| failed(error, dir))?;
+        let model = LifeModel::new(scene, &learned);
+        let fits = uncertain_fits(&model, changed.measured(), scene);
+        if fits.is_empty() {
+            let fault = "--confidence: no independent variable of the scene has measured samples (samples = [...]), so that no \
+                         parameter is known from few values; `coordinator learn` takes what was observed of units";
+            return Err(CommandError::refused(dir.display(), fault));
+        }
+        Ok(fitted_reliability(scene, model, &fits, confidence, self.settings.seed))
     }
 
     /// Opens the evaluator of the simulations to be added and starts its workers.

@@ -11,7 +11,8 @@ use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
 The file has one observation a line: unit, cycles, quantity, value, standard deviation of its error. The quantity is an output \
-or a random variable of the scene with a unit, or `survived` or `failed`, which have no value:
+or a random variable of the scene with a unit, or `survived`, which has no value, or `failed`, which may have the limit state and the \
+error of the life:
 
   unit, cycles, quantity,       value,    error
   A7,   30000,  max_wear_depth, 15.2 um,  0.5 um

@@ -2,11 +2,15 @@
 //! simulations that it has, and with further ones where the answer needs them.
 
 use super::error::CommandError;
+use super::learn::confidence as confidence_level;
 use super::output::answer_with;
 use super::shared::{FarmArguments, Verbosity, positive, share};
 use super::stored_study::{OpenedStudy, StoredStudy, failed, stored_correction};
 use clap::Args;
+use coordinator::analyses::learn::{confident_figure, confident_tables};
 use coordinator::analyses::what_if::{answer, changed_scene, json, redistributed};
+use coordinator::presentation::report::ReportError;
+use coordinator::presentation::report::answer::AnswerPart;
 use coordinator::presentation::terminal::Terminal;
 use coordinator::results::store::FurtherEvaluations;
 use coordinator::study::FurtherLearning;
@@ -43,6 +47,9 @@ pub struct WhatIfArguments {
     /// study's budget
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub target_error: Option<f64>,
+    /// Bounds of R and the lives at this confidence, with what the samples of measured variables leave open
+    #[arg(long, value_name = "SHARE", value_parser = confidence_level)]
+    pub confidence: Option<f64>,
     /// Points of the population [default: that of the study, at most 30000]
     #[arg(long, value_name = "N", value_parser = positive)]
     pub samples: Option<usize>,
@@ -58,7 +65,7 @@ pub struct WhatIfArguments {
 /// # Errors
 /// [`CommandError`].
 pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    let WhatIfArguments { dir, set, refine, target_error, samples, out, farm } = arguments;
+    let WhatIfArguments { dir, set, refine, target_error, confidence, samples, out, farm } = arguments;
     let refines = refine.is_some() || target_error.is_some();
     let mut opened = OpenedStudy::open(dir, refines)?;
     let base = opened.present()?;
@@ -109,5 +116,16 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), 
     let command = format!("coordinator what-if {}{sets}", dir.display());
     let mut answer = answer(&found, set, added, changed.nominal(), &command);
     answer.files.push(("scene.toml".to_owned(), changed.text().to_owned()));
-    answer_with(&answer, &json(&found, added), out.as_deref(), verbosity.json)
+    let mut as_json = json(&found, added);
+    if let Some(confidence) = confidence {
+        let confident = opened.confident(&changed, *confidence)?;
+        let end = f64::from(changed.nominal().life.cycles);
+        let tables = confident_tables(&confident, end).map(AnswerPart::Table);
+        answer.parts.splice(1..1, tables);
+        let figure =
+            confident_figure(&confident, &found.after.reliability, end).map_err(ReportError::from)?;
+        answer.figures.push(figure);
+        as_json["confident"] = serde_json::to_value(&confident)?;
+    }
+    answer_with(&answer, &as_json, out.as_deref(), verbosity.json)
 }

@@ -26,6 +26,8 @@ const BLOCK: usize = 512;
 #[derive(Debug)]
 pub struct LifeModel {
     inputs: InputModel,
+    /// Smallest and largest simulated value of each random variable `(d,)` [SI].
+    simulated: Vec<(f64, f64)>,
     /// Checkpoints `(m,)` [cycles].
     times: Vec<f64>,
     modes: Vec<ModeModel>,
@@ -156,7 +158,26 @@ impl LifeModel {
         };
         let outputs = (0..scene.outputs.len()).map(&mut output).collect();
         let times = scene.life.checkpoints().into_iter().map(f64::from).collect();
-        Self { inputs: learned.classified.population.inputs().clone(), times, modes, outputs }
+        let inputs = learned.classified.population.inputs().clone();
+        let mut simulated = vec![(f64::INFINITY, f64::NEG_INFINITY); inputs.dimension()];
+        for z in learned.observations.standardised() {
+            for (k, (range, z)) in simulated.iter_mut().zip(z).enumerate() {
+                let x = inputs.physical_value(k, *z);
+                *range = (range.0.min(x), range.1.max(x));
+            }
+        }
+        Self { inputs, simulated, times, modes, outputs }
+    }
+
+    /// The predictor for random variables with other distributions, in the same coordinates.
+    #[must_use]
+    pub fn redistributed(self, inputs: InputModel) -> Self {
+        Self { inputs: inputs.standardised_as(&self.inputs), ..self }
+    }
+
+    /// Smallest and largest simulated value of random variable `k` [SI].
+    pub fn simulated_range(&self, k: usize) -> (f64, f64) {
+        self.simulated[k]
     }
 
     /// The random variables.

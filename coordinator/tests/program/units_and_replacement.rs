@@ -52,6 +52,24 @@ fn a_study_answers_for_units_and_replacement() {
     assert!(message.contains("units.csv:1:8") && message.contains("units.csv:2:23"), "{message}");
     assert!(refused(&["update", &study, "--measured", &at("none.csv")]).contains("none.csv"));
 
+    // The population of three units: a failure with its life, a unit that still runs, and one that was measured.
+    let (fleet, learned) = (at("fleet.csv"), at("learned"));
+    let observed = "unit,cycles,quantity,value,error\nA,5200,failed,wear,50\nB,4500,survived\n\
+        C,3000,max_wear_depth,4.6 um,0.2 um\nC,3000,survived\n";
+    std::fs::write(&fleet, observed).unwrap();
+    let answer = json(&["learn", &study, "--data", &fleet, "--out", &learned, "--json"]);
+    let life = &answer["confident"]["lives"][1];
+    assert!(life["at_least"].as_f64().unwrap() < life["median"].as_f64().unwrap(), "{life}");
+    assert!(answer["evaluations"] == 0 && answer["parameters"].as_array().unwrap().len() == 2, "{answer}");
+    for name in ["learn.html", "learn.json", "reliability.csv", "figures/confident-reliability.svg"] {
+        assert!(Path::new(&learned).join(name).is_file(), "{name}");
+    }
+    std::fs::write(&fleet, "A,5200,failed,waer\npopulation,,friction.men\n").unwrap();
+    let message = refused(&["learn", &study, "--data", &fleet]);
+    assert!(message.contains("fleet.csv:1:15") && message.contains("fleet.csv:2:13"), "{message}");
+    let message = refused(&["what-if", &study, "--confidence", "90%"]);
+    assert!(message.contains("measured samples"), "{message}");
+
     let answer = json(&["replace", &study, "--failure-cost", "10", "--inspect-every", "1000", "--json"]);
     let age = &answer["age"];
     let number = |value: &Value| value.as_f64().unwrap();

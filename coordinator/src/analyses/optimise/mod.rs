@@ -16,7 +16,6 @@ mod campaign;
 mod context;
 mod design_variables;
 mod finding;
-mod moments;
 mod optimum;
 mod problem;
 mod problem_costs;
@@ -31,7 +30,6 @@ mod tests;
 mod trust;
 
 pub use campaign::StudyBasis;
-pub use moments::with_moments;
 pub use optimum::{OptimisationProgress, optimise};
 pub use problem::{DesignProblem, DesignQuantity, Grade, QuantityKind, ReliabilityTarget, StudiedDesigns};
 pub use problem_file::read as read_problem;

@@ -1,9 +1,8 @@
 //! An optimisation problem: the quantities of a design with their bounds and costs, and the reliabilities to be reached.
 
-use super::moments::with_moments;
 use crate::analyses::designs::Follower;
 use crate::analyses::quantity::ShownUnit;
-use crate::statistics::design::InputModel;
+use crate::statistics::design::{InputModel, with_moments};
 use crate::statistics::optimisation::CostModel;
 use common::random::{Distribution, LawError};
 

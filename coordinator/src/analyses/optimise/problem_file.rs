@@ -4,11 +4,11 @@ use super::design_variables::for_designs;
 use super::problem::{DesignProblem, DesignQuantity, Grade, QuantityKind, ReliabilityTarget};
 use crate::analyses::designs::{DesignSpace, DesignVariable};
 use crate::analyses::quantity::{ShownUnit, checkpoint, limit_state};
+use crate::analyses::scene_settings::fixed_bounds;
 use crate::statistics::design::InputModel;
 use common::random::Distribution;
 use common::scene::quantity::NUMBER;
 use common::scene::{FaultKind, Faults, InputFile, Range, Scene, SceneSource, Section, nearest};
-use toml::Value;
 
 /// Relative difference below which two variables have the same value.
 const SAME: f64 = 1e-9;
@@ -61,16 +61,6 @@ fn changes_same(a: &DesignQuantity, b: &Option<DesignQuantity>) -> bool {
     b.as_ref().is_some_and(|b| {
         a.kind.is_spread() == b.kind.is_spread() && a.variables.iter().any(|k| b.variables.contains(k))
     })
-}
-
-/// Bounds that the scene gives, by variable.
-fn fixed_bounds(source: &SceneSource) -> Vec<[bool; 2]> {
-    let rows = source.document().get("variables").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-    let given = |name: &str| {
-        let row = rows.iter().find(|row| row.get("name").and_then(Value::as_str) == Some(name));
-        ["lower", "upper"].map(|key| row.is_some_and(|row| row.get(key).is_some()))
-    };
-    source.variables().iter().map(|variable| given(&variable.name)).collect()
 }
 
 /// The rows of a file for a scene. After a fault they are read on with values that have no meaning.

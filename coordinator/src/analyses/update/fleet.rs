@@ -1,6 +1,6 @@
 //! Updating of every unit of a fleet: observations as evidence, and the report of each unit from its posterior.
 
-use super::observation::{ObservedUnit, Quantity};
+use super::observation::{Observation, ObservedUnit, Quantity};
 use super::predictor::{Prior, UnitPredictor};
 use super::result::{FleetReport, ObservationRow, RemainingLife, UnitReport, UpdatedVariable};
 use crate::results::life_summary::{CyclesRange, LifeRow};
@@ -53,10 +53,7 @@ pub fn update(
     units: &[ObservedUnit],
     settings: &FleetSettings,
 ) -> FleetReport {
-    let mut wanted: Vec<usize> = units.iter().flat_map(ObservedUnit::outputs).collect();
-    wanted.sort_unstable();
-    wanted.dedup();
-    let prior = Prior::new(model, wanted, settings.population, settings.seed);
+    let prior = Prior::new(model, outputs_of(units), settings.population, settings.seed);
     let updated = |(number, unit): (usize, &ObservedUnit)| update_unit(scene, &prior, unit, number, settings);
     FleetReport {
         scene: scene.name.clone(),
@@ -69,6 +66,14 @@ pub fn update(
     }
 }
 
+/// Outputs that were measured of any unit.
+pub(in crate::analyses) fn outputs_of(units: &[ObservedUnit]) -> Vec<usize> {
+    let mut outputs: Vec<usize> = units.iter().flat_map(ObservedUnit::outputs).collect();
+    outputs.sort_unstable();
+    outputs.dedup();
+    outputs
+}
+
 fn update_unit(
     scene: &Scene,
     prior: &Prior<'_>,
@@ -76,31 +81,52 @@ fn update_unit(
     number: usize,
     settings: &FleetSettings,
 ) -> UnitReport {
-    let model = prior.model;
-    let mut outputs: Vec<usize> = unit.outputs().collect();
-    outputs.sort_unstable();
-    outputs.dedup();
-    let mut measured = Vec::new();
-    let mut evidence = Vec::new();
-    for observation in &unit.observations {
-        evidence.push(match observation.quantity {
-            Quantity::Measured { of, value, error } => {
-                measured.push((of, observation.cycles));
-                Evidence::Measured { index: measured.len() - 1, value, std: error }
-            }
-            Quantity::Survived => Evidence::Survived(observation.cycles),
-            Quantity::Failed => Evidence::Failed(observation.cycles),
-        });
-    }
-    let predictor = UnitPredictor { model, measured, outputs, numerical_errors: settings.numerical_errors };
-    let predictions = predictor.predictions(&prior.states, &prior.wanted, &prior.responses);
-    let dimension = model.inputs().dimension() + model.deviations();
-    let particles = Particles::equal(dimension, prior.states.clone(), predictions);
-    let mut rng = open_stream(settings.seed, Stream::Unit(number as u32));
-    match settings.monte_carlo.update(particles, &evidence, &predictor, &mut rng) {
-        Ok(posterior) => report(scene, model, unit, &posterior),
+    match posterior(prior, unit, number, settings) {
+        Ok(posterior) => report(scene, prior.model, unit, &posterior),
         Err(found) => unsupported(unit, found),
     }
+}
+
+/// The evidence of a unit's observations, and what its predictor predicts for them.
+pub(in crate::analyses) fn evidence_of<'a>(
+    prior: &Prior<'a>,
+    unit: &ObservedUnit,
+    settings: &FleetSettings,
+) -> (Vec<Evidence>, UnitPredictor<'a>) {
+    let outputs = outputs_of(std::slice::from_ref(unit));
+    let mut measured = Vec::new();
+    let mut evidence = Vec::new();
+    for &Observation { quantity, cycles: life, .. } in &unit.observations {
+        evidence.push(match quantity {
+            Quantity::Measured { of, value, error } => {
+                measured.push((of, life));
+                Evidence::Measured { index: measured.len() - 1, value, std: error }
+            }
+            Quantity::Survived => Evidence::Survived(life),
+            Quantity::Failed { by, error: None } => Evidence::Failed { life, by },
+            Quantity::Failed { by, error: Some(std) } => Evidence::Life { life, std, by },
+        });
+    }
+    let numerical_errors = settings.numerical_errors;
+    (evidence, UnitPredictor { model: prior.model, measured, outputs, numerical_errors })
+}
+
+/// A unit after its observations, with the population of `prior` before them.
+///
+/// # Errors
+/// [`Unsupported`].
+pub(in crate::analyses) fn posterior(
+    prior: &Prior<'_>,
+    unit: &ObservedUnit,
+    number: usize,
+    settings: &FleetSettings,
+) -> Result<UnitPosterior, Unsupported> {
+    let (evidence, predictor) = evidence_of(prior, unit, settings);
+    let predictions = predictor.predictions(&prior.states, &prior.wanted, &prior.responses);
+    let dimension = prior.model.inputs().dimension() + prior.model.deviations();
+    let particles = Particles::equal(dimension, prior.states.clone(), predictions);
+    let mut rng = open_stream(settings.seed, Stream::Unit(number as u32));
+    settings.monte_carlo.update(particles, &evidence, &predictor, &mut rng)
 }
 
 /// The report of a unit that no point of the model agrees with.
@@ -166,7 +192,7 @@ fn unresolved(posterior: &UnitPosterior) -> Option<String> {
 }
 
 /// The least probable observation, if it is improbable.
-fn warning(observations: &[ObservationRow]) -> Option<String> {
+pub(in crate::analyses) fn warning(observations: &[ObservationRow]) -> Option<String> {
     let least = observations.iter().min_by(|a, b| a.probability.total_cmp(&b.probability))?;
     (least.probability * observations.len() as f64 <= IMPROBABLE).then(|| {
         format!(

@@ -18,7 +18,11 @@ mod text;
 mod unit_file;
 
 pub use fleet::{FleetSettings, update};
-pub use observation::{Observable, Observation, ObservedUnit, Quantity};
+pub(in crate::analyses) use fleet::{evidence_of, outputs_of, posterior, warning};
+pub use observation::{FleetData, Moment, Observable, Observation, ObservedUnit, Quantity, UnknownParameter};
+pub(in crate::analyses) use predictor::Prior;
 pub use result::{FleetReport, ObservationRow, RemainingLife, UnitReport, UpdatedVariable};
 pub use text::answer;
-pub use unit_file::read as read_units;
+#[cfg(test)]
+pub(in crate::analyses) use unit_file::parse_fleet;
+pub use unit_file::{read as read_units, read_fleet};

@@ -24,7 +24,12 @@ pub enum Quantity {
     /// The unit had not failed by then.
     Survived,
     /// The unit had failed by then.
-    Failed,
+    Failed {
+        /// Index of the limit state that failed first, if it is known.
+        by: Option<usize>,
+        /// Standard deviation of the error of the life at which it failed; `None` if it failed at some life until then [cycles].
+        error: Option<f64>,
+    },
 }
 
 impl Quantity {
@@ -34,7 +39,7 @@ impl Quantity {
             Self::Measured { of: Observable::Variable(_), .. } => 0,
             Self::Survived => 1,
             Self::Measured { of: Observable::Output(_), .. } => 2,
-            Self::Failed => 3,
+            Self::Failed { .. } => 3,
         }
     }
 }
@@ -69,7 +74,7 @@ impl ObservedUnit {
 
     /// Life by which the unit had failed [cycles].
     pub fn failed_by(&self) -> Option<f64> {
-        let failed = self.observations.iter().find(|o| o.quantity == Quantity::Failed);
+        let failed = self.observations.iter().find(|o| matches!(o.quantity, Quantity::Failed { .. }));
         failed.map(|o| o.cycles)
     }
 
@@ -80,4 +85,33 @@ impl ObservedUnit {
             _ => None,
         })
     }
+}
+
+/// Parameter of the population that the units come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Moment {
+    /// The mean of a random variable, or the value of a design variable.
+    Mean,
+    /// The standard deviation.
+    Std,
+}
+
+/// An unknown parameter as a file names it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UnknownParameter {
+    /// Index of the random variable.
+    pub variable: usize,
+    /// Which parameter.
+    pub moment: Moment,
+    /// Value and standard deviation of its prior [SI]; `None` for a flat one.
+    pub prior: Option<(f64, f64)>,
+}
+
+/// Units of a population and what of it is not known.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FleetData {
+    /// The units, in the order of the file.
+    pub units: Vec<ObservedUnit>,
+    /// The unknown parameters that the file names, in its order.
+    pub unknown: Vec<UnknownParameter>,
 }

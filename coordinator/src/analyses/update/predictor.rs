@@ -9,7 +9,7 @@ use faer::MatRef;
 use rayon::prelude::*;
 
 /// The population with its lives and the histories of the measured outputs.
-pub(super) struct Prior<'a> {
+pub(in crate::analyses) struct Prior<'a> {
     pub model: &'a LifeModel,
     /// States `(N, d + deviations)` row-major [1].
     pub states: Vec<f64>,
@@ -43,7 +43,7 @@ impl<'a> Prior<'a> {
 }
 
 /// The predictions that the observations of one unit need.
-pub(super) struct UnitPredictor<'a> {
+pub(in crate::analyses) struct UnitPredictor<'a> {
     pub model: &'a LifeModel,
     /// Measured quantities in the order of their values, with their lives.
     pub measured: Vec<(Observable, f64)>,

@@ -1,10 +1,19 @@
 //! Reader of the file of units, CSV: one observation a line, `unit, cycles, quantity, value, error`. The quantity is an output
-//! or a random variable of the scene, with value and standard deviation of its error, or `survived` or `failed` without both.
+//! or a random variable of the scene, with value and standard deviation of its error, or `survived` without both, or `failed` with the
+//! limit state as value and the standard deviation of the life's error, where they are known.
+//!
+//! In the data of a fleet rows of the unit `population` name what is not known of it: `VARIABLE.mean`, `VARIABLE.std` or a design
+//! variable, with value and standard deviation of its prior, or without both for a flat one.
+//!
 //! A first line that begins with `unit` is a heading; lines that begin with `#` are comments.
 
-use super::observation::{Observable, Observation, ObservedUnit, Quantity};
+use super::observation::{
+    FleetData, Moment, Observable, Observation, ObservedUnit, Quantity, UnknownParameter,
+};
 use crate::analyses::quantity::output_quantity;
+use crate::statistics::updating::is_positive_family;
 use crate::study::LifeModel;
+use common::random::{Distribution, RandomVariable};
 use common::scene::{Faults, Scene, SceneSource, Section, read_quantity, read_rows, read_text};
 use std::path::Path;
 
@@ -21,7 +30,21 @@ pub fn read(path: &Path, source: &SceneSource, model: &LifeModel) -> Result<Vec<
     parse(&read_text(path)?, &path.display().to_string(), source, model)
 }
 
-/// Reads the text of such a file.
+/// Reads a file of the units of a fleet and of what is not known of their population; `designs` are the indices of the random
+/// variables that stand for design variables.
+///
+/// # Errors
+/// All faults.
+pub fn read_fleet(
+    path: &Path,
+    source: &SceneSource,
+    model: &LifeModel,
+    designs: &[usize],
+) -> Result<FleetData, Faults> {
+    parse_fleet(&read_text(path)?, &path.display().to_string(), source, model, Some(designs))
+}
+
+/// Reads the text of a file of units.
 ///
 /// # Errors
 /// All faults.
@@ -31,10 +54,39 @@ pub fn parse(
     source: &SceneSource,
     model: &LifeModel,
 ) -> Result<Vec<ObservedUnit>, Faults> {
+    parse_fleet(text, file, source, model, None).map(|data| data.units)
+}
+
+/// The unit whose rows name what is not known of all.
+const POPULATION: &str = "population";
+
+/// Reads the text of a file; only with `designs` it may have rows of the population.
+///
+/// # Errors
+/// All faults.
+pub fn parse_fleet(
+    text: &str,
+    file: &str,
+    source: &SceneSource,
+    model: &LifeModel,
+    designs: Option<&[usize]>,
+) -> Result<FleetData, Faults> {
     let reader = UnitReader { source, scene: source.nominal(), model };
     read_rows(text, file, &COLUMNS, |rows| {
-        let mut units = Vec::<ObservedUnit>::new();
+        let FleetData { mut units, mut unknown } = FleetData::default();
         for (line, row) in rows.iter_mut() {
+            let of_population = row.get("unit").and_then(|name| name.as_str()) == Some(POPULATION);
+            if let Some(designs) = designs.filter(|_| of_population) {
+                let read = reader.unknown(row, designs);
+                let is_same = |other: &UnknownParameter| {
+                    read.is_some_and(|read| (read.variable, read.moment) == (other.variable, other.moment))
+                };
+                if unknown.iter().any(is_same) {
+                    row.inconsistent("quantity", "this parameter has a row already");
+                }
+                unknown.extend(read);
+                continue;
+            }
             let Some((name, observation)) = reader.observation(*line, row) else { continue };
             match units.iter_mut().find(|unit| unit.name == name) {
                 Some(unit) => unit.observations.push(observation),
@@ -50,7 +102,7 @@ pub fn parse(
                 row.expect("observations are those of rows").1.inconsistent(column, what);
             }
         }
-        units
+        FleetData { units, unknown }
     })
 }
 
@@ -79,12 +131,15 @@ impl UnitReader<'_> {
         let all: Vec<&str> = outputs.chain(variables).chain(["survived", "failed"]).collect();
         let place = row.meant("quantity", "quantity", name, all.iter().copied())?;
         if let word @ ("survived" | "failed") = all[place] {
+            if word == "failed" {
+                return self.failure(row);
+            }
             for column in ["value", "error"] {
                 if let Some(cell) = row.get(column) {
                     row.inconsistent(column, format!("{cell}: {word} has no {column}"));
                 }
             }
-            return Some(if word == "survived" { Quantity::Survived } else { Quantity::Failed });
+            return Some(Quantity::Survived);
         }
         let output = self.scene.outputs.get(place);
         let of = match output {
@@ -111,6 +166,102 @@ impl UnitReader<'_> {
             row.inconsistent("error", "allowed: a standard deviation above 0");
         }
         Some(Quantity::Measured { of, value: value?, error: error? })
+    }
+
+    /// A failure: by which limit state, and how exactly its life is known.
+    fn failure(&self, row: &mut Section) -> Option<Quantity> {
+        let by = row.text_or("value", "a limit state", "")?;
+        let names = self.scene.limit_states.iter().map(|limit| limit.name.as_str());
+        let by = if by.is_empty() { None } else { Some(row.meant("value", "limit state", by, names)?) };
+        let error = row.text_or("error", "a number of cycles", "")?;
+        let read = error.parse::<f64>().ok().filter(|error| *error > 0.0 && error.is_finite());
+        if !error.is_empty() && read.is_none() {
+            let allowed = "the standard deviation of the life at which it failed, a number of cycles above 0, or nothing if \
+                           it failed at some life until then";
+            row.inconsistent("error", format!("{error:?}: allowed: {allowed}"));
+        }
+        Some(Quantity::Failed { by, error: read })
+    }
+
+    /// An unknown parameter of the population.
+    fn unknown(&self, row: &mut Section, designs: &[usize]) -> Option<UnknownParameter> {
+        let before = row.fault_count();
+        if row.get("cycles").is_some() {
+            row.inconsistent("cycles", "a parameter of the population has no life");
+        }
+        let name = row.text("quantity", "VARIABLE.mean, VARIABLE.std or a design variable")?;
+        let (variable, word) = name.rsplit_once('.').unwrap_or((name, ""));
+        let variables = self.scene.variables.iter().map(|variable| variable.name.as_str());
+        let k = row.meant("quantity", "random variable", variable, variables)?;
+        let RandomVariable { distribution, .. } = &self.scene.variables[k];
+        let is_design = designs.contains(&k);
+        let moment = match word {
+            "mean" if !is_design => Moment::Mean,
+            "std" if !is_design => Moment::Std,
+            "" if is_design => Moment::Mean,
+            _ if is_design => {
+                row.inconsistent(
+                    "quantity",
+                    format!("{variable} is a design variable: its row is {variable}"),
+                );
+                return None;
+            }
+            _ => {
+                row.inconsistent("quantity", format!("allowed: {variable}.mean or {variable}.std"));
+                return None;
+            }
+        };
+        let refused = match distribution {
+            _ if is_design => None,
+            Distribution::Constant(_) => Some("is constant in this study, which shows no influence of it"),
+            Distribution::Beta(_) | Distribution::Triangular(_) | Distribution::Empirical(_) => Some(
+                "has a distribution whose parameters are not learned; allowed: the families with mean and std alone",
+            ),
+            Distribution::Exponential(_) if moment == Moment::Std => {
+                Some("is exponential: its mean is its one parameter")
+            }
+            _ if self.model.inputs().copula().is_correlated(k) => {
+                Some("is correlated with another variable; only parameters of independent ones are learned")
+            }
+            _ => None,
+        };
+        if let Some(why) = refused {
+            row.inconsistent("quantity", format!("{variable} {why}"));
+        }
+        let kind = self.source.kind_of(variable)?;
+        let cells =
+            ["value", "error"].map(|column| row.text_or(column, "a quantity", "").unwrap_or_default());
+        if cells.iter().all(|cell| cell.is_empty()) {
+            return (row.fault_count() == before).then_some(UnknownParameter {
+                variable: k,
+                moment,
+                prior: None,
+            });
+        }
+        let mut read = [0.0; 2];
+        for (place, column) in ["value", "error"].into_iter().enumerate() {
+            match read_quantity(cells[place], kind) {
+                Ok(value) => read[place] = value,
+                Err(fault) => row.inconsistent(column, fault.to_string()),
+            }
+        }
+        let [value, error] = read;
+        let positive = moment == Moment::Std || is_positive_family(distribution);
+        if positive && value <= 0.0 {
+            row.inconsistent("value", "allowed: above 0");
+        }
+        let (lower, upper) = distribution.support();
+        if is_design && !(lower < value && value < upper) {
+            row.inconsistent(
+                "value",
+                format!("allowed: within the range of the study, {lower} to {upper} [SI]"),
+            );
+        }
+        if error <= 0.0 {
+            row.inconsistent("error", "allowed: the standard deviation of the prior, above 0; nothing in both columns for a flat one");
+        }
+        let prior = Some((value, error));
+        (row.fault_count() == before).then_some(UnknownParameter { variable: k, moment, prior })
     }
 
     fn cycles(&self, row: &mut Section, quantity: Option<&Quantity>) -> Option<f64> {
@@ -144,14 +295,15 @@ impl UnitReader<'_> {
 /// Observations of a unit, in order, that cannot be true together: line, column and why.
 fn contradictions(unit: &ObservedUnit) -> Vec<(u64, &'static str, String)> {
     let mut faults = Vec::new();
-    let failed = unit.observations.iter().find(|o| o.quantity == Quantity::Failed);
+    let is_failure = |o: &&Observation| matches!(o.quantity, Quantity::Failed { .. });
+    let failed = unit.observations.iter().find(is_failure);
     for (place, observation) in unit.observations.iter().enumerate() {
         let Observation { line, cycles, ref name, quantity } = *observation;
         if let Some(failure) = failed.filter(|failure| failure.line != line) {
             let after = match quantity {
                 Quantity::Measured { of: Observable::Variable(_), .. } => false,
                 Quantity::Survived => cycles >= failure.cycles,
-                _ => cycles > failure.cycles || quantity == Quantity::Failed,
+                _ => cycles > failure.cycles || is_failure(&observation),
             };
             if after {
                 let what = format!(

@@ -10,6 +10,7 @@ mod deviation;
 mod initial_design;
 mod input_model;
 mod latin_hypercube;
+mod moments;
 mod points;
 mod population;
 
@@ -17,6 +18,7 @@ pub use deviation::deviation;
 pub use initial_design::choose_by_latin_hypercube;
 pub use input_model::InputModel;
 pub use latin_hypercube::latin_hypercube;
+pub use moments::with_moments;
 pub use points::nominal_and_random;
 pub use population::Population;
 
@@ -43,6 +45,8 @@ pub enum Stream {
     Gaps(u32),
     /// Updating of a unit by its measurements; a stream per unit.
     Unit(u32),
+    /// Parameters of a population, and samples that might have been measured; a stream per pass.
+    Parameters(u32),
     /// Realisations of a curve of reliability, and errors of inspections.
     Curve,
 }
@@ -59,6 +63,7 @@ pub fn open_stream(seed: u64, stream: Stream) -> ChaCha12Rng {
         Stream::Gaps(round) => (5 << 32) + u64::from(round),
         Stream::Unit(unit) => (9 << 32) + u64::from(unit),
         Stream::Curve => 10 << 32,
+        Stream::Parameters(pass) => (11 << 32) + u64::from(pass),
     };
     let mut rng = ChaCha12Rng::seed_from_u64(seed);
     rng.set_stream(number);

@@ -1,5 +1,5 @@
-//! The state of one unit from what was observed of it: Bayesian updating of a population by measurements, survival and
-//! failure.
+//! The state of one unit, or the parameters of a population, from what was observed of units: Bayesian updating by
+//! measurements, survival and failure.
 //!
 //! The state v `(D,)` of a unit are independent standard normals: those of its random variables, and the deviations of its
 //! responses from the predicted means. A model predicts, from a state, the values that were measured and the life. The prior
@@ -8,9 +8,14 @@
 //!
 //! | file | computes |
 //! |---|---|
+//! | `confidence` | R(n) and lives at a confidence, from many sets of parameters |
 //! | `evidence` | likelihood and predictive probability of an observation |
+//! | `hierarchy` | likelihood of a population's parameters from the states of its units |
+//! | `parameters` | unknown parameters of distributions with their priors |
 //! | `particles` | weighted states with their predictions, effective size, quantiles |
+//! | `pivots` | parameters of fitted distributions that few samples leave open |
 //! | `proposal` | moves that leave a normal approximation invariant |
+//! | `reweighting` | weights of points under changed distributions |
 //! | `sequential` | updating by weights, and by tempering with Markov chain moves |
 //!
 //! # Source
@@ -18,13 +23,23 @@
 //! (2002), A sequential particle filter method for static models, Biometrika 89(3); Straub, Papaioannou (2015), Bayesian
 //! updating with structural reliability methods, Journal of Engineering Mechanics 141(3).
 
+mod confidence;
 mod evidence;
+mod hierarchy;
+mod parameters;
 mod particles;
+mod pivots;
 mod proposal;
+mod reweighting;
 mod sequential;
 #[cfg(test)]
 mod tests;
 
+pub use confidence::{ConfidentLife, ConfidentReliability, ConfidentRow, CurveDraws};
 pub use evidence::Evidence;
+pub use hierarchy::{Fleet, UnitPoints};
+pub use parameters::{ParameterPrior, ParameterSpace, UncertainVariable, is_positive_family};
 pub use particles::{Particles, Predictions};
+pub use pivots::fitted_draws;
+pub use reweighting::{Points, Reweighting};
 pub use sequential::{SequentialMonteCarlo, UnitModel, UnitPosterior, Unsupported};

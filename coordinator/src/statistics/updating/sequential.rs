@@ -31,7 +31,7 @@ const MOST_STAGES: usize = 400;
 const LEAST_STEP: f64 = 1e-7;
 const LEAST_SIZE: f64 = 20.0;
 
-/// Predictions of a unit's measured values and lives from its state.
+/// Predictions of measured values and lives from the state of a unit, or of likelihoods from the parameters of a population.
 pub trait UnitModel {
     /// Predictions at states `(b, D)` row-major [1].
     fn predict(&self, states: &[f64]) -> Predictions;

@@ -128,8 +128,12 @@ fn observations_in_sequence_are_those_at_once() {
     let model = Linear { dimension: 2, rows: vec![vec![1.0, 0.0], vec![0.0, 1.0]] };
     let mut rng = ChaCha12Rng::seed_from_u64(4);
     let measured = |index, value, std| Evidence::Measured { index, value, std };
-    let evidence =
-        [measured(0, 1.0, 0.2), Evidence::Failed(950.0), measured(1, -2.0, 0.05), measured(1, -2.0, 0.05)];
+    let evidence = [
+        measured(0, 1.0, 0.2),
+        Evidence::Failed { life: 950.0, by: None },
+        measured(1, -2.0, 0.05),
+        measured(1, -2.0, 0.05),
+    ];
     let prior = prior(&model, 20_000, &mut rng);
     let settings = SequentialMonteCarlo { particles: 8000, least: 500.0 };
     let posterior = settings.update(prior, &evidence, &model, &mut rng).unwrap();
@@ -155,7 +159,7 @@ fn what_cannot_be_is_said() {
     let mut rng = ChaCha12Rng::seed_from_u64(5);
     let prior = prior(&model, 1000, &mut rng);
     let settings = SequentialMonteCarlo { particles: 500, least: 300.0 };
-    let evidence = [Evidence::Survived(1100.0), Evidence::Failed(1050.0)];
+    let evidence = [Evidence::Survived(1100.0), Evidence::Failed { life: 1050.0, by: None }];
     let Unsupported { place, resolution } = settings.update(prior, &evidence, &model, &mut rng).unwrap_err();
     assert!(place == 1 && resolution > 0.0 && resolution < 0.01, "{place} {resolution}");
 }

@@ -1,0 +1,34 @@
+//! Parameters of a population from what was observed of its units, and the reliability that follows with a confidence, from the
+//! surrogates of a finished study, without a simulation.
+//!
+//! ```text
+//! fleet.csv -> units updated one by one -> likelihood of the population's parameters -> sequential Monte Carlo -> R(n) at a confidence
+//! ```
+//!
+//! | module | content |
+//! |---|---|
+//! | `space` | unknown parameters, their priors, and the distributions of the points |
+//! | `population` | R(n) and lives of many sets of parameters over one weighted population |
+//! | `fleet` | the posterior of the parameters |
+//! | `data_value` | which further data would narrow the bound most |
+//! | `fitted` | R at a confidence where distributions were fitted to few samples |
+//! | `result`, `text` | the answer |
+//!
+//! The surrogates' errors count as scatter between units: an error that all units share is not in the bounds. Unknown correlations
+//! are not learned.
+
+mod data_value;
+mod fitted;
+mod fleet;
+mod population;
+mod result;
+mod space;
+#[cfg(test)]
+mod tests;
+mod text;
+
+pub use fitted::{fitted_reliability, uncertain_fits};
+pub use fleet::{LearnError, LearnSettings, Learned, learn};
+pub use result::{DataValue, LearnReport, LearnedParameter, LearnedUnit, LeftVariable};
+pub use space::laws_of;
+pub use text::{answer, confident_figure, confident_tables};

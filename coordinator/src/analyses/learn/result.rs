@@ -1,0 +1,94 @@
+//! What a fleet says of its population, as printed by `coordinator learn --json`.
+
+use crate::results::summary::ReliabilityRow;
+use crate::statistics::updating::ConfidentReliability;
+use serde::Serialize;
+
+/// The answer of `coordinator learn`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LearnReport {
+    /// Name of the scene.
+    pub scene: String,
+    /// Simulations that were made.
+    pub evaluations: usize,
+    /// Number of units.
+    pub units: usize,
+    /// Reliability and lives with their bounds.
+    pub confident: ConfidentReliability,
+    /// Reliability of the study, before any unit was observed.
+    pub study: Vec<ReliabilityRow>,
+    /// Last checkpoint [cycles].
+    pub end: f64,
+    /// True if the file names no unknown parameter.
+    pub chosen_by_default: bool,
+    /// The unknown parameters.
+    pub parameters: Vec<LearnedParameter>,
+    /// Units that the population which the others have does not explain well.
+    pub checks: Vec<LearnedUnit>,
+    /// Variables whose population leaves the simulated values.
+    pub left: Vec<LeftVariable>,
+    /// Further data, the one that narrows the bound most first; empty if that was not asked for.
+    pub values: Vec<DataValue>,
+    /// Effective number of sets of parameters [1].
+    pub effective_size: f64,
+    /// Stages of sequential Monte Carlo in the last pass.
+    pub stages: usize,
+    /// Share of its moves that were accepted [1]; `null` without any.
+    pub acceptance: Option<f64>,
+    /// Passes.
+    pub passes: u32,
+}
+
+/// A parameter of the population.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LearnedParameter {
+    /// `VARIABLE.mean`, `VARIABLE.std`, or the name of a design variable.
+    pub name: String,
+    /// Unit in which it is read.
+    pub unit: String,
+    /// Posterior mean [SI].
+    pub mean: f64,
+    /// Posterior standard deviation [SI].
+    pub std: f64,
+    /// Posterior median [SI].
+    pub median: f64,
+    /// Interval with the confidence stated [SI].
+    pub interval: [f64; 2],
+    /// Value in the study [SI].
+    pub study: f64,
+    /// 5 and 95 % quantiles of the prior [SI].
+    pub prior: [f64; 2],
+    /// True for a flat prior.
+    pub is_flat: bool,
+}
+
+/// A unit with an improbable observation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LearnedUnit {
+    /// Name of the unit.
+    pub unit: String,
+    /// What is to be checked, in words.
+    pub warning: String,
+}
+
+/// A variable whose population leaves the simulated values.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LeftVariable {
+    /// Name of the variable.
+    pub name: String,
+    /// Share of the units outside the simulated values [1].
+    pub outside: f64,
+    /// The same of the study's population [1].
+    pub of_study: f64,
+}
+
+/// What further data are worth.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DataValue {
+    /// The data, in words.
+    pub data: String,
+    /// Expected narrowing of the interval of the life at R = 0.99, as a share of its width [1].
+    pub narrowing: f64,
+    /// Its standard error by the number of simulated data sets [1].
+    pub standard_error: f64,
+}

@@ -1,0 +1,174 @@
+//! Unknown parameters of a study's population with their priors, and the distributions of the points by which they are tried.
+
+use crate::analyses::update::{Moment, Observable, ObservedUnit, Quantity, UnknownParameter};
+use crate::statistics::design::{InputModel, Population};
+use crate::statistics::updating::{ParameterPrior, ParameterSpace, UncertainVariable, is_positive_family};
+use crate::study::LifeModel;
+use common::random::Distribution;
+use common::scene::Scene;
+
+/// Bounds of a flat prior of a mean [standard deviations of the study], and of a spread, up and down [factor].
+const WIDE: f64 = 5.0;
+/// Spread by which a value that all units share is represented [range of the design variable].
+const KERNEL: f64 = 0.02;
+/// Spread of the points over that of the population they are made for [1].
+const WIDER: f64 = 1.5;
+/// Largest ratio of standard deviation and mean of the points of a positive variable [1].
+const MOST_SCATTER: f64 = 5.0;
+/// Points from which the most influential variable is found.
+const SCREENED: usize = 2000;
+
+/// Distributions of the random variables of a study in the order of its simulations, those of `present` by name, and the indices of
+/// its design variables, which `present` does not have.
+pub fn laws_of(studied: &Scene, present: &Scene) -> (Vec<Distribution>, Vec<usize>) {
+    let mut designs = Vec::new();
+    let law = |(k, variable): (usize, &common::random::RandomVariable)| {
+        let own = present.variables.iter().find(|own| own.name == variable.name);
+        if own.is_none() {
+            designs.push(k);
+        }
+        own.unwrap_or(variable).distribution.clone()
+    };
+    let laws = studied.variables.iter().enumerate().map(law).collect();
+    (laws, designs)
+}
+
+/// What is not known where a file names nothing: the parameters of the variables that were measured and, if lives or outputs were
+/// observed, those of the variable with the most influence on the life; the design variables in any case.
+pub fn default_unknown(
+    model: &LifeModel,
+    units: &[ObservedUnit],
+    designs: &[usize],
+) -> Vec<UnknownParameter> {
+    let observed = || units.iter().flat_map(|unit| &unit.observations);
+    let mut variables: Vec<usize> = observed()
+        .filter_map(|o| match o.quantity {
+            Quantity::Measured { of: Observable::Variable(k), .. } => Some(k),
+            _ => None,
+        })
+        .collect();
+    let is_life = |q: &Quantity| !matches!(q, Quantity::Measured { of: Observable::Variable(_), .. });
+    if observed().any(|o| is_life(&o.quantity)) {
+        variables.extend(most_influential(model, designs));
+    }
+    variables.retain(|k| !designs.contains(k) && is_learnable(model.inputs(), *k));
+    variables.sort_unstable();
+    variables.dedup();
+    let of = |variable: usize, moment| UnknownParameter { variable, moment, prior: None };
+    let both = |k: usize| {
+        let is_exponential = matches!(model.inputs().variables()[k], Distribution::Exponential(_));
+        let moments = if is_exponential { &[Moment::Mean][..] } else { &[Moment::Mean, Moment::Std] };
+        moments.iter().map(move |moment| of(k, *moment)).collect::<Vec<_>>()
+    };
+    let shared = designs.iter().map(|k| of(*k, Moment::Mean));
+    variables.into_iter().flat_map(both).chain(shared).collect()
+}
+
+fn is_learnable(inputs: &InputModel, k: usize) -> bool {
+    use Distribution as D;
+    let refused = D::is_constant(&inputs.variables()[k]) || inputs.copula().is_correlated(k);
+    !refused && !matches!(inputs.variables()[k], D::Beta(_) | D::Triangular(_) | D::Empirical(_))
+}
+
+/// The learnable variable whose standard normal has the largest correlation with the life, cut at the end of the study.
+fn most_influential(model: &LifeModel, designs: &[usize]) -> Option<usize> {
+    let (inputs, width) = (model.inputs(), model.deviations());
+    let population = Population::draw(inputs, SCREENED, 1);
+    let responses = model.respond(population.columns(0..SCREENED), &vec![0.0; SCREENED * width], &[]);
+    let life = |j: usize| {
+        let own = &responses.lives[j * model.limit_states()..(j + 1) * model.limit_states()];
+        own.iter().copied().fold(2.0 * model.end(), f64::min)
+    };
+    let lives: Vec<f64> = (0..SCREENED).map(life).collect();
+    let mean = lives.iter().sum::<f64>() / SCREENED as f64;
+    let correlation = |k: &usize| {
+        let u = |j: usize| {
+            inputs.variables()[*k].to_standard_normal(population.physical_value(j, *k)).clamp(-8.0, 8.0)
+        };
+        (0..SCREENED).map(|j| u(j) * (lives[j] - mean)).sum::<f64>().abs()
+    };
+    let candidates = (0..inputs.dimension()).filter(|k| !designs.contains(k) && is_learnable(inputs, *k));
+    candidates.max_by(|a, b| correlation(a).total_cmp(&correlation(b)))
+}
+
+/// The unknown parameters as a space with priors.
+pub fn space_of(
+    inputs: &InputModel,
+    unknown: &[UnknownParameter],
+    designs: &[usize],
+    fixed: &[[bool; 2]],
+) -> ParameterSpace {
+    let mut indices: Vec<usize> = unknown.iter().map(|u| u.variable).collect();
+    indices.sort_unstable();
+    indices.dedup();
+    let variable = |index: usize| {
+        let law = &inputs.variables()[index];
+        let is_shared = designs.contains(&index);
+        let prior = |moment: Moment| {
+            let own = unknown.iter().find(|u| (u.variable, u.moment) == (index, moment))?;
+            Some(if is_shared { shared_prior(law, own.prior) } else { prior_of(law, moment, own.prior) })
+        };
+        let (mean, std) = (prior(Moment::Mean), prior(Moment::Std));
+        let (lower, upper) = law.support();
+        let kernel = || {
+            let middle =
+                Distribution::truncated_normal(0.5 * (lower + upper), KERNEL * (upper - lower), lower, upper);
+            middle.expect("the middle lies within")
+        };
+        let law = if is_shared { kernel() } else { law.clone() };
+        let fixed = if is_shared { [true; 2] } else { fixed.get(index).copied().unwrap_or_default() };
+        UncertainVariable { index, law, fixed, mean, std }
+    };
+    ParameterSpace { variables: indices.into_iter().map(variable).collect() }
+}
+
+/// The prior of a value that all units share, within its range.
+fn shared_prior(range: &Distribution, given: Option<(f64, f64)>) -> ParameterPrior {
+    let (lower, upper) = range.support();
+    let inset = 1e-6 * (upper - lower);
+    let law = match given {
+        None => Distribution::uniform(lower + inset, upper - inset),
+        Some((value, error)) => Distribution::truncated_normal(value, error, lower + inset, upper - inset),
+    };
+    ParameterPrior { law: law.expect("checked when the file was read"), of_logarithm: false }
+}
+
+fn prior_of(law: &Distribution, moment: Moment, given: Option<(f64, f64)>) -> ParameterPrior {
+    let (mean, std) = (law.parent_mean(), law.given_std());
+    let of_logarithm = moment == Moment::Std || is_positive_family(law);
+    let prior = match (given, moment) {
+        // The given value is the median where the logarithm is normal.
+        (Some((value, error)), _) if of_logarithm => Distribution::normal(value.ln(), error / value),
+        (Some((value, error)), _) => Distribution::normal(value, error),
+        (None, Moment::Std) => Distribution::uniform((std / WIDE).ln(), (std * WIDE).ln()),
+        (None, Moment::Mean) if of_logarithm => {
+            let reach = (WIDE * std / mean).max(0.5);
+            Distribution::uniform(mean.ln() - reach, mean.ln() + reach)
+        }
+        (None, Moment::Mean) => Distribution::uniform(mean - WIDE * std, mean + WIDE * std),
+    };
+    ParameterPrior { law: prior.expect("a finite prior with a positive width"), of_logarithm }
+}
+
+/// The distribution of the points of a variable whose moments are those of weighted sets, each `(weight, [mean, std])`.
+/// `shared` is the range of a value that all units share.
+pub fn proposal(law: &Distribution, shared: Option<(f64, f64)>, sets: &[(f64, [f64; 2])]) -> Distribution {
+    let total: f64 = sets.iter().map(|(w, _)| w).sum();
+    let mean = sets.iter().map(|(w, [m, _])| w * m).sum::<f64>() / total;
+    let variance = sets.iter().map(|(w, [m, s])| w * ((m - mean).powi(2) + s * s)).sum::<f64>() / total;
+    let std = WIDER * variance.sqrt();
+    if let Some((lower, upper)) = shared {
+        let range = Distribution::uniform((mean - 3.0 * std).max(lower), (mean + 3.0 * std).min(upper));
+        return range.expect("a range around a value within it");
+    }
+    let lower = law.support().0;
+    let scatter = std.min(MOST_SCATTER * mean.abs());
+    let made = match law {
+        Distribution::Exponential(_) => Distribution::exponential_from(lower, lower + WIDER * (mean - lower)),
+        Distribution::Weibull(_) => Distribution::weibull(mean, scatter),
+        Distribution::Gumbel(_) => crate::statistics::design::with_moments(law, mean, std, [false; 2]),
+        _ if lower >= 0.0 && mean > 0.0 => Distribution::lognormal(mean, scatter),
+        _ => Distribution::normal(mean, std),
+    };
+    made.unwrap_or_else(|_| law.clone())
+}

@@ -1,0 +1,88 @@
+//! `coordinator learn`: parameters of a population from what was observed of its units, and R at a confidence.
+
+use super::error::CommandError;
+use super::output::answer_with;
+use super::shared::{share, value};
+use super::stored_study::OpenedStudy;
+use clap::Args;
+use coordinator::analyses::learn::{LearnSettings, Learned, answer, laws_of, learn as learn_fleet};
+use coordinator::analyses::scene_settings::fixed_bounds;
+use coordinator::analyses::update::read_fleet;
+use coordinator::presentation::report::ReportError;
+use coordinator::statistics::design::InputModel;
+use std::path::PathBuf;
+
+pub const EXAMPLES: &str = "\
+The file has one observation a line, as that of `update`: unit, cycles, quantity, value, standard deviation of its error. A failure has \
+as value the limit state and as error that of its life, where they are known. Rows of the unit `population` name what is not known: \
+VARIABLE.mean, VARIABLE.std or a design variable of the study, with value and standard deviation of its prior, or without both for a \
+flat one:
+
+  unit,       cycles, quantity,       value,    error
+  population, ,       friction.mean,  0.05,     0.01
+  population, ,       friction.std
+  A7,         61200,  failed,         wear,     100
+  A8,         40000,  survived
+  A9,         30000,  max_wear_depth, 15.2 um,  0.5 um
+  A9,         0,      rod_length,     40.05 mm, 2 um
+  A9,         50000,  survived
+  A9,         55000,  failed
+
+Nothing is simulated: the surrogates of the study answer, which must be one of --method ak.
+
+Examples:
+  coordinator learn study --data fleet.csv
+  coordinator learn study --data fleet.csv --confidence 95% --json
+  coordinator learn study --data fleet.csv --out population --sets 2000";
+
+/// Arguments of `coordinator learn`.
+#[derive(Debug, Clone, Args)]
+pub struct LearnArguments {
+    /// Folder of the study
+    pub dir: PathBuf,
+    /// Observations of the units, CSV
+    #[arg(long, value_name = "FILE.csv")]
+    pub data: PathBuf,
+    /// Confidence of the bounds
+    #[arg(long, value_name = "SHARE", default_value = "90%", value_parser = confidence)]
+    pub confidence: f64,
+    /// Sets of parameters of sequential Monte Carlo
+    #[arg(long, value_name = "N", default_value = "500", value_parser = sets)]
+    pub sets: usize,
+    /// Write learn.html, learn.md, learn.json, reliability.csv and figures/ to this folder, created if missing
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// Reads a confidence.
+pub fn confidence(text: &str) -> Result<f64, String> {
+    let read = share(text).ok().filter(|c| (0.5..=0.999).contains(c));
+    read.ok_or_else(|| "allowed: a confidence from 50% to 99.9%, e.g. 90%".to_owned())
+}
+
+fn sets(text: &str) -> Result<usize, String> {
+    value(text, "a whole number from 200 to 20000", |n| (200..=20_000).contains(n))
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`CommandError`].
+pub fn learn(arguments: &LearnArguments, as_json: bool) -> Result<(), CommandError> {
+    let opened = OpenedStudy::open(&arguments.dir, false)?;
+    let present = opened.present()?;
+    let model = opened.life_model()?;
+    let (studied, summary) = (opened.study.scene(), &opened.summary);
+    let (laws, designs) = laws_of(studied, present.nominal());
+    let inputs = InputModel::new(laws, model.inputs().copula().clone());
+    let model = model.redistributed(inputs);
+    let data = read_fleet(&arguments.data, &opened.study.source, &model, &designs)?;
+    let mut settings = LearnSettings::new(opened.study.settings.seed);
+    settings.sets = arguments.sets;
+    settings.confidence = arguments.confidence;
+    let fixed = fixed_bounds(&opened.study.source);
+    let Learned { report, .. } = learn_fleet(studied, summary, model, &data, &designs, &fixed, &settings)
+        .map_err(|error| CommandError::refused(arguments.data.display(), error.to_string()))?;
+    let answer = answer(&report).map_err(ReportError::from)?;
+    answer_with(&answer, &report, arguments.out.as_deref(), as_json)
+}
