@@ -68,7 +68,7 @@ pub fn values_of(
     };
     let before: Vec<f64> = source.sets.iter().map(|(w, _)| *w).collect();
     let now = width(&before);
-    if !(now > 0.0) || source.curves.lives.len() != source.sets.len() {
+    if now <= 0.0 || source.curves.lives.len() != source.sets.len() {
         return vec![];
     }
     let median = source.curves.life_interval(&before, 2, 1e-9)[1].min(end);

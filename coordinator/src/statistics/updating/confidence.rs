@@ -90,7 +90,7 @@ impl CurveDraws {
     /// `points` `(n,)`, not all zero.
     pub fn add(&mut self, weight: f64, lives: &[f64], order: &[usize], points: &[f64]) {
         let sum: f64 = points.iter().sum();
-        if !(sum > 0.0) {
+        if sum <= 0.0 {
             return;
         }
         let (mut failed, mut row) = (0.0, Vec::with_capacity(self.cycles.len()));
