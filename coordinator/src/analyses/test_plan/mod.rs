@@ -30,7 +30,7 @@ pub enum TestPlanError {
         "{option}: needs the Weibull shape of the lives, which relates them to --at; give --shape, or a study with lives at R = 0.99 and 0.5"
     )]
     NoShape {
-        /// The option.
+        /// The option that needs it.
         option: &'static str,
     },
     /// The study does not reach the life.
@@ -51,7 +51,7 @@ pub enum TestPlanError {
     TooFew {
         /// Number of units.
         units: u64,
-        /// Allowed failures.
+        /// Number of failures with which it is passed.
         allowed: u64,
     },
     /// The study has no such curve.
@@ -84,12 +84,12 @@ pub struct TestPlanQuestion {
     pub prior_units: f64,
 }
 
-/// A plan.
+/// A plan of one length.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlanRow {
     /// Length of the test [cycles].
     pub cycles: f64,
-    /// Allowed failures.
+    /// Number of failures with which it is passed.
     pub allowed: u64,
     /// Number of units without prior.
     pub units: u64,
@@ -142,7 +142,7 @@ pub struct GroupRow {
     pub passes: f64,
 }
 
-/// The plans.
+/// The plans that answer the question.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TestPlanReport {
     /// Reliability to be demonstrated [1].
