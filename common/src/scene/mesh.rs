@@ -25,7 +25,7 @@ pub enum MeshForm {
 /// A gear pair, a rack or a belt.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Mesh {
-    /// What meshes.
+    /// Wheels, a rack or a belt.
     pub form: MeshForm,
     /// Pitch radii of a and b; of a rack zero `(2,)` [m].
     pub radii: [f64; 2],

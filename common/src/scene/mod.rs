@@ -9,7 +9,7 @@
 //! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
 //! | model | [`model`], `attachment`, `gives`, `joint`, `mesh`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_output`, `wear_model`, `explained` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
-//! | reading | `document`, `duplicate_key`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `record`, `input` | one pass over the file that records every fault |
+//! | reading | `document`, `duplicate_key`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `section_tables`, `record`, `input` | one pass over the file that records every fault |
 //! | readers | `bodies`, `shape`, `joints`, `couplings`, `clearance`, `key_reading`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `cycle_program`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
 //! | whole | `resolve`, `conditioned`, `merge`, `edit`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`], `setting` | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples; values set by name |
 
@@ -73,6 +73,7 @@ mod record;
 mod reference;
 mod resolve;
 mod section;
+mod section_tables;
 mod setting;
 mod shape;
 mod simulator;

@@ -17,7 +17,7 @@ use super::section::Section;
 /// Mass properties of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MassProperties {
-    /// Mass [kg].
+    /// Mass of the body [kg].
     pub(super) mass: f64,
     /// Moment of inertia about the centre of mass [kg m^2].
     pub(super) inertia: f64,

@@ -3,6 +3,7 @@
 mod bad_scenes;
 mod builtin;
 mod conditions;
+mod couplings;
 mod csv;
 mod expressions;
 mod faults;

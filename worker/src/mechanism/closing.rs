@@ -7,6 +7,9 @@
 //! # Source
 //! Coordinate projection: Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482.
 
+// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
+#![allow(clippy::needless_range_loop)]
+
 use super::elimination::Elimination;
 use super::extent::{ROUNDING, farthest};
 use super::placed::Placed;
@@ -71,4 +74,56 @@ pub(super) fn close<R: Real>(
         }
     }
     Closed { drift, closed }
+}
+
+impl<R: Real> Elimination<R> {
+    /// Prepares a Newton step of the positions back onto the constraints, dq = -M^-1/2 Q R^-T phi. Returns the largest gap before it
+    /// (angles times `size`) [m], and one, zero in lanes where the constraints are dependent.
+    #[inline(always)]
+    pub(crate) fn measure_gaps(&mut self, at: Placed<R>, size: R) -> (R, R) {
+        let independent = self.factor(at);
+        let mut gap = independent.zero();
+        for joint in 0..self.constraints.len() {
+            let (first, c) = (self.first[joint], self.constraints[joint]);
+            for k in 0..c.rows() {
+                let phi = self.phi[first + k].abs();
+                gap = gap.larger(if c.is_angle(k) { phi * size } else { phi });
+            }
+        }
+        self.lambda.copy_from_slice(&self.phi);
+        self.factors.forward(&mut self.lambda, 1);
+        (gap, independent)
+    }
+
+    /// After [`Self::measure_gaps`] has found no gap: prepares the projection of the velocities onto the constraints, dv =
+    /// -M^-1/2 Q (Q' M^1/2 v + R^-T dphi/dt).
+    #[inline(always)]
+    pub(crate) fn measure_velocities(&mut self, at: Placed<R>, v: &[R]) {
+        let zero = v[0].zero();
+        for joint in 0..self.constraints.len() {
+            let (first, c) = (self.first[joint], self.constraints[joint]);
+            let [a, b] = at.pair(&c);
+            let (_, rows) = c.position(a, b);
+            for r in 0..c.rows() {
+                let mut given = c.over_time().map_or(zero, |[rate, _]| rate);
+                for side in 0..2 {
+                    if let Some(jet) = at.jet(c.ends[side].frame) {
+                        given = given.plus_product(rows[r][3 * side + 2], jet[1]);
+                    }
+                }
+                self.lambda[first + r] = given;
+            }
+        }
+        self.factors.forward(&mut self.lambda, 1);
+        self.factors.add_velocities(v, &mut self.lambda);
+    }
+
+    /// x -= M^-1/2 Q lambda with what was prepared last, in lanes where `which` is one.
+    #[inline(always)]
+    pub(crate) fn move_back(&self, which: R, x: &mut [R]) {
+        let moves = which.zero().below(which);
+        for k in 0..x.len() {
+            x[k] = R::select(moves, self.factors.moved_back(k, x[k], &self.lambda), x[k]);
+        }
+    }
 }
