@@ -58,8 +58,8 @@ fn a_rail_is_the_way_of_its_slider() {
     assert!(guide.on_ground);
     let on_rails =
         |kind: &str| drawn.joints.iter().filter(|joint| joint.rail_m.is_some() && joint.kind == kind).count();
-    assert_eq!((on_rails("prismatic"), on_rails("guide")), (2, 1));
-    assert_eq!(drawn.joints.iter().filter(|joint| joint.rail_m.is_some()).count(), 3);
+    assert_eq!((on_rails("prismatic"), on_rails("guide"), on_rails("slot")), (2, 1, 1));
+    assert_eq!(drawn.joints.iter().filter(|joint| joint.rail_m.is_some()).count(), 4);
 }
 
 #[test]
