@@ -1,9 +1,9 @@
 //! What is to be checked: units that the population which the others have does not explain, and variables whose population leaves the
 //! simulated values.
 
-use super::fleet::LearnSettings;
 use super::population::WeightedPopulation;
 use super::result::{LearnedUnit, LeftVariable};
+use super::settings::LearnSettings;
 use crate::analyses::update::{Observation, ObservationRow, ObservedUnit, evidence_of, warning};
 use crate::statistics::updating::{Evidence, Particles};
 use common::random::Distribution;

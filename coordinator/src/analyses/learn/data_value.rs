@@ -4,9 +4,9 @@
 //! # Source
 //! Raiffa, Schlaifer (1961), Applied Statistical Decision Theory, section 4.5 (preposterior analysis).
 
-use super::fleet::LearnSettings;
 use super::population::WeightedPopulation;
 use super::result::DataValue;
+use super::settings::LearnSettings;
 use crate::analyses::update::{Observable, ObservedUnit, Quantity};
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::updating::{CurveDraws, ParameterSpace};
@@ -29,11 +29,11 @@ const LEVEL: usize = 0;
 
 /// What data sets are simulated from.
 pub struct DataSource<'a> {
-    /// The scene.
+    /// Scene of the study.
     pub scene: &'a Scene,
-    /// The parameters.
+    /// Unknown parameters of the population.
     pub space: &'a ParameterSpace,
-    /// The population.
+    /// Population of the study with its weights.
     pub population: &'a WeightedPopulation<'a>,
     /// Weight and distributions of every set `(P)`.
     pub sets: &'a [(f64, Vec<Distribution>)],

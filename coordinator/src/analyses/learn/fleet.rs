@@ -5,8 +5,9 @@ use super::checks::{check, left, weights_without};
 use super::data_value::{DataSource, values_of};
 use super::population::{WeightedPopulation, model_of};
 use super::result::{LearnReport, LearnedParameter};
+use super::settings::LearnSettings;
 use super::space::{default_unknown, proposal, space_of};
-use crate::analyses::update::{FleetData, FleetSettings, Moment, ObservedUnit, outputs_of, posterior};
+use crate::analyses::update::{FleetData, Moment, ObservedUnit, outputs_of, posterior};
 use crate::results::summary::StudySummary;
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::updating::{
@@ -28,30 +29,6 @@ const SETS: usize = 400;
 const PROBED: usize = 40;
 /// Points whose weights the value of further data is computed from.
 const VALUED: usize = 3000;
-
-/// Settings of the learning.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LearnSettings {
-    /// Updating of the single units; its population is that of a pass.
-    pub units: FleetSettings,
-    /// Sets of parameters.
-    pub sets: usize,
-    /// Points of the population by which R is counted.
-    pub points: usize,
-    /// Confidence C in (0, 1) [1].
-    pub confidence: f64,
-    /// Whether the value of further data is computed.
-    pub ranks: bool,
-}
-
-impl LearnSettings {
-    /// Defaults for a study with this seed.
-    pub fn new(seed: u64) -> Self {
-        let monte_carlo = SequentialMonteCarlo { particles: 400, least: 150.0 };
-        let units = FleetSettings { population: 6000, monte_carlo, ..FleetSettings::new(seed) };
-        Self { units, sets: 500, points: 16_000, confidence: 0.9, ranks: true }
-    }
-}
 
 /// Data that no population explains.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -92,7 +69,7 @@ pub enum LearnError {
 /// The posterior with what was made on the way.
 #[derive(Debug, Clone)]
 pub struct Learned {
-    /// The answer.
+    /// What is shown and written.
     pub report: LearnReport,
     /// Curves and lives of every set.
     pub curves: CurveDraws,

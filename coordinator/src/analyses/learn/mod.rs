@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `space` | unknown parameters, their priors, and the distributions of the points |
 //! | `population` | R(n) and lives of many sets of parameters over one weighted population |
+//! | `settings` | sizes, confidence |
 //! | `fleet` | the posterior of the parameters |
 //! | `checks` | units and variables to be checked |
 //! | `data_value` | which further data would narrow the bound most |
@@ -24,13 +25,15 @@ mod fitted;
 mod fleet;
 mod population;
 mod result;
+mod settings;
 mod space;
 #[cfg(test)]
 mod tests;
 mod text;
 
 pub use fitted::{fitted_reliability, uncertain_fits};
-pub use fleet::{LearnError, LearnSettings, Learned, learn};
+pub use fleet::{LearnError, Learned, learn};
 pub use result::{DataValue, LearnReport, LearnedParameter, LearnedUnit, LeftVariable};
+pub use settings::LearnSettings;
 pub use space::laws_of;
 pub use text::{answer, confident_figure, confident_tables};

@@ -2,7 +2,7 @@
 
 use crate::analyses::update::Prior;
 use crate::statistics::design::InputModel;
-use crate::statistics::updating::{CurveDraws, Points, Reweighting};
+use crate::statistics::updating::{CurveDraws, PointPlaces, Reweighting};
 use crate::study::{LEVELS, LifeModel};
 use common::random::Distribution;
 use common::scene::Scene;
@@ -28,7 +28,7 @@ pub struct WeightedPopulation<'a> {
     /// Weights under changed distributions.
     pub reweighting: Reweighting,
     /// The points as places in their tables.
-    pub points: Points,
+    pub points: PointPlaces,
     /// Life of each point by any limit state `(N,)` [cycles].
     pub lives: Vec<f64>,
 }

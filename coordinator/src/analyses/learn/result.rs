@@ -35,7 +35,7 @@ pub struct LearnReport {
     pub stages: usize,
     /// Share of its moves that were accepted [1]; `null` without any.
     pub acceptance: Option<f64>,
-    /// Passes.
+    /// Number of passes over the data.
     pub passes: u32,
 }
 
@@ -78,7 +78,7 @@ pub struct LeftVariable {
     pub name: String,
     /// Share of the units outside the simulated values [1].
     pub outside: f64,
-    /// The same of the study's population [1].
+    /// Share of the study's own population outside them [1].
     pub of_study: f64,
 }
 

@@ -101,7 +101,7 @@ pub enum Moment {
 pub struct UnknownParameter {
     /// Index of the random variable.
     pub variable: usize,
-    /// Which parameter.
+    /// Mean or standard deviation of it.
     pub moment: Moment,
     /// Value and standard deviation of its prior [SI]; `None` for a flat one.
     pub prior: Option<(f64, f64)>,

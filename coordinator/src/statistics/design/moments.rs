@@ -4,6 +4,9 @@
 //! that the scene gives (`lower`, `upper`) is a physical limit and stays where it is, as those of a beta variable do. A bound
 //! that follows from its truncation keeps its distance in standard deviations: it moves with the mean and the standard
 //! deviation. Uniform and triangular distributions keep their shape: their bounds move.
+//!
+//! # Source
+//! Moments of the distributions: Johnson, Kotz, Balakrishnan (1994, 1995), Continuous Univariate Distributions, volumes 1 and 2.
 
 use common::random::{Distribution, Extreme, LawError};
 

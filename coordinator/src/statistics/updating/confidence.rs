@@ -35,7 +35,7 @@ pub struct CurveDraws {
 /// R at one life.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ConfidentRow {
-    /// Life [cycles].
+    /// Life at which R is stated [cycles].
     pub cycles: f64,
     /// Median of R [1].
     pub median: f64,

@@ -13,7 +13,7 @@
 
 use super::parameters::ParameterSpace;
 use super::particles::Predictions;
-use super::reweighting::{Points, Reweighting};
+use super::reweighting::{PointPlaces, Reweighting};
 use super::sequential::UnitModel;
 use rayon::prelude::*;
 
@@ -24,8 +24,8 @@ pub struct UnitPoints {
     pub units: Vec<usize>,
     /// Weights of each of these units, of sum 1 `(units)(n,)` [1].
     pub weights: Vec<Vec<f64>>,
-    /// The points.
-    pub points: Points,
+    /// Their places in the tables.
+    pub points: PointPlaces,
     /// True for a population drawn from q.
     pub is_population: bool,
 }
@@ -33,7 +33,7 @@ pub struct UnitPoints {
 /// A fleet whose population has unknown parameters; a state are its parameters as standard normals.
 #[derive(Debug, Clone)]
 pub struct Fleet {
-    /// The parameters.
+    /// Space of the unknown parameters.
     pub space: ParameterSpace,
     /// Weights under changed parameters.
     pub reweighting: Reweighting,

@@ -41,5 +41,5 @@ pub use hierarchy::{Fleet, UnitPoints};
 pub use parameters::{ParameterPrior, ParameterSpace, UncertainVariable, is_positive_family};
 pub use particles::{Particles, Predictions};
 pub use pivots::fitted_draws;
-pub use reweighting::{Points, Reweighting};
+pub use reweighting::{PointPlaces, Reweighting};
 pub use sequential::{SequentialMonteCarlo, UnitModel, UnitPosterior, Unsupported};

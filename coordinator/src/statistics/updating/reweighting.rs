@@ -17,7 +17,7 @@ const REACH: f64 = 5.0;
 
 /// Points as places in the tables.
 #[derive(Debug, Clone, Default)]
-pub struct Points {
+pub struct PointPlaces {
     /// Places `(n, K)` row-major, in nodes.
     places: Vec<f64>,
 }
@@ -43,15 +43,15 @@ impl Reweighting {
     }
 
     /// Points from states of `dimension` coordinates, independent standard normals `(n, D)` row-major.
-    pub fn points(&self, states: &[f64], dimension: usize) -> Points {
+    pub fn points(&self, states: &[f64], dimension: usize) -> PointPlaces {
         let last = (NODES - 1) as f64;
         let place = |t: f64| ((t + REACH) / (2.0 * REACH) * last).clamp(0.0, last - 1e-9);
         let of_state = |v: &[f64]| self.indices.iter().map(|k| place(v[*k])).collect::<Vec<f64>>();
-        Points { places: states.chunks_exact(dimension).flat_map(of_state).collect() }
+        PointPlaces { places: states.chunks_exact(dimension).flat_map(of_state).collect() }
     }
 
     /// Weights r of the points under the distributions `laws` `(K,)`, not normalised `(n,)`.
-    pub fn weights(&self, laws: &[Distribution], points: &Points) -> Vec<f64> {
+    pub fn weights(&self, laws: &[Distribution], points: &PointPlaces) -> Vec<f64> {
         let ratio = |law: &Distribution, (x, q): &(f64, f64)| if *q > 0.0 { law.pdf(*x) / q } else { 0.0 };
         let table = |(law, nodes): (&Distribution, &Vec<(f64, f64)>)| -> Vec<f64> {
             nodes.iter().map(|node| ratio(law, node)).collect()
