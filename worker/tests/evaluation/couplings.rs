@@ -181,8 +181,9 @@ fn a_pin_in_a_slot_moves_a_yoke_harmonically() {
     for ((t, x, _), force) in motion(&found, "yoke").zip(force(&found, "slot")) {
         let cos = (10.0 * t).cos();
         near(x[0], 0.04 * cos, 1e-9);
-        // Forces are interpolated between time steps.
-        near(*force, (2.0 * 0.04 * 100.0 * cos).abs(), 1e-4);
+        // Magnitudes are interpolated between time steps: across a change of sign by no more than what the force changes in a step of 5 ms.
+        let error = if cos.abs() < 0.05 { 80.0 * 0.005 } else { 1e-4 };
+        near(*force, (2.0 * 0.04 * 100.0 * cos).abs(), error);
     }
 }
 
