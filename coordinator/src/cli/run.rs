@@ -67,7 +67,10 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     let threads = Some(local_slots(&arguments.farm)).filter(|slots| *slots > 0).unwrap_or_else(cores);
     let interrupted = interruption().map_err(CommandError::Signals)?;
     let accuracy = arguments.working_accuracy();
-    settings.accuracy = accuracy.for_study(&source, settings.seed, threads, verbosity.quiet, interrupted)?;
+    if accuracy.max_error.is_some() {
+        settings.accuracy =
+            accuracy.for_study(&source, settings.seed, threads, verbosity.quiet, interrupted)?;
+    }
     let dir = arguments.out.clone().unwrap_or_else(|| free_folder(&scene.name));
     let meta = CampaignMeta {
         scene: scene.name.clone(),
