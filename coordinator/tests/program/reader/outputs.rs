@@ -59,7 +59,11 @@ pub fn outputs_and_study(page: &str, text: &mut String) {
     text.push_str("[study]\n");
     // Direct simulation has no settings of learning.
     for row in table(page, "settings").iter().filter(|row| row["setting"] != "samples") {
-        let value = if row["setting"] == "accuracy" { quoted(&row["value"]) } else { row["value"].clone() };
+        let value = match row["setting"].as_str() {
+            "accuracy" => quoted(&row["value"]),
+            "levels" => format!("[{}]", row["value"].split(", ").map(quoted).collect::<Vec<_>>().join(", ")),
+            _ => row["value"].clone(),
+        };
         writeln!(text, "{} = {value}", row["setting"]).unwrap();
     }
     for row in table(page, "variables") {

@@ -143,6 +143,7 @@ pub(super) fn study_settings(scene: &Scene, summary: &StudySummary, stored: &ser
     if scene.simulator.is_none() {
         rows.insert(0, ("accuracy", summary.accuracy.clone()));
     }
+    rows.extend(summary.levels.iter().map(|levels| ("levels", levels.names.join(", "))));
     if let Some(settings) = settings.filter(|_| !summary.is_direct()) {
         rows.extend([
             ("initial", settings.initial.to_string()),
