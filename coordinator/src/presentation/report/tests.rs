@@ -182,6 +182,7 @@ fn a_study_without_optional_results_is_reported() {
     input.stated.clear();
     input.summary.surrogates.clear();
     input.summary.lives.clear();
+    input.summary.reliability.iter_mut().for_each(|row| row.parts.clear());
     input.summary.curves.clear();
     input.summary.sensitivity.clear();
     input.summary.sobol.clear();
