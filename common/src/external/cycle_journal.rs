@@ -20,7 +20,7 @@ pub struct CycleJournal {
 }
 
 impl CycleJournal {
-    /// Opens the journal of `life`, a text that stands for it, in `folder`, which is made.
+    /// Opens the journal of the life identified by the text `life` in `folder`, which is created if missing.
     ///
     /// # Errors
     /// The file cannot be read or written.

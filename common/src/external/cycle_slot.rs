@@ -82,7 +82,7 @@ impl CycleSlot {
     }
 
     /// The cycles of evaluation `id` of a `sample` `(d,)`, which gives the `scene`. Replies are kept in the journal of the scene, if it has one,
-    /// under `life`, a text that stands for scene and sample.
+    /// under `life`, a text that identifies scene and sample.
     ///
     /// # Errors
     /// The journal cannot be read or written.

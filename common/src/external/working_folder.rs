@@ -125,7 +125,7 @@ const PREFIX: &str = "hingewise-";
 
 /// A new folder for temporary files, removed when dropped. Its process holds a lock on it, which ends with the process however that ends.
 #[derive(Debug)]
-struct WorkingFolder(PathBuf, #[allow(dead_code)] File);
+struct WorkingFolder(PathBuf, #[expect(dead_code, reason = "kept for its lock")] File);
 
 impl WorkingFolder {
     fn create() -> Result<Self, Error> {
