@@ -1,6 +1,6 @@
 //! Cost of a task without its simulation: an empty simulator, each outcome durable in a campaign file, one worker in a
 //! separate process. `cargo run --release -p tests --example overhead [FOLDER]`; the campaign files are in the folder, by
-//! default the current one. `tests/examples/dask/run.sh` measures the same with Dask, which keeps results in memory.
+//! default the current one. `tests/examples/peers/run.sh` measures it beside Dask and HyperQueue, which keep nothing.
 
 use coordinator::farm::evaluate::Evaluator;
 use std::path::PathBuf;

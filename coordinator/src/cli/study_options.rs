@@ -288,6 +288,7 @@ fn replace<T>(setting: &mut T, option: Option<T>) {
 mod tests {
     use super::*;
     use common::scene::SceneSource;
+    use coordinator::statistics::learning::StoppingTargets;
 
     #[test]
     fn options_take_precedence_over_the_scene() {
@@ -304,7 +305,7 @@ mod tests {
         assert_eq!((found.initial, found.seed, found.samples), (20, 9, scene.study.population));
         assert_eq!(found.max_evaluations, scene.study.max_evaluations);
         assert_eq!((found.forms.kernel, found.forms.trend), (Some(Kernel::Matern52), None));
-        assert_eq!(found.targets().relative_error, 0.01);
+        assert_eq!(found.targets(), StoppingTargets::from_half_width(0.003));
     }
 
     #[test]
