@@ -66,11 +66,25 @@ impl BatchSystem {
 
     /// Shell command that prints a line for each job of the campaign that waits or runs, also those of an earlier coordinator.
     pub(super) fn list(&self) -> Option<&'static str> {
-        (*self == BatchSystem::Slurm).then_some("squeue --noheader --format=%i --name=\"$JOB_NAME\"")
+        match self {
+            BatchSystem::Slurm => Some("squeue --noheader --format=%i --name=\"$JOB_NAME\""),
+            BatchSystem::HyperQueue => Some(
+                // Rows of its table: | number | name | ...
+                "hq job list --filter waiting,running | awk -F'|' '{ gsub(/ /, \"\") } $3 == ENVIRON[\"JOB_NAME\"] { print $2 }'",
+            ),
+            BatchSystem::Command(_) => None,
+        }
     }
 
     /// Shell command that withdraws the jobs of the campaign that still wait.
     pub(super) fn withdraw(&self) -> Option<&'static str> {
-        (*self == BatchSystem::Slurm).then_some("scancel --name=\"$JOB_NAME\" --state=PENDING")
+        match self {
+            BatchSystem::Slurm => Some("scancel --name=\"$JOB_NAME\" --state=PENDING"),
+            BatchSystem::HyperQueue => Some(
+                "hq job list --filter waiting | awk -F'|' '{ gsub(/ /, \"\") } $3 == ENVIRON[\"JOB_NAME\"] { print $2 }' \
+                 | xargs --no-run-if-empty -n 1 hq job cancel",
+            ),
+            BatchSystem::Command(_) => None,
+        }
     }
 }
