@@ -216,7 +216,8 @@ Examples:
     #[command(after_help = "\
 Examples:
   coordinator init press
-  coordinator init press --out scenes/press.toml")]
+  coordinator init press --out scenes/press.toml
+  coordinator init walker --from klann.linkage2")]
     Init(InitArguments),
     /// Show the progress of a running study: workers, queue, rates, R so far
     #[command(after_help = super::status::EXAMPLES)]

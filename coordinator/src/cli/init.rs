@@ -1,9 +1,10 @@
 //! `coordinator init`: a commented scene to start from.
 
 use super::error::CommandError;
+use super::imported;
 use super::output::{check_destination, print, to_json, unusable};
 use clap::Args;
-use common::scene::SceneSource;
+use common::scene::{Faults, SceneSource, read_text};
 use serde_json::json;
 use std::fs::File;
 use std::io::{ErrorKind, Write};
@@ -14,6 +15,9 @@ use std::path::PathBuf;
 pub struct InitArguments {
     /// Name of the scene: letters, digits, hyphens and underscores
     pub name: String,
+    /// Read the mechanism from a file of a linkage program: .linkage2 (Linkage), or text of PMKS
+    #[arg(long, value_name = "FILE")]
+    pub from: Option<PathBuf>,
     /// File to write [default: NAME.toml]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -40,6 +44,17 @@ pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError
     }
     let file = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.toml")));
     check_destination(Some(&file))?;
+    let (text, unread) = match &arguments.from {
+        None => (TEMPLATE.replace(NAME, name), vec![]),
+        Some(from) => {
+            let shown = from.display().to_string();
+            let linkage =
+                imported::read(&read_text(from)?).map_err(|fault| CommandError::refused(&shown, fault))?;
+            let text = linkage.scene(name, &shown);
+            SceneSource::parse(&text, &shown).map_err(Faults::without_places)?;
+            (text, linkage.unread)
+        }
+    };
     let refused = |error: std::io::Error| {
         if error.kind() == ErrorKind::AlreadyExists {
             let fault = "file exists; choose another name with --out, or move the file";
@@ -50,13 +65,14 @@ pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError
     };
     // Creates a new file only: an existing one is never overwritten.
     let mut made = File::create_new(&file).map_err(refused)?;
-    made.write_all(TEMPLATE.replace(NAME, name).as_bytes()).map_err(refused)?;
+    made.write_all(text.as_bytes()).map_err(refused)?;
     if as_json {
-        return print(&to_json(&json!({ "scene": file }))?);
+        return print(&to_json(&json!({ "scene": file, "unread": unread }))?);
     }
     let shown = file.display();
+    let unread: String = unread.iter().map(|what| format!("not read: {what}\n")).collect();
     print(&format!(
-        "{shown}\n\
+        "{shown}\n{unread}\
          Next:\n  coordinator check {shown}\n  coordinator draw {shown}\n  coordinator explain --scene {shown}\n  \
          coordinator simulate --scene {shown} --out one.json\n  coordinator run --scene {shown} --out {name}-study\n"
     ))

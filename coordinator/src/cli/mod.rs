@@ -16,6 +16,7 @@ mod evaluation_json;
 mod explain;
 mod external;
 mod farm;
+mod imported;
 mod init;
 mod learn;
 mod limit_text;

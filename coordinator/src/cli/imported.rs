@@ -1,0 +1,546 @@
+//! Scenes from files of linkage programs, for `coordinator init --from`: `.linkage2` (Linkage by D. Rector) and the text of PMKS.
+//!
+//! Both formats state points and the links that join them. Every link becomes a body: the links with two points of the ground the frame, the one
+//! with the input a driven body, the others free bodies with the mass of rods of steel. Joints are ideal, but for the hinges of the last link,
+//! which get a clearance, so that there is something to study. Everything that was assumed, and everything that could not be read, is stated.
+//!
+//! # Source
+//! Elements and attributes of `.linkage2` as its program writes them; lines of PMKS: links, type, x, y, angle of a slide in degrees.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// Length of a unit of the files [mm].
+const UNIT: &str = "mm";
+
+/// Speed of an input without one [r/min].
+const SPEED: f64 = 30.0;
+
+/// A point of the file.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Pin {
+    name: String,
+    at: [f64; 2],
+    is_anchor: bool,
+    /// Links that have the point.
+    links: Vec<usize>,
+    /// Direction [deg] along which the other links slide on the last one.
+    slides: Option<f64>,
+    /// The others may turn against the last one.
+    turns: bool,
+    /// Speed of the link about an anchor [r/min].
+    speed: Option<f64>,
+}
+
+/// A linear drive: link whose points it joins, stroke in units of the file, cycles per minute.
+#[derive(Debug, Clone, PartialEq)]
+struct Cylinder {
+    ends: [usize; 2],
+    stroke: f64,
+    rate: f64,
+}
+
+/// What a file says.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ImportedLinkage {
+    pins: Vec<Pin>,
+    /// Names of the links; the first one is the frame.
+    links: Vec<String>,
+    cylinders: Vec<Cylinder>,
+    /// What was not read, with its place.
+    pub unread: Vec<String>,
+}
+
+/// Reads a file by its content: XML is `.linkage2`, else lines of PMKS.
+///
+/// # Errors
+/// What is wrong, with the line.
+pub fn read(text: &str) -> Result<ImportedLinkage, String> {
+    let linkage = if text.trim_start().starts_with('<') { linkage2(text)? } else { pmks(text)? };
+    let mut inputs = linkage.pins.iter().filter(|pin| pin.speed.is_some());
+    if linkage.cylinders.is_empty() && inputs.next().is_none() {
+        return Err("has no input: neither a turning link nor an actuator".to_owned());
+    }
+    if let Some(second) = inputs.next() {
+        return Err(format!("has a second input at {}: one is allowed", second.name));
+    }
+    Ok(linkage)
+}
+
+/// A name that scenes allow.
+fn tame(name: &str) -> String {
+    let letters =
+        name.trim().chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' });
+    letters.collect()
+}
+
+fn linkage2(text: &str) -> Result<ImportedLinkage, String> {
+    let document = roxmltree::Document::parse(text).map_err(|error| error.to_string())?;
+    let root = document.root_element();
+    if root.tag_name().name() != "linkage2" {
+        return Err(format!("1:1: <{}> where <linkage2> was expected", root.tag_name().name()));
+    }
+    let place = |node: roxmltree::Node| document.text_pos_at(node.range().start);
+    let number = |node: roxmltree::Node, key: &str| -> Result<f64, String> {
+        let given = node.attribute(key).unwrap_or_default();
+        let value = given.parse::<f64>().ok().filter(|value| value.is_finite());
+        value.ok_or_else(|| format!("{}: {key} = {given:?} is no number", place(node)))
+    };
+    let is = |node: roxmltree::Node, key: &str| node.attribute(key) == Some("true");
+    let mut found = ImportedLinkage { links: vec!["frame".to_owned()], ..Default::default() };
+    let mut index: BTreeMap<&str, usize> = BTreeMap::new();
+    let elements = || root.children().filter(roxmltree::Node::is_element);
+    for node in elements().filter(|node| node.tag_name().name() == "connector") {
+        let id = node.attribute("id").unwrap_or_default();
+        let name = node.attribute("name").map_or_else(|| format!("p{id}"), tame);
+        let pin = Pin {
+            name,
+            at: [number(node, "x")?, number(node, "y")?],
+            is_anchor: is(node, "anchor"),
+            speed: is(node, "input").then(|| number(node, "rpm")).transpose()?,
+            ..Default::default()
+        };
+        if index.insert(id, found.pins.len()).is_some() {
+            return Err(format!("{}: a second connector {id}", place(node)));
+        }
+        for key in ["slideradius", "fastenlink", "fastenconnector"] {
+            if node.attribute(key).is_some() {
+                found.unread.push(format!("{}: {key} of {}", place(node), pin.name));
+            }
+        }
+        found.pins.push(pin);
+    }
+    let of = |node: roxmltree::Node| {
+        let id = node.attribute("id").unwrap_or_default();
+        index.get(id).copied().ok_or_else(|| format!("{}: there is no connector {id}", place(node)))
+    };
+    for node in elements().filter(|node| node.tag_name().name().eq_ignore_ascii_case("link")) {
+        let id = node.attribute("id").unwrap_or_default();
+        let pins =
+            node.children().filter(roxmltree::Node::is_element).map(of).collect::<Result<Vec<_>, _>>()?;
+        if let (true, [a, b]) = (is(node, "actuator"), &pins[..]) {
+            let (stroke, rate) = (number(node, "throw")?, number(node, "cpm")?);
+            found.cylinders.push(Cylinder { ends: [*a, *b], stroke, rate });
+            continue;
+        }
+        for key in
+            ["gear", "fastenlink", "fastenconnector"].into_iter().filter(|key| node.attribute(*key).is_some())
+        {
+            found.unread.push(format!("{}: {key} of link {id}", place(node)));
+        }
+        let is_frame = pins.len() > 1 && pins.iter().filter(|pin| found.pins[**pin].is_anchor).count() > 1;
+        let link = if is_frame { 0 } else { found.links.len() };
+        if !is_frame {
+            found.links.push(node.attribute("name").map_or_else(|| format!("link{id}"), tame));
+        }
+        pins.into_iter().for_each(|pin| found.pins[pin].links.push(link));
+    }
+    for node in elements().filter(|node| node.tag_name().name() == "connector" && is(*node, "slider")) {
+        let limits =
+            node.children().filter(roxmltree::Node::is_element).map(of).collect::<Result<Vec<_>, _>>()?;
+        let pin = of(node)?;
+        let [from, to] = limits[..] else {
+            found.unread.push(format!(
+                "{}: slider {} without its two limits",
+                place(node),
+                found.pins[pin].name
+            ));
+            continue;
+        };
+        let [a, b] = [from, to].map(|limit| found.pins[limit].at);
+        let both_fixed = [from, to].iter().all(|limit| found.pins[*limit].is_anchor);
+        let shared = found.pins[from].links.iter().find(|link| found.pins[to].links.contains(link)).copied();
+        let Some(guide) = (if both_fixed { Some(0) } else { shared }) else {
+            found.unread.push(format!("{}: slider {} between two links", place(node), found.pins[pin].name));
+            continue;
+        };
+        let own = &mut found.pins[pin];
+        own.turns = true;
+        own.slides = Some((b[1] - a[1]).atan2(b[0] - a[0]).to_degrees());
+        own.links.push(guide);
+    }
+    for node in elements().filter(|node| node.tag_name().name() == "ratios") {
+        found.unread.push(format!("{}: ratios of gears and chains", place(node)));
+    }
+    for pin in found.pins.iter_mut().filter(|pin| pin.is_anchor && !pin.links.contains(&0)) {
+        // First, so that a slider's line stays the last one.
+        pin.links.insert(0, 0);
+    }
+    Ok(found)
+}
+
+fn pmks(text: &str) -> Result<ImportedLinkage, String> {
+    let mut found = ImportedLinkage { links: vec!["frame".to_owned()], ..Default::default() };
+    let lines = text.split(['\n', '|']).enumerate().map(|(k, line)| (k + 1, line.trim()));
+    for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
+        let cells: Vec<&str> = line.split([',', ' ', '\t']).filter(|cell| !cell.is_empty()).collect();
+        let kind =
+            cells.iter().position(|cell| ["R", "P", "RP", "G"].contains(&cell.to_uppercase().as_str()));
+        let Some(kind) = kind.filter(|kind| *kind > 0) else {
+            found.unread.push(format!("line {number}: {line}"));
+            continue;
+        };
+        let value = |k: usize| -> Result<f64, String> {
+            let given = cells.get(kind + 1 + k).copied().unwrap_or_default();
+            given.parse().map_err(|_| format!("line {number}: {given:?} where a number was expected: {line}"))
+        };
+        let mut pin = Pin { name: format!("p{number}"), at: [value(0)?, value(1)?], ..Default::default() };
+        for name in &cells[..kind] {
+            let name = if name.eq_ignore_ascii_case("ground") { "frame".to_owned() } else { tame(name) };
+            let known = found.links.iter().position(|link| *link == name);
+            pin.links.push(known.unwrap_or(found.links.len()));
+            if known.is_none() {
+                found.links.push(name);
+            }
+        }
+        pin.is_anchor = pin.links.contains(&0);
+        let is_input = pin.is_anchor && pin.links.iter().any(|link| found.links[*link] == "input");
+        match cells[kind].to_uppercase().as_str() {
+            "R" => pin.speed = is_input.then_some(SPEED),
+            word @ ("P" | "RP") if pin.links.len() == 2 && !is_input => {
+                pin.slides = Some(if cells.len() > kind + 3 { value(2)? } else { 0.0 });
+                pin.turns = word == "RP";
+            }
+            _ => {
+                found.unread.push(format!("line {number}: {line}"));
+                continue;
+            }
+        }
+        found.pins.push(pin);
+    }
+    Ok(found)
+}
+
+/// A joint of the scene: name, word, links with the shared point, direction of a line [deg].
+struct ImportedJoint<'l> {
+    name: String,
+    word: &'static str,
+    links: [usize; 2],
+    pin: &'l Pin,
+    axis: Option<f64>,
+}
+
+impl ImportedLinkage {
+    /// The link that an input drives, its pivot, and its speed [r/min].
+    fn driven(&self) -> Option<(usize, &Pin, f64)> {
+        self.pins.iter().find_map(|pin| Some((*pin.links.iter().find(|link| **link != 0)?, pin, pin.speed?)))
+    }
+
+    /// The joints: of the links at a point all with the first, without the pivot of the driven one. The last hinge has a clearance.
+    fn joints(&self) -> Vec<ImportedJoint<'_>> {
+        let drive = self.driven().map(|(link, pin, _)| (link, pin.name.as_str()));
+        let mut joints = Vec::new();
+        for pin in &self.pins {
+            let hinged = pin.links.iter().copied().filter(|link| drive != Some((*link, pin.name.as_str())));
+            let hinged: Vec<usize> = hinged.collect();
+            for (k, other) in hinged.iter().enumerate().skip(1) {
+                let name = if k == 1 { pin.name.clone() } else { format!("{}_{k}", pin.name) };
+                // The line of a slide is that of the last link.
+                let axis = pin.slides.filter(|_| k + 1 == hinged.len());
+                let word = match axis {
+                    None => "revolute",
+                    Some(_) if pin.turns => "slot",
+                    Some(_) => "prismatic",
+                };
+                joints.push(ImportedJoint { name, word, links: [hinged[0], *other], pin, axis });
+            }
+        }
+        if let Some(last) = joints.iter_mut().rev().find(|joint| joint.word == "revolute") {
+            last.word = "clearance";
+        }
+        joints
+    }
+
+    /// The scene with this name, read from `file`.
+    pub fn scene(&self, name: &str, file: &str) -> String {
+        let mut out = format!(
+            "# Read from {file}. Assumed: lengths in {UNIT}; links are rods of steel of 1 cm^2; one hinge has a clearance with the values of\n\
+             # [joint_defaults], the other joints are ideal; limit and life are to be set.\n"
+        );
+        // Writing to a String cannot fail.
+        let _ = self.write(&mut out, name, file);
+        out
+    }
+
+    fn write(&self, out: &mut String, name: &str, file: &str) -> std::fmt::Result {
+        for unread in &self.unread {
+            writeln!(out, "# Not read: {unread}")?;
+        }
+        writeln!(out, "\n[scene]\nname = \"{name}\"\ntitle = \"{name}, from {file}\"\n\n{DEFAULTS}")?;
+        let driven = self.driven();
+        for (link, name) in self.links.iter().enumerate() {
+            let pins: Vec<&Pin> = self.pins.iter().filter(|pin| pin.links.contains(&link)).collect();
+            // Without points a link is nothing.
+            let Some(first) = pins.first() else { continue };
+            let drive = driven.filter(|(of, ..)| *of == link);
+            let origin = if link == 0 { [0.0; 2] } else { drive.map_or(first.at, |(_, pin, _)| pin.at) };
+            writeln!(out, "[[bodies]]\nname = \"{name}\"")?;
+            if link == 0 {
+                writeln!(out, "motion = \"fixed\"")?;
+            } else if let Some((.., speed)) = drive {
+                writeln!(out, "motion = \"driven\"\nposition = {}\nspeed = \"{speed} r/min\"", pair(origin))?;
+            } else {
+                let names: Vec<&str> = pins.iter().map(|pin| pin.name.as_str()).collect();
+                let mass = match names.len() {
+                    1 => "mass = \"50 g\"\ninertia = \"10 kg mm^2\"\ncentre_of_mass = [\"0 mm\", \"0 mm\"]"
+                        .to_owned(),
+                    _ => format!(
+                        "shape = {{ type = \"rod\", points = {names:?}, section = \"1 cm^2\", material = \"steel\" }}"
+                    ),
+                };
+                let start = pair(origin);
+                writeln!(
+                    out,
+                    "motion = \"free\"\n{mass}\nstart_position = {start}\nstart_angle = \"0 deg\""
+                )?;
+            }
+            writeln!(out, "[bodies.points]")?;
+            for Pin { name, at, .. } in pins {
+                writeln!(out, "{name} = {}", pair([at[0] - origin[0], at[1] - origin[1]]))?;
+            }
+            writeln!(out)?;
+        }
+        let place = |link: usize, pin: &Pin| {
+            format!("{{ body = \"{}\", point = \"{}\" }}", self.links[link], pin.name)
+        };
+        for ImportedJoint { name, word, links, pin, axis } in self.joints() {
+            let [first, second] = if word == "clearance" { ["journal", "bushing"] } else { ["a", "b"] };
+            let [a, b] = links.map(|link| place(link, pin));
+            writeln!(out, "[[joints]]\nname = \"{name}\"\ntype = \"{word}\"\n{first} = {a}\n{second} = {b}")?;
+            writeln!(out, "{}", axis.map_or(String::new(), |axis| format!("axis = \"{axis} deg\"\n")))?;
+        }
+        for (k, Cylinder { ends, stroke, rate }) in self.cylinders.iter().enumerate() {
+            let [a, b] = ends.map(|pin| &self.pins[pin]);
+            let (from, half) = ((a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]), 30.0 / rate.abs());
+            let [of_a, of_b] = [a, b].map(|pin| place(pin.links.first().copied().unwrap_or_default(), pin));
+            writeln!(
+                out,
+                "[[joints]]\nname = \"cylinder{}\"\ntype = \"linear-drive\"\na = {of_a}\nb = {of_b}",
+                k + 1
+            )?;
+            let (at, to) = (format!("[0, {half}, {}]", 2.0 * half), from + stroke);
+            writeln!(
+                out,
+                "length = {{ over = \"time\", at = {{ unit = \"s\", values = {at} }}, value = {{ unit = \"{UNIT}\", values = [{from}, {to}, {from}] }} }}\n"
+            )?;
+        }
+        writeln!(out, "{END}")
+    }
+}
+
+fn pair([x, y]: [f64; 2]) -> String {
+    format!("[\"{x} {UNIT}\", \"{y} {UNIT}\"]")
+}
+
+/// Values of the hinge with clearance: those of common bearings.
+const DEFAULTS: &str = r#"[joint_defaults]
+journal_radius = "5 mm"
+radial_clearance = "25 um"
+width = "10 mm"
+journal_material = "steel"
+bushing_material = "bronze"
+contact_law = "local-hertz"
+contact_damping = { hunt_crossley = "1 s/m" }
+film_damping = "100 N s/m"
+friction = 0.1
+friction_speed = "1 mm/s"
+wear_coefficient = "1e-13 1/Pa"
+
+[materials.steel]
+elastic_modulus = "206 GPa"
+poisson_ratio = 0.3
+density = "7850 kg/m^3"
+
+[materials.bronze]
+elastic_modulus = "105 GPa"
+poisson_ratio = 0.33
+"#;
+
+/// Output, limit and life.
+const END: &str = r#"[[outputs]]
+name = "wear"
+type = "largest-wear"
+
+[[limit_states]]
+name = "worn"
+output = "wear"
+threshold = "0.1 mm"
+
+[life]
+cycles = 100000
+checkpoint_every = 10000"#;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::scene::{Scene, SceneSource};
+    use worker::mechanism::{Prescribed, ideal_cycle};
+
+    /// A file of the tests, and the scene that it gives.
+    fn scene(name: &str) -> (Scene, ImportedLinkage) {
+        let path = format!("{}/tests/linkages/{name}", env!("CARGO_MANIFEST_DIR"));
+        let linkage = read(&std::fs::read_to_string(&path).expect(&path))
+            .unwrap_or_else(|fault| panic!("{name}: {fault}"));
+        let text = linkage.scene("read", name);
+        let source = SceneSource::parse(&text, name).unwrap_or_else(|faults| panic!("{faults}\n{text}"));
+        (source.nominal().clone(), linkage)
+    }
+
+    /// Places of a point of a body at 73 instants of a cycle [mm], with the angle of the driven body [rad].
+    fn path(scene: &Scene, body: &str, point: &str) -> Vec<(f64, [f64; 2])> {
+        let index = scene.bodies.iter().position(|other| other.name == body).expect(body);
+        let at = scene.bodies[index].points.iter().find(|other| other.name == point).expect(point).position;
+        let crank = scene
+            .bodies
+            .iter()
+            .find_map(|body| Prescribed::from_body(body).filter(|motion| motion.angle(1.0) != 0.0));
+        let place = common::scene::Attachment { body: index, position: at };
+        let poses =
+            ideal_cycle(scene, 73, &mut 0).unwrap_or_else(|failure| panic!("{}: {failure}", scene.title));
+        assert_eq!(poses.len(), 73, "{}: the motion is not determined", scene.title);
+        let of = |pose: worker::mechanism::Pose| {
+            let q = pose.q[index].expect("a free body");
+            let (sin, cos) = q[2].sin_cos();
+            let [x, y] = scene.arm(&place);
+            let moved = [q[0] + cos * x - sin * y, q[1] + sin * x + cos * y];
+            (crank.as_ref().map_or(0.0, |crank| crank.angle(pose.time)), moved.map(|x| 1e3 * x))
+        };
+        poses.into_iter().map(of).collect()
+    }
+
+    /// The point at the distances `r` from `p` and `s` from `q` that is nearer to `before`.
+    fn dyad(p: [f64; 2], r: f64, q: [f64; 2], s: f64, before: [f64; 2]) -> [f64; 2] {
+        let d = (q[0] - p[0]).hypot(q[1] - p[1]);
+        let along = (r * r - s * s + d * d) / (2.0 * d);
+        let across = (r * r - along * along).sqrt();
+        let u = [(q[0] - p[0]) / d, (q[1] - p[1]) / d];
+        let point = |side: f64| {
+            [p[0] + along * u[0] - side * across * u[1], p[1] + along * u[1] + side * across * u[0]]
+        };
+        let far = |x: [f64; 2]| (x[0] - before[0]).hypot(x[1] - before[1]);
+        if far(point(1.0)) < far(point(-1.0)) { point(1.0) } else { point(-1.0) }
+    }
+
+    fn far(a: [f64; 2], b: [f64; 2]) -> f64 {
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    }
+
+    #[track_caller]
+    fn near(found: [f64; 2], exact: [f64; 2]) {
+        assert!(far(found, exact) < 1e-6, "{found:?} against {exact:?}");
+    }
+
+    #[test]
+    fn a_slider_crank_and_a_cylinder_move_by_their_closed_forms() {
+        let (scene, _) = scene("slider-crank.pmks");
+        for (angle, [x, y]) in path(&scene, "piston", "p4") {
+            near([x, y], [30.0 * angle.cos() + (6400.0 - (30.0 * angle.sin()).powi(2)).sqrt(), 0.0]);
+        }
+        let (lift, linkage) = self::scene("lift.linkage2");
+        assert_eq!(linkage.cylinders.len(), 1);
+        // At half of the cycle the cylinder is longer by its throw.
+        let places = path(&lift, "link0", "p1");
+        assert!((far(places[36].1, [60.0, -30.0]) - far([90.0, 20.0], [60.0, -30.0]) - 20.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_coupler_of_a_hoeken_linkage_draws_its_line() {
+        let (scene, _) = scene("hoeken.pmks");
+        let (mut before, mut heights) = ([10.0, 40.0], Vec::new());
+        for (angle, place) in path(&scene, "coupler", "p5") {
+            // The crank of the file begins at 180 degrees, that of the scene at zero.
+            let crank = [-20.0 * angle.cos(), -20.0 * angle.sin()];
+            before = dyad(crank, 50.0, [40.0, 0.0], 50.0, before);
+            near(place, [2.0 * before[0] - crank[0], 2.0 * before[1] - crank[1]]);
+            if angle.cos() >= -1e-9 {
+                heights.push(place[1]);
+            }
+        }
+        // Over half a turn the line is straight to 1 % of its length of 80 mm.
+        let (low, high) =
+            heights.iter().fold((f64::MAX, f64::MIN), |(low, high), y| (low.min(*y), high.max(*y)));
+        assert!(heights.len() > 30 && high - low < 0.8, "{low} to {high}");
+    }
+
+    #[test]
+    fn four_bars_and_six_bars_follow_their_dyads() {
+        let (scene, _) = self::scene("four-bar.linkage2");
+        let lengths = [far([20.0, 0.0], [50.0, 60.0]), far([50.0, 60.0], [80.0, 0.0])];
+        let mut before = [50.0, 60.0];
+        for (angle, place) in path(&scene, "link2", "p2") {
+            let crank = [20.0 * angle.cos(), 20.0 * angle.sin()];
+            before = dyad(crank, lengths[0], [80.0, 0.0], lengths[1], before);
+            near(place, before);
+        }
+        for (name, of, ground) in
+            [("watt-2.pmks", "rocker", [150.0, 0.0]), ("stephenson-3.pmks", "coupler", [-10.0, 90.0])]
+        {
+            let (scene, linkage) = self::scene(name);
+            let pin = |k: usize| linkage.pins[k].at;
+            let lengths = [far(pin(4), pin(5)), far(pin(5), ground)];
+            let (joints, mut before) = (path(&scene, of, "p5"), pin(5));
+            for ((_, from), (_, place)) in joints.into_iter().zip(path(&scene, "output", "p6")) {
+                before = dyad(from, lengths[0], ground, lengths[1], before);
+                near(place, before);
+            }
+        }
+    }
+
+    #[test]
+    fn a_quick_return_has_the_time_ratio_of_its_lengths() {
+        let (scene, linkage) = scene("quick-return.linkage2");
+        assert_eq!(linkage.unread.len(), 1, "{:?}", linkage.unread);
+        assert!(linkage.unread[0].contains("gears"), "{:?}", linkage.unread);
+        // The lever swings by asin(r / c) to either side of the line to the crank.
+        let swings = path(&scene, "link1", "p3");
+        let angle = |[x, y]: [f64; 2]| x.atan2(y + 80.0);
+        for (crank, place) in &swings {
+            let exact = (40.0 * crank.cos()).atan2(80.0 + 40.0 * crank.sin());
+            assert!((angle(*place) - exact).abs() < 1e-9, "{} against {exact}", angle(*place));
+        }
+        let most = swings.iter().map(|(_, place)| angle(*place)).fold(0.0, f64::max);
+        assert!((most - 0.5_f64.asin()).abs() < 1e-3, "{most}");
+    }
+
+    /// Lengths of Jansen (2007), The Great Pretender.
+    #[test]
+    fn a_leg_of_jansen_steps_level() {
+        let (scene, linkage) = scene("jansen.pmks");
+        assert_eq!(linkage.links.len(), 8);
+        let (mut knee, mut top, mut heel) = (linkage.pins[4].at, linkage.pins[2].at, linkage.pins[6].at);
+        let mut hip = linkage.pins[5].at;
+        let mut foot = linkage.pins[7].at;
+        let pivot = [-38.0, -7.8];
+        let mut heights = Vec::new();
+        for (angle, place) in path(&scene, "foot", "p8") {
+            let crank = [-15.0 * angle.sin(), 15.0 * angle.cos()];
+            top = dyad(crank, 50.0, pivot, 41.5, top);
+            hip = dyad(pivot, 40.1, top, 55.8, hip);
+            knee = dyad(crank, 61.9, pivot, 39.3, knee);
+            heel = dyad(hip, 39.4, knee, 36.7, heel);
+            foot = dyad(knee, 49.0, heel, 65.7, foot);
+            assert!(far(place, foot) < 1e-5, "{place:?} against {foot:?}");
+            heights.push(place[1]);
+        }
+        // For half of its time the foot is within a tenth of its lift from the ground.
+        let (low, high) =
+            heights.iter().fold((f64::MAX, f64::MIN), |(low, high), y| (low.min(*y), high.max(*y)));
+        let down = heights.iter().filter(|y| **y - low < 0.1 * (high - low)).count();
+        assert!(down > 30, "{down} of 73");
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_said_with_its_place() {
+        for (text, said) in [
+            ("<linkage3/>", "<linkage2> was expected"),
+            ("<linkage2><connector id=\"0\" x=\"a\" y=\"0\"/></linkage2>", "1:11: x = \"a\" is no number"),
+            ("ground,a,R,0,zero", "line 1: \"zero\" where a number was expected"),
+            ("ground,a,R,0,0", "no input"),
+        ] {
+            let fault = read(text).unwrap_err();
+            assert!(fault.contains(said), "{fault}");
+        }
+        let linkage = read("ground,input,R,0,0\ninput,a,R,1,0\nd=0").unwrap();
+        assert_eq!(linkage.unread, ["line 3: d=0"]);
+    }
+}
