@@ -9,11 +9,11 @@
 //! | `eccentricity_x`, `eccentricity_y` | centre of the journal from that of the bushing, in the bushing's frame `(n,)` each; optional | m |
 //!
 //! Instants need not be equal. The last one may be missing where the first one repeats after the period.
+//!
+//! One cycle as a table of comma-separated values: `time`, `JOINT.FIELD` as a reply names them, and the outputs, whose last value counts.
 
-use super::cycle_check::{check_joint, sampling_error};
-use super::cycle_table::of_table;
-use super::joint_cycle::{CycleJoint, JointCycle, slopes};
-use super::reply::{is_non_finite, parse, plain, shown};
+use super::joint_cycle::{CycleJoint, JointCycle, check_joint, sampling_error, slopes};
+use super::reply::{is_non_finite, is_non_finite_word, parse, plain, shown};
 use crate::evaluation_shape::LARGEST;
 use crate::failure::SimulationFailure;
 use crate::scene::{JointKind, Scene};
@@ -245,4 +245,46 @@ fn number_of(field: &str, value: &Value, cycles: u32) -> Result<f64, NoCycle> {
 
 fn reported(message: String) -> SimulationFailure {
     SimulationFailure::Reported { message }
+}
+
+/// The object of a reply that the table stands for.
+///
+/// # Errors
+/// The line and the column that is no number.
+pub fn of_table(text: &str) -> Result<Map<String, Value>, String> {
+    let mut lines = text.lines();
+    let header = lines.next().unwrap_or_default();
+    let names: Vec<&str> = header.split(',').map(|name| name.trim().trim_matches('"')).collect();
+    if !names.contains(&"time") && !names.iter().any(|name| name.ends_with(".time")) {
+        return Err(format!("line 1: \"{}\" has no column time", shown(header)));
+    }
+    let mut columns: Vec<Vec<Value>> = vec![vec![]; names.len()];
+    for (k, line) in lines.enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+        if cells.len() != names.len() {
+            return Err(format!("line {}: {} values, expected {}", k + 2, cells.len(), names.len()));
+        }
+        for ((cell, column), name) in cells.into_iter().zip(&mut columns).zip(&names) {
+            let number = cell.parse().ok().and_then(serde_json::Number::from_f64).map(Value::Number);
+            let word = is_non_finite_word(cell).then(|| Value::from(cell));
+            let value = number.or(word);
+            column.push(
+                value.ok_or_else(|| format!("line {}, column {name}: \"{cell}\" is no number", k + 2))?,
+            );
+        }
+    }
+    let (mut reply, mut joints, mut outputs) = (Map::new(), Map::new(), Map::new());
+    for (name, mut column) in names.into_iter().zip(columns) {
+        if name == "time" {
+            reply.insert(name.into(), column.into());
+        } else if let Some((joint, field)) = name.split_once('.') {
+            let of_joint = joints.entry(joint).or_insert_with(|| Value::Object(Map::new()));
+            of_joint[field] = column.into();
+        } else if let Some(last) = column.pop() {
+            outputs.insert(name.into(), last);
+        }
+    }
+    reply.insert("joints".into(), joints.into());
+    reply.insert("outputs".into(), outputs.into());
+    Ok(reply)
 }

@@ -6,8 +6,7 @@ use super::context::Range;
 use super::drive::Drive;
 use super::model::{DrivenInertia, Motion, Point};
 use super::quantity::*;
-use super::record::record;
-use super::section::Section;
+use super::section::{Section, record};
 use super::shape::{MassProperties, shape};
 use super::tables::{Repetition, over_time};
 

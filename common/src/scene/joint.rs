@@ -1,8 +1,8 @@
 //! Joints between bodies: ideal ones and those with clearance.
 
-use super::attachment::Attachment;
 use super::drive::{Drive, Table};
 use super::mesh::{Mesh, MeshForm};
+use super::output_values::Attachment;
 use serde::{Deserialize, Serialize};
 
 /// A joint between two bodies.

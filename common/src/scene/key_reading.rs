@@ -1,16 +1,15 @@
-//! Reads the keys of an element by the table of its kind.
+//! Reads the keys of an element by the table of its kind: its quantities and curves, and the bodies and joints that it refers to.
 
 use super::body_row::{BodyRow, MotionWord, body, place};
+use super::context::Range;
 use super::drive::Curve;
-use super::joints::{JointRow, chosen_joints};
+use super::joint::{JointKind, WearingSurfaces};
+use super::joints::{JointRow, chosen_joints, listed};
 use super::key_table::{Form, Key, Value};
-use super::output_bodies::{free_body, free_place, held_input, moves, signed_body};
-use super::output_values::{ErrorMeasure, ImpactMeasure};
-use super::quantity::{Kind, LENGTH, NUMBER};
+use super::output_values::{Attachment, ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
+use super::quantity::{ANGLE, Kind, LENGTH, NUMBER};
 use super::section::Section;
 use super::tables::curve;
-use super::wear_output::WearQuantity;
-use super::wear_outputs::{struck_joints, worn_joints};
 
 /// Bodies and joints to which the keys of an element refer.
 #[derive(Clone, Copy)]
@@ -103,4 +102,190 @@ fn factor(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<Op
         return None;
     }
     Some(factor)
+}
+
+/// Reads a place on a free body.
+pub(super) fn free_place(row: &mut Section, bodies: &[BodyRow]) -> Option<Attachment> {
+    let at = place(row, "at", bodies)?;
+    moves(row, "at", bodies, at.body, MotionWord::Free, "free")?;
+    Some(at)
+}
+
+/// Reads the name of a free body.
+pub(super) fn free_body(row: &mut Section, bodies: &[BodyRow]) -> Option<usize> {
+    let found = body(row, "body", bodies)?;
+    moves(row, "body", bodies, found, MotionWord::Free, "free")?;
+    Some(found)
+}
+
+/// Checks that the body moves in the way that the output requires.
+pub(super) fn moves(
+    row: &Section,
+    key: &str,
+    bodies: &[BodyRow],
+    body: usize,
+    word: MotionWord,
+    in_words: &str,
+) -> Option<()> {
+    // The motion of a faulty body may be unknown; that fault has been recorded.
+    if bodies[body].word? == word {
+        return Some(());
+    }
+    let fitting = bodies.iter().filter(|other| other.word == Some(word)).map(|other| other.name.as_str());
+    let there_are = listed(fitting);
+    row.inconsistent(key, format!("body \"{}\" is not {in_words}{there_are}", bodies[body].name));
+    None
+}
+
+/// Reads where the drives are held, if that is given: `input_angle`, and `input` unless there is only one driven body; the outer `None` if it
+/// is faulty.
+pub(super) fn held_input(row: &mut Section, bodies: &[BodyRow]) -> Option<Option<HeldInput>> {
+    let named = row.get("input").is_some();
+    let input = match named {
+        true => body(row, "input", bodies).and_then(|found| {
+            moves(row, "input", bodies, found, MotionWord::Driven, "driven").map(|()| found)
+        }),
+        false => None,
+    };
+    if row.get("input_angle").is_none() {
+        if named {
+            row.missing("input_angle", "an angle at which the input is held");
+            return None;
+        }
+        return Some(None);
+    }
+    let angle = row.quantity("input_angle", ANGLE, Range::Any);
+    if named {
+        return Some(Some(HeldInput { body: input?, angle: angle? }));
+    }
+    let mut driven = (0..bodies.len()).filter(|&body| bodies[body].word == Some(MotionWord::Driven));
+    match (driven.next(), driven.next()) {
+        (Some(only), None) => Some(Some(HeldInput { body: only, angle: angle? })),
+        (None, _) => {
+            row.inconsistent("input_angle", "there is no driven body that could be held");
+            None
+        }
+        (Some(_), Some(_)) => {
+            row.missing("input", "the name of the driven body that is held, since there are several");
+            None
+        }
+    }
+}
+
+/// Reads a body `{ body, sign, label }`.
+pub(super) fn signed_body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<SignedBody> {
+    let mut section = row.section(key, "a body { body, sign, label }")?;
+    let name = section.text("body", "the name of a body");
+    let sign = section.integer("sign", -1..=1, Some(1));
+    if sign == Some(0) {
+        section.out_of_range("sign", "0", "1 or -1");
+    }
+    let label = section.text_or("label", "what a reader calls it", name.unwrap_or_default());
+    section.finish();
+    let body = section.reference("body", "body", name?, bodies.iter().map(|body| body.name.as_str()))?;
+    Some(SignedBody { body, sign: sign? as f64, label: label?.to_owned() })
+}
+
+/// Reads the joints of an output of this quantity: by default all that wear.
+pub(super) fn worn_joints(
+    row: &mut Section,
+    quantity: WearQuantity,
+    joints: &[JointRow],
+) -> Option<Vec<usize>> {
+    let has = |i: &usize| wearing(&joints[*i]).is_none_or(|of| has_quantity(quantity, of.surfaces));
+    let chosen: Vec<usize> = match row.get("joints") {
+        None => (0..joints.len()).filter(|&i| joints[i].unworn.is_none()).filter(has).collect(),
+        Some(_) => chosen_joints(row, joints)?,
+    };
+    let faults = row.cx.fault_count();
+    for (i, joint) in chosen.iter().map(|&i| (i, &joints[i])) {
+        let reason = match joint.unworn {
+            Some(reason) => format!("{reason} and does not wear"),
+            None if !has(&i) => {
+                let wears = wearing(joint).map_or("", |of| of.word);
+                format!("has wears = \"{wears}\"")
+            }
+            None => continue,
+        };
+        let others = (0..joints.len()).filter(|other| joints[*other].unworn.is_none() && has(other));
+        let there_are = listed(others.map(|other| joints[other].name.as_str()));
+        row.inconsistent("joints", format!("joint \"{}\" {reason}{there_are}", joint.name));
+    }
+    // An override may set a wear coefficient to 0, to see the mechanism in its new state.
+    let no_wear = |&i: &usize| match wearing(&joints[i]) {
+        Some(of) => of.coefficients == [0.0; 2] && row.cx.as_written(),
+        None => false,
+    };
+    if chosen.is_empty() && joints.iter().any(|joint| joint.unworn.is_none()) {
+        let surface = quantity.surface();
+        row.inconsistent("joints", format!("there is no joint of which {surface} wears: see its key wears"));
+    } else if chosen.is_empty() {
+        row.inconsistent(
+            "joints",
+            "there is no joint that wears, i.e. a hinge with clearance and without wear = false, or a guide with the key wears",
+        );
+    } else if row.cx.fault_count() == faults && chosen.iter().all(no_wear) {
+        row.inconsistent("joints", "every wear_coefficient of these joints is 0: they do not wear");
+    }
+    (row.cx.fault_count() == faults).then_some(chosen)
+}
+
+/// True if a quantity of the wear is not zero by definition for a joint of which these surfaces wear.
+fn has_quantity(quantity: WearQuantity, wears: WearingSurfaces) -> bool {
+    match quantity {
+        WearQuantity::BushingDepth => wears != WearingSurfaces::Journal,
+        WearQuantity::JournalDepth => wears != WearingSurfaces::Bushing,
+        _ => true,
+    }
+}
+
+/// What wears of a joint.
+struct Wearing {
+    surfaces: WearingSurfaces,
+    /// Word for these surfaces in the scene.
+    word: &'static str,
+    /// Wear coefficients of both surfaces `(2,)` [1/Pa].
+    coefficients: [f64; 2],
+}
+
+/// What wears of a joint that may wear and is not faulty.
+fn wearing(joint: &JointRow) -> Option<Wearing> {
+    match joint.joint.as_ref().map(|joint| &joint.kind) {
+        Some(JointKind::Clearance(clearance)) => Some(Wearing {
+            surfaces: clearance.wears,
+            word: clearance.wears.name(),
+            coefficients: clearance.wear_coefficients(),
+        }),
+        Some(JointKind::Guide(guide)) => guide.wear.as_ref().map(|wear| Wearing {
+            surfaces: wear.wears,
+            word: wear.wears.guide_name(),
+            coefficients: wear.coefficients(),
+        }),
+        _ => None,
+    }
+}
+
+/// Reads joints and guides with clearance, by default all of them.
+pub(super) fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
+    let has_clearance = |joint: &JointRow| {
+        // The kind of a faulty joint may be unknown; that fault has been recorded.
+        let joint = joint.joint.as_ref();
+        joint.is_none_or(|joint| joint.kind.has_clearance())
+    };
+    let with_clearance =
+        || joints.iter().filter(|joint| has_clearance(joint)).map(|joint| joint.name.as_str());
+    let chosen: Vec<usize> = match row.get("joints") {
+        None => (0..joints.len()).filter(|&k| has_clearance(&joints[k])).collect(),
+        Some(_) => chosen_joints(row, joints)?,
+    };
+    if chosen.is_empty() {
+        row.inconsistent("joints", "there is no joint with clearance");
+        return None;
+    }
+    if let Some(ideal) = chosen.iter().map(|&k| &joints[k]).find(|joint| !has_clearance(joint)) {
+        let there_are = listed(with_clearance());
+        row.inconsistent("joints", format!("joint \"{}\" has no clearance{there_are}", ideal.name));
+        return None;
+    }
+    Some(chosen)
 }

@@ -3,16 +3,15 @@
 use super::body_row::{BodyRow, MotionWord};
 use super::context::Range;
 use super::drive::{Curve, Drive, Over};
+use super::elements::OutputRow;
 use super::faults::{FaultKind, in_first_unit};
 use super::joint::JointKind;
 use super::joints::JointRow;
-use super::limits::{CHECKPOINT_LIMIT, COUNT_LIMIT};
 use super::load::Load;
 use super::model::{Life, Motion};
 use super::monotone::monotone_integral;
-use super::outputs::OutputRow;
 use super::quantity::{ANGLE, TIME};
-use super::section::Section;
+use super::section::{CHECKPOINT_LIMIT, COUNT_LIMIT, Section};
 use super::tables::{repetitions, span};
 use std::f64::consts::TAU;
 use toml::Value;

@@ -2,12 +2,12 @@
 //!
 //! Planar, SI units, angles counter-clockwise from +x. Bodies are referred to by index into [`Scene::bodies`].
 
-use super::attachment::Attachment;
 use super::drive::Drive;
 use super::gives::Gives;
 use super::joint::Joint;
 use super::load::Load;
 use super::output::Output;
+use super::output_values::Attachment;
 use super::wear_model::WearModel;
 use crate::accuracy::NamedAccuracy;
 use crate::random::{Correlation, RandomVariable};

@@ -6,21 +6,18 @@ use super::clearance::materials;
 use super::conditions::{ConditionRow, condition_rows};
 use super::context::{Context, Overrides};
 use super::correlations::{correlation_rows, correlations};
-use super::cycle_program::{CycleModel, cycle_model};
+use super::elements::{OutputRow, limit_states, loads, outputs};
 use super::faults::{Fault, FaultKind, Faults};
 use super::joints::{JointRow, joints};
 use super::life::life;
-use super::limit_states::limit_states;
-use super::limits::{COUNT_LIMIT, VALUE_LIMIT};
 use super::load::Load;
-use super::loads::loads;
-use super::measured::MeasuredVariable;
 use super::model::{ExternalSimulator, Life, LimitState, Scene, StudySettings};
-use super::outputs::{OutputRow, outputs};
 use super::quantity::{ACCELERATION, Quantity};
-use super::section::Section;
-use super::simulator::{declared_life, declared_output, declared_outputs, simulator};
-use super::variables::{Changes, variable_rows, variables};
+use super::section::{COUNT_LIMIT, Section, VALUE_LIMIT};
+use super::simulator::{
+    CycleModel, cycle_model, declared_life, declared_output, declared_outputs, simulator,
+};
+use super::variables::{Changes, MeasuredVariable, variable_rows, variables};
 use super::wear_model::{WearModel, wear_model};
 use crate::accuracy::{AccuracyNameError, LevelsError, NamedAccuracy};
 use std::collections::{BTreeMap, BTreeSet};

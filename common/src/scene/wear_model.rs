@@ -5,8 +5,7 @@
 
 use super::joint::{ContactLaw, Joint, JointKind};
 use super::key_table::{Form, Key};
-use super::limits::COUNT_LIMIT;
-use super::section::Section;
+use super::section::{COUNT_LIMIT, Section};
 use serde::{Deserialize, Serialize};
 
 /// A choice of the wear model as scenes write it.
