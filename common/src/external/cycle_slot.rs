@@ -7,9 +7,10 @@
 //! finished counts for nothing. The request contains the surfaces, which follow from the replies before it: a life that goes on has the
 //! same bits. The file is removed at the end of the life.
 
-use super::cycle_reply::{CycleReply, ExpectedCycle, NoCycle};
+use super::cycle_reply::{CycleReply, ExpectedCycle};
 use super::error::SimulatorError;
 use super::program::{ProgramSlot, Request, SampleByName, Setup};
+use super::reply::outcome;
 use super::slot::{Slot, SlotError, StopSignal};
 use crate::failure::SimulationFailure;
 use crate::scene::source::digest;
@@ -133,18 +134,16 @@ impl CyclesOfLife<'_> {
             let line = Line { id, cycle, sample, accuracy, period: expected.period, joints, outputs };
             serde_json::to_string(&line).expect("numbers by name are JSON")
         };
-        let read = |text: &str| match expected.read(text, request.cycle) {
-            Ok(cycle) => Ok(Ok(cycle)),
-            Err(NoCycle::Failure(failure)) => Ok(Err(failure)),
-            Err(NoCycle::Fault(fault)) => Err(format!("cycle {}: {fault}", request.cycle)),
-        };
+        let place = format!("cycle {}", request.cycle);
+        let read = |text: &str| expected.read(text, request.cycle).map_err(|none| none.of(&place));
         let key = text(None, sample);
         if let Some(known) = journal.as_ref().and_then(|journal| journal.reply(&key)) {
-            return read(known).map_err(|fault| setup.broken(*id, fault).into());
+            return outcome(read(known), |fault| setup.broken(*id, fault));
         }
         let with_id = |sample: &[f64]| text(Some(*id), sample);
         let asked = slot.ask(Request { id: *id, sample, text: &with_id }, stop, |setup, text| {
-            setup.check_id(*id, text).and_then(|()| read(text))
+            setup.check_id(*id, text)?;
+            read(text)
         });
         let (cycle, reply) = match asked? {
             Ok(found) => found,

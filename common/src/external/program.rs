@@ -9,11 +9,12 @@
 use super::error::SimulatorError;
 use super::executable::check_executable;
 use super::process::{LineError, Process};
-use super::reply::{Expected, parse, shown};
+use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::results_file::{self, of_object};
 use super::slot::{SampleResult, Slot, SlotError, StopSignal};
 use super::working_folder::{FileProgram, Inputs};
 use crate::failure::SimulationFailure;
+use crate::outputs::Evaluation;
 use crate::scene::{Exchange, Program, Scene};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
@@ -103,12 +104,13 @@ impl Setup {
         Path::new(&self.program.folder)
     }
 
-    /// Result of a reply line, or the text of a results file, or what is wrong with it.
-    fn outcome(&self, id: u64, text: &str) -> Result<SampleResult, String> {
+    /// Result of a reply line, or of the text of a results file.
+    fn outcome(&self, id: u64, text: &str) -> Result<Evaluation, NoResult> {
         match &self.program.exchange {
             Exchange::Lines => of_object(&self.expected, &self.object(id, text)?),
-            Exchange::Files(files) => results_file::read(&self.expected, text)
-                .map_err(|fault| format!("{}: {fault}", files.results)),
+            Exchange::Files(files) => {
+                results_file::read(&self.expected, text).map_err(|none| none.of(&files.results))
+            }
         }
     }
 }
@@ -243,22 +245,19 @@ impl ProgramSlot {
         &mut self,
         request: Request,
         stop: &StopSignal,
-        read: impl Fn(&Setup, &str) -> Result<Result<T, SimulationFailure>, String>,
+        read: impl Fn(&Setup, &str) -> Result<T, NoResult>,
     ) -> Result<Result<(T, String), SimulationFailure>, SlotError> {
         let mut crash = None;
         for _ in 0..ATTEMPTS {
             match self.attempt(request, request.sample, stop)? {
                 Ok(text) => {
-                    return match read(&self.setup, &text) {
-                        Ok(outcome) => {
-                            self.setup.answered.store(true, Ordering::Relaxed);
-                            Ok(outcome.map(|outcome| (outcome, text)))
-                        }
-                        Err(fault) => {
-                            self.kill();
-                            Err(self.setup.broken(request.id, fault).into())
-                        }
-                    };
+                    let broken = |fault| self.setup.broken(request.id, fault);
+                    let read = outcome(read(&self.setup, &text), broken);
+                    match &read {
+                        Ok(_) => self.setup.answered.store(true, Ordering::Relaxed),
+                        Err(_) => self.kill(),
+                    }
+                    return read.map(|outcome| outcome.map(|found| (found, text)));
                 }
                 Err(LineError::TimedOut) => {
                     return Ok(Err(SimulationFailure::TimedOut { seconds: self.setup.seconds }));
