@@ -80,9 +80,8 @@ pub(super) fn clearance(
 
 /// Reads the law of the normal contact force.
 fn contact_law(row: &mut Section) -> Option<ContactLaw> {
-    let laws = ContactLaw::ALL.map(|law| (law.name(), law));
     let names = ContactLaw::ALL.map(ContactLaw::name).join(", ");
-    row.choice("contact_law", &format!("one of {names}"), &laws)
+    row.choice("contact_law", &format!("one of {names}"), &ContactLaw::WORDS)
 }
 
 /// Reads the wear coefficient, which a joint that does not wear need not have.
@@ -98,10 +97,8 @@ fn wear_coefficient(row: &mut Section, is_worn: bool) -> Option<f64> {
 /// Reads the surfaces that wear.
 fn surfaces(row: &mut Section) -> Option<WearingSurfaces> {
     let words = WearingSurfaces::ALL.map(|surfaces| (surfaces.name(), surfaces));
-    match row.get("wears") {
-        None => Some(WearingSurfaces::default()),
-        Some(_) => row.choice("wears", "bushing, journal or both", &words),
-    }
+    let given = row.if_any("wears", |row, key| row.choice(key, "bushing, journal or both", &words))?;
+    Some(given.unwrap_or_default())
 }
 
 /// Reads the control points of a bore and its journal.
@@ -140,7 +137,7 @@ pub(super) fn second_coefficient(
 
 /// The bushing is given by its radius or by the clearance it leaves to its journal.
 fn bushing_radius(row: &mut Section, journal_radius: Option<f64>) -> Option<f64> {
-    if let Some(written) = row.get("radial_clearance") {
+    if row.get("radial_clearance").is_some() {
         if row.get("bushing_radius").is_some() {
             row.inconsistent_table("give either bushing_radius or radial_clearance, not both");
             return None;
@@ -150,9 +147,8 @@ fn bushing_radius(row: &mut Section, journal_radius: Option<f64>) -> Option<f64>
         if clearance < journal_radius {
             return Some(journal_radius + clearance);
         }
-        let value = row.shown("radial_clearance", written, clearance, LENGTH);
         let allowed = format!("smaller than journal_radius = {}", in_first_unit(journal_radius, LENGTH));
-        row.out_of_range("radial_clearance", value, allowed);
+        row.refuse("radial_clearance", clearance, LENGTH, allowed);
         return None;
     }
     let radius = row.quantity("bushing_radius", LENGTH, Range::Positive)?;
@@ -160,13 +156,11 @@ fn bushing_radius(row: &mut Section, journal_radius: Option<f64>) -> Option<f64>
     if radius > journal_radius && radius < 2.0 * journal_radius {
         return Some(radius);
     }
-    let written = row.get("bushing_radius")?;
-    let value = row.shown("bushing_radius", written, radius, LENGTH);
     let allowed = format!(
         "larger than the journal and below twice that, journal_radius = {}",
         in_first_unit(journal_radius, LENGTH)
     );
-    row.out_of_range("bushing_radius", value, allowed);
+    row.refuse("bushing_radius", radius, LENGTH, allowed);
     None
 }
 
@@ -215,9 +209,8 @@ pub(super) fn contact_damping(row: &mut Section) -> Option<ContactDamping> {
 
 /// Reads `{ law, restitution, least_speed }`.
 fn by_restitution(damping: &mut Section) -> Option<ContactDamping> {
-    let laws = RestitutionLaw::ALL.map(|law| (law.word(), law));
     record!(ContactDamping::Restitution {
-        law: damping.word("law", &laws),
+        law: damping.word("law", &RestitutionLaw::WORDS),
         coefficient: damping.quantity("restitution", NUMBER, Range::Above(0.0, 1.0)),
         least_speed: damping.quantity_or("least_speed", SPEED, Range::Positive, LEAST_SPEED),
     })
@@ -259,18 +252,12 @@ pub(super) fn guide(row: &mut Section, materials: &[MaterialRow]) -> Option<Guid
 /// Reads the wear of guide and slider; outer none if it is faulty, inner none without the key wears.
 fn wear(row: &mut Section) -> Option<Option<GuideWear>> {
     let words = WearingSurfaces::ALL.map(|surfaces| (surfaces.guide_name(), surfaces));
-    let given = ["wear_coefficient", "slider_wear_coefficient", "control_points"].map(|key| row.get(key));
+    let keys = ["wear_coefficient", "slider_wear_coefficient", "control_points"];
+    let given: Vec<&str> = keys.into_iter().filter(|key| row.get(key).is_some()).collect();
     if row.get("wears").is_none() {
-        let keys = ["wear_coefficient", "slider_wear_coefficient", "control_points"];
-        let mut faulty = false;
-        for (key, _) in keys.into_iter().zip(given).filter(|(_, given)| given.is_some()) {
-            row.inconsistent(
-                key,
-                "needs wears = \"guide\", \"slider\" or \"both\": without it a guide does not wear",
-            );
-            faulty = true;
-        }
-        return if faulty { None } else { Some(None) };
+        let needs = "needs wears = \"guide\", \"slider\" or \"both\": without it a guide does not wear";
+        given.iter().for_each(|key| row.inconsistent(key, needs));
+        return given.is_empty().then_some(None);
     }
     let wear = record!(GuideWear {
         wears: row.choice("wears", "guide, slider or both", &words),
@@ -284,12 +271,12 @@ fn wear(row: &mut Section) -> Option<Option<GuideWear>> {
 /// The clearance on each side, which is below the slider's height.
 fn guide_clearance(row: &mut Section, height: Option<f64>) -> Option<f64> {
     let clearance = row.quantity("clearance", LENGTH, Range::Positive)?;
-    let (written, height) = (row.get("clearance")?, height?);
+    let height = height?;
     if clearance < height {
         return Some(clearance);
     }
-    let value = row.shown("clearance", written, clearance, LENGTH);
-    row.out_of_range("clearance", value, format!("smaller than height = {}", in_first_unit(height, LENGTH)));
+    let allowed = format!("smaller than height = {}", in_first_unit(height, LENGTH));
+    row.refuse("clearance", clearance, LENGTH, allowed);
     None
 }
 

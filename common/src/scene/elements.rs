@@ -39,13 +39,7 @@ impl OutputRow {
 /// Reads `[[outputs]]`; a faulty output keeps its row.
 pub(super) fn outputs(file: &mut Section, bodies: &[BodyRow], joints: &[JointRow]) -> Vec<OutputRow> {
     let words: Vec<_> = OutputKind::KINDS.iter().flat_map(typed_words).collect();
-    let rows = file.rows("outputs").into_iter();
-    let read = rows.map(|(name, mut row)| {
-        let output = typed_output(name, &mut row, &words, Named { bodies, joints });
-        row.finish();
-        output
-    });
-    read.collect()
+    file.each_row("outputs", |name, row| typed_output(name, row, &words, Named { bodies, joints }))
 }
 
 /// A kind of outputs, and what depends on its word.
@@ -81,17 +75,13 @@ pub(super) fn typed_output(
 /// Reads `[[loads]]`; faulty ones are left out.
 pub(super) fn loads(file: &mut Section, bodies: &[BodyRow]) -> Vec<Load> {
     let words: Vec<_> = Load::KINDS.iter().map(|kind| (kind.words[0].0, kind)).collect();
-    let mut loads = Vec::new();
-    for (_, mut row) in file.rows("loads") {
-        if let Some(kind) = row.word("type", &words) {
-            let read = values(&mut row, kind.keys, Named { bodies, joints: &[] });
-            let is_consistent = check(&row, kind.keys, &read).is_some();
-            let read = read.into_iter().collect::<Option<_>>().filter(|_| is_consistent);
-            loads.extend(read.and_then(|read| Load::from_values(kind.name, read)));
-        }
-        row.finish();
-    }
-    loads
+    let loads = file.each_row("loads", |_, row| {
+        let kind = row.word("type", &words)?;
+        let read = values(row, kind.keys, Named { bodies, joints: &[] });
+        check(row, kind.keys, &read)?;
+        Load::from_values(kind.name, read.into_iter().collect::<Option<_>>()?)
+    });
+    loads.into_iter().flatten().collect()
 }
 
 /// Checks the values of a load against each other.
@@ -134,8 +124,7 @@ const COLUMNS: [&str; 4] = ["cycles", "total", "standard_error", "numerical"];
 
 /// Reads `[[limit_states]]`; a threshold is of the kind of its output.
 pub(super) fn limit_states(file: &mut Section, outputs: &[OutputRow]) -> Vec<Option<LimitState>> {
-    let mut limit_states = Vec::new();
-    for (name, mut row) in file.rows("limit_states") {
+    file.each_row("limit_states", |name, row| {
         if COLUMNS.contains(&name) {
             let (value, reason) = (name.to_owned(), "it is a column of result files".to_owned());
             row.fault("name", FaultKind::BadName { value, reason });
@@ -147,13 +136,11 @@ pub(super) fn limit_states(file: &mut Section, outputs: &[OutputRow]) -> Vec<Opt
         let kind = output.and_then(|output| outputs[output].kind);
         // The outputs of a mechanism are sizes.
         let range = if declared { Range::Any } else { Range::Positive };
-        let sides = sides(&mut row, kind, range);
-        row.finish();
+        let sides = sides(row, kind, range);
         let state =
             |(output, (threshold, fails))| LimitState { name: name.to_owned(), output, threshold, fails };
-        limit_states.push(output.zip(sides).map(state));
-    }
-    limit_states
+        output.zip(sides).map(state)
+    })
 }
 
 /// Reads threshold and side of a limit state: `threshold` with `fails`, or `lower` and `upper`, outside of which it fails. A threshold

@@ -32,9 +32,7 @@ impl JointKind {
     /// What an ideal joint of one condition is, in words; `None` for the others.
     pub fn coupling(&self) -> Option<String> {
         let range = |table: &Table| {
-            let ends = [f64::INFINITY, f64::NEG_INFINITY];
-            let [low, high] =
-                table.value.iter().fold(ends, |[low, high], value| [low.min(*value), high.max(*value)]);
+            let [low, high] = table.range();
             format!("{:.3} to {:.3} mm", low * 1e3, high * 1e3)
         };
         Some(match self {
@@ -117,9 +115,9 @@ fn in_words(form: Form, value: &Value, scene: &Scene) -> String {
             [one] => format!("joint {}", scene.joints[one].name),
             _ => format!("{} joints", joints.len()),
         },
-        Value::WearQuantity(quantity) => quantity.description().to_owned(),
-        Value::ErrorMeasure(measure) => measure.description().to_owned(),
-        Value::ImpactMeasure(measure) => measure.description().to_owned(),
+        Value::WearQuantity(quantity) => quantity.explanation().to_owned(),
+        Value::ErrorMeasure(measure) => measure.explanation().to_owned(),
+        Value::ImpactMeasure(measure) => measure.explanation().to_owned(),
         Value::Held(None) => ", largest over the cycle".to_owned(),
         Value::Held(Some(HeldInput { body: held, angle })) => {
             // Without digits that come from rounding.

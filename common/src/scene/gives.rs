@@ -48,7 +48,6 @@ pub(super) fn gives(section: &mut Section) -> Option<Gives> {
         return None;
     }
     let tier = section.word("tier", &CycleTier::WORDS);
-    let journal = section.get("journal").map(|_| section.text("journal", "a folder"));
-    let journal = journal.map_or(Some(None), |folder| folder.map(|folder| Some(folder.to_owned())));
+    let journal = section.if_any("journal", |section, key| section.text(key, "a folder").map(str::to_owned));
     Some(Gives::Cycle(CycleProgram { tier: tier?, journal: journal? }))
 }

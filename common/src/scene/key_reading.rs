@@ -65,7 +65,7 @@ fn value(row: &mut Section, key: &Key, Named { bodies, joints }: Named) -> Optio
 /// The quantity of the wear that the word of a row states.
 fn wear_quantity(row: &Section) -> Option<WearQuantity> {
     let word = row.peek("type")?.as_str()?;
-    WearQuantity::ALL.into_iter().find(|quantity| quantity.word() == word)
+    WearQuantity::WORDS.into_iter().find(|(known, _)| *known == word).map(|(_, quantity)| quantity)
 }
 
 /// Reads a direction; of unit length.
@@ -86,17 +86,13 @@ fn curve_if_any(
     kind: Kind,
     bodies: &[BodyRow],
 ) -> Option<Option<Curve>> {
-    if row.get(key).is_none() {
-        return Some(None);
-    }
-    curve(row, key, kind, bodies).map(Some)
+    row.if_any(key, |row, key| curve(row, key, kind, bodies))
 }
 
 /// Reads the curve of a factor, if there is one; the outer `None` if it is faulty.
 fn factor(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<Option<Curve>> {
     let factor = curve_if_any(row, key, NUMBER, bodies)?;
-    let values = factor.iter().flat_map(|factor| &factor.table.value);
-    let least = values.copied().fold(f64::INFINITY, f64::min);
+    let least = factor.as_ref().map_or(0.0, |factor| factor.table.range()[0]);
     if least < 0.0 {
         row.out_of_range(&format!("{key}.value"), least.to_string(), ">= 0: a drag slows down");
         return None;

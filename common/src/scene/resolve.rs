@@ -6,19 +6,16 @@ use super::clearance::materials;
 use super::conditions::{ConditionRow, condition_rows};
 use super::context::{Context, Overrides};
 use super::correlations::{correlation_rows, correlations};
-use super::elements::{OutputRow, limit_states, loads, outputs};
+use super::elements::{limit_states, loads, outputs};
 use super::faults::{Fault, FaultKind, Faults};
-use super::joints::{JointRow, joints};
+use super::joints::joints;
 use super::life::life;
-use super::load::Load;
 use super::model::{ExternalSimulator, Life, LimitState, Scene, StudySettings};
 use super::quantity::{ACCELERATION, Quantity};
 use super::section::{COUNT_LIMIT, Section, VALUE_LIMIT};
-use super::simulator::{
-    CycleModel, cycle_model, declared_life, declared_output, declared_outputs, simulator,
-};
+use super::simulator::{Model, cycles, external, simulator};
 use super::variables::{Changes, MeasuredVariable, variable_rows, variables};
-use super::wear_model::{WearModel, wear_model};
+use super::wear_model::wear_model;
 use crate::accuracy::{AccuracyNameError, LevelsError, NamedAccuracy};
 use std::collections::{BTreeMap, BTreeSet};
 use toml::Table;
@@ -123,7 +120,8 @@ fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
 
 /// The parts of a scene, as far as they could be read.
 struct Parts {
-    head: Option<Head>,
+    /// Name, title, and whether the control points are a part of the model.
+    head: Option<(String, String, bool)>,
     /// The outer `None` for a mechanism, the inner one for a faulty simulator.
     simulator: Option<Option<ExternalSimulator>>,
     model: Model,
@@ -164,8 +162,8 @@ impl Parts {
 
     /// The scene, its variables and correlations still empty; none if a part is faulty.
     fn scene(self) -> Option<Scene> {
-        let Head { name, title, control_points_of_model } = self.head?;
-        let (study, Levels { accuracy, levels }) = self.study?;
+        let (name, title, control_points_of_model) = self.head?;
+        let (study, (accuracy, levels)) = self.study?;
         let Model { bodies, joints, loads, gravity, outputs, wear, life } = self.model;
         Some(Scene {
             name,
@@ -193,17 +191,6 @@ impl Parts {
     }
 }
 
-/// The model that is simulated and its outputs, as far as they could be read.
-struct Model {
-    bodies: Vec<BodyRow>,
-    joints: Vec<JointRow>,
-    loads: Vec<Load>,
-    gravity: Option<[f64; 2]>,
-    outputs: Vec<OutputRow>,
-    wear: Option<WearModel>,
-    life: Option<Life>,
-}
-
 /// Reads a mechanism.
 fn mechanism(file: &mut Section) -> Model {
     let materials = materials(file);
@@ -218,21 +205,6 @@ fn mechanism(file: &mut Section) -> Model {
     Model { bodies, joints, loads, gravity, outputs, wear, life }
 }
 
-/// Reads what an external simulator returns; its inside is not described.
-fn external(file: &mut Section) -> Model {
-    let life = declared_life(file);
-    let outputs = declared_outputs(file, |name, row| declared_output(name, row, life.as_ref()));
-    let (gravity, wear) = (Some([0.0; 2]), Some(WearModel::default()));
-    Model { bodies: vec![], joints: vec![], loads: vec![], gravity, outputs, wear, life }
-}
-
-/// Reads the joints that a program moves.
-fn cycles(file: &mut Section) -> Model {
-    let CycleModel { body, joints, outputs, life } = cycle_model(file);
-    let wear = wear_model(file, joints.iter().filter_map(|row| row.joint.as_ref()));
-    Model { bodies: vec![body], joints, loads: vec![], gravity: Some([0.0; 2]), outputs, wear, life }
-}
-
 /// Checks that all outputs at all checkpoints fit into a worker's message.
 fn check_size(file: &Section, life: &Life, outputs: usize) {
     let checkpoints = (life.cycles / life.checkpoint_every) as usize;
@@ -243,15 +215,8 @@ fn check_size(file: &Section, life: &Life, outputs: usize) {
     }
 }
 
-/// What `[scene]` says.
-struct Head {
-    name: String,
-    title: String,
-    control_points_of_model: bool,
-}
-
 /// Reads `[scene]`: name and title, and of a mechanism whether its control points are a part of the model.
-fn head(file: &mut Section) -> Option<Head> {
+fn head(file: &mut Section) -> Option<(String, String, bool)> {
     let simulator = file.get("simulator").map(|simulator| simulator.get("gives"));
     let has_joints = simulator.is_none_or(|gives| gives.is_some());
     let mut section = file.section("scene", "a table [scene] with name and title")?;
@@ -260,15 +225,11 @@ fn head(file: &mut Section) -> Option<Head> {
     let of_model =
         if has_joints { section.boolean_or("control_points_of_model", false) } else { Some(false) };
     section.finish();
-    Some(Head { name: name?.to_owned(), title: title?.to_owned(), control_points_of_model: of_model? })
+    Some((name?.to_owned(), title?.to_owned(), of_model?))
 }
 
 /// Accuracy of an evaluation, and the levels of a study by active learning.
-#[derive(Default)]
-struct Levels {
-    accuracy: NamedAccuracy,
-    levels: Vec<NamedAccuracy>,
-}
+type Levels = (NamedAccuracy, Vec<NamedAccuracy>);
 
 /// Reads `[study]`: defaults of a study of `variables` random variables, and the accuracies of a mechanism.
 fn study(file: &mut Section, simulates: bool, variables: usize) -> Option<(StudySettings, Levels)> {
@@ -314,14 +275,14 @@ fn levels(section: &mut Section) -> Option<Levels> {
         None
     };
     if !has_levels {
-        return Some(Levels { accuracy: single?, levels: vec![] });
+        return Some((single?, vec![]));
     }
     let names = section.texts("levels", LIST)?;
     let named = names.iter().map(|name| accuracy(section, "levels", name));
     let levels: Vec<NamedAccuracy> = named.collect::<Option<_>>()?;
     match LevelsError::of(&levels) {
         Some(error) => section.inconsistent("levels", error.to_string()),
-        None => return Some(Levels { accuracy: single.unwrap_or_else(|| levels[0].clone()), levels }),
+        None => return Some((single.unwrap_or_else(|| levels[0].clone()), levels)),
     }
     None
 }

@@ -77,9 +77,10 @@ impl<'s> Section<'s> {
         self.cx.wrong_type(&self.key(key), value, expected.into());
     }
 
-    /// A value of this table for a message: see [`Context::shown`].
-    pub(super) fn shown(&self, key: &str, written: &Value, value: f64, kind: Kind) -> String {
-        self.cx.shown(&self.key(key), written, value, kind)
+    /// Records that a quantity is not in the range that another one sets.
+    pub(super) fn refuse(&self, key: &str, value: f64, kind: Kind, allowed: String) {
+        let written = self.peek(key).expect("the value was read");
+        self.out_of_range(key, self.cx.shown(&self.key(key), written, value, kind), allowed);
     }
 
     /// Index of `name` among `known`, or a fault at `key` with the nearest of them.
@@ -186,6 +187,15 @@ impl<'s> Section<'s> {
         }
     }
 
+    /// What `read` makes of an optional key; the outer `None` if it is faulty.
+    pub(super) fn if_any<T>(
+        &mut self,
+        key: &'static str,
+        read: impl FnOnce(&mut Self, &'static str) -> Option<T>,
+    ) -> Option<Option<T>> {
+        if self.get(key).is_some() { read(self, key).map(Some) } else { Some(None) }
+    }
+
     /// An optional quantity; the outer `None` if it is faulty.
     pub(super) fn quantity_if_any(
         &mut self,
@@ -193,7 +203,7 @@ impl<'s> Section<'s> {
         kind: Kind,
         range: Range,
     ) -> Option<Option<f64>> {
-        if self.get(key).is_some() { self.quantity(key, kind, range).map(Some) } else { Some(None) }
+        self.if_any(key, |section, key| section.quantity(key, kind, range))
     }
 
     /// The value of any key, or of a part of it, as a quantity.

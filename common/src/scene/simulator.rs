@@ -12,12 +12,14 @@ use super::gives::gives;
 use super::joints::{JointRow, worn_joint};
 use super::key_reading::Named;
 use super::key_table::Form;
+use super::load::Load;
 use super::model::{
     Exchange, ExternalSimulator, FileExchange, Life, Motion, Program, SimulatorKind, UmBridgeModel,
 };
 use super::output::{Output, OutputKind};
 use super::quantity::TIME;
-use super::section::{CHECKPOINT_LIMIT, COUNT_LIMIT, Section};
+use super::section::{CHECKPOINT_LIMIT, COUNT_LIMIT, Section, record};
+use super::wear_model::{WearModel, wear_model};
 use std::path::{Component, Path};
 use toml::{Table, Value};
 
@@ -46,12 +48,14 @@ pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>>
             None
         }
     };
-    let timeout = section.quantity_or("timeout", TIME, Range::Positive, TIMEOUT);
-    let version = section.text_or("version", "a text, e.g. \"2024.1\"", "");
-    let gives = gives(&mut section);
+    let read = record!(ExternalSimulator {
+        kind: kind,
+        timeout: section.quantity_or("timeout", TIME, Range::Positive, TIMEOUT),
+        version: section.text_or("version", "a text, e.g. \"2024.1\"", "").map(str::to_owned),
+        gives: gives(&mut section),
+    });
     section.finish();
-    let version = version.map(str::to_owned);
-    Some((|| Some(ExternalSimulator { kind: kind?, timeout: timeout?, version: version?, gives: gives? }))())
+    Some(read)
 }
 
 fn program(section: &mut Section) -> Option<Program> {
@@ -143,7 +147,7 @@ fn umbridge(section: &mut Section) -> Option<UmBridgeModel> {
 }
 
 /// Reads `[life]` of a simulator: its checkpoints; a single one if there is no such table.
-pub(super) fn declared_life(file: &mut Section) -> Option<Life> {
+fn declared_life(file: &mut Section) -> Option<Life> {
     if file.get("life").is_none() {
         return Some(Life { period: 0.0, cycles: 1, checkpoint_every: 1, settle_cycles: 0, turn_of: None });
     }
@@ -159,27 +163,21 @@ pub(super) fn checkpoints(section: &mut Section) -> Option<Life> {
     let every = section.integer("checkpoint_every", 1..=COUNT_LIMIT, None);
     // Both fit: COUNT_LIMIT is below u32::MAX.
     let (cycles, checkpoint_every) = (cycles? as u32, every? as u32);
-    let allowed = if !cycles.is_multiple_of(checkpoint_every) {
-        format!("a multiple of checkpoint_every = {checkpoint_every}")
+    if !cycles.is_multiple_of(checkpoint_every) {
+        let allowed = format!("a multiple of checkpoint_every = {checkpoint_every}");
+        section.out_of_range("cycles", cycles.to_string(), allowed);
     } else if cycles / checkpoint_every > CHECKPOINT_LIMIT {
-        format!("at most {CHECKPOINT_LIMIT} checkpoints")
+        let allowed = format!("so long that cycles = {cycles} has at most {CHECKPOINT_LIMIT} checkpoints");
+        section.out_of_range("checkpoint_every", checkpoint_every.to_string(), allowed);
     } else {
         return Some(Life { period: 0.0, cycles, checkpoint_every, settle_cycles: 0, turn_of: None });
-    };
-    section.out_of_range("cycles", cycles.to_string(), allowed);
+    }
     None
 }
 
 /// Reads `[[outputs]]` of a simulator, each by `read`.
-pub(super) fn declared_outputs(
-    file: &mut Section,
-    read: impl Fn(&str, &mut Section) -> OutputRow,
-) -> Vec<OutputRow> {
-    let mut outputs = Vec::new();
-    for (name, mut row) in file.rows("outputs") {
-        outputs.push(read(name, &mut row));
-        row.finish();
-    }
+fn declared_outputs(file: &mut Section, read: impl Fn(&str, &mut Section) -> OutputRow) -> Vec<OutputRow> {
+    let outputs = file.each_row("outputs", read);
     if outputs.is_empty() {
         file.missing("outputs", "at least one output, e.g. [[outputs]] name = \"deflection\" unit = \"mm\"");
     }
@@ -187,7 +185,7 @@ pub(super) fn declared_outputs(
 }
 
 /// Reads an output over the `life` of a simulator, which may be faulty.
-pub(super) fn declared_output(name: &str, row: &mut Section, life: Option<&Life>) -> OutputRow {
+fn declared_output(name: &str, row: &mut Section, life: Option<&Life>) -> OutputRow {
     let unit = row.text_or("unit", "a unit, as it is to be shown", "");
     let values = match row.get("values") {
         None => Some(false),
@@ -235,34 +233,38 @@ pub(super) fn settle_folder(document: &mut Table, folder: Option<&Path>) -> bool
     true
 }
 
-/// What a scene says about the cycles of a program, as far as it could be read.
-pub(super) struct CycleModel {
-    pub(super) body: BodyRow,
+/// The model that is simulated and its outputs, as far as they could be read.
+pub(super) struct Model {
+    pub(super) bodies: Vec<BodyRow>,
     pub(super) joints: Vec<JointRow>,
+    pub(super) loads: Vec<Load>,
+    pub(super) gravity: Option<[f64; 2]>,
     pub(super) outputs: Vec<OutputRow>,
+    pub(super) wear: Option<WearModel>,
     pub(super) life: Option<Life>,
 }
 
-/// Reads joints, outputs and life of a program that gives cycles.
-pub(super) fn cycle_model(file: &mut Section) -> CycleModel {
+/// Reads what an external simulator returns; its inside is not described.
+pub(super) fn external(file: &mut Section) -> Model {
+    let life = declared_life(file);
+    let outputs = declared_outputs(file, |name, row| declared_output(name, row, life.as_ref()));
+    let (gravity, wear) = (Some([0.0; 2]), Some(WearModel::default()));
+    Model { bodies: vec![], joints: vec![], loads: vec![], gravity, outputs, wear, life }
+}
+
+/// Reads joints, outputs and life of a program that gives cycles, on the body that stands for the mechanism.
+pub(super) fn cycles(file: &mut Section) -> Model {
     let materials = materials(file);
-    let mut joints = Vec::new();
-    for (name, mut row) in file.rows("joints") {
-        joints.push(worn_joint(&mut row, name, &materials));
-        row.finish();
-    }
+    let joints = file.each_row("joints", |name, row| worn_joint(row, name, &materials));
     if joints.is_empty() {
         file.missing("joints", "at least one joint that wears, [[joints]]");
     }
     let life = life(file);
     let outputs = outputs(file, &joints);
-    let body = BodyRow {
-        name: "mechanism".to_owned(),
-        word: Some(MotionWord::Fixed),
-        motion: Some(Motion::Fixed),
-        points: vec![],
-    };
-    CycleModel { body, joints, outputs, life }
+    let (word, motion) = (Some(MotionWord::Fixed), Some(Motion::Fixed));
+    let body = BodyRow { name: "mechanism".to_owned(), word, motion, points: vec![] };
+    let wear = wear_model(file, joints.iter().filter_map(|row| row.joint.as_ref()));
+    Model { bodies: vec![body], joints, loads: vec![], gravity: Some([0.0; 2]), outputs, wear, life }
 }
 
 fn life(file: &mut Section) -> Option<Life> {

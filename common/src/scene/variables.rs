@@ -9,7 +9,7 @@ use super::expression::read_unit;
 use super::faults::{FaultKind, in_first_unit};
 use super::quantity::{Dimension, Kind, Quantity};
 use super::quantity_list::quantity_list;
-use super::section::Section;
+use super::section::{Section, record};
 use super::variable_law::WrittenLaw;
 use crate::random::{Distribution, Family, FitError, RandomVariable};
 use std::collections::BTreeMap;
@@ -81,36 +81,31 @@ pub(super) enum Changes {
 
 /// Reads `[[variables]]` as written; variables without keys that they change are inputs of an external simulator.
 pub(super) fn variable_rows(file: &mut Section, may_change: Changes) -> Vec<VariableRow> {
-    let mut rows = Vec::new();
-    for (name, mut row) in file.rows("variables") {
+    let rows = file.each_row("variables", |name, row| {
         let is_input = match may_change {
             Changes::Required => false,
             Changes::Optional => row.get("changes").is_none(),
             Changes::None => true,
         };
-        let changes = if is_input { Some(vec![]) } else { changes(&mut row) };
-        let unit = row.get("unit").map(|_| row.text("unit", "a unit, e.g. \"mm\""));
-        let law = VariableLaw::read(&mut row);
-        row.finish();
-        rows.extend((|| {
-            let changes = changes?.into_iter().map(str::to_owned).collect();
-            let unit = unit.map(|unit| unit.map(str::to_owned)).map_or(Some(None), |unit| unit.map(Some))?;
-            Some(VariableRow { name: name.to_owned(), changes, unit, law: law? })
-        })());
-    }
-    rows
+        record!(VariableRow {
+            name: Some(name.to_owned()),
+            changes: if is_input { Some(vec![]) } else { changes(row) },
+            unit: row.if_any("unit", |row, key| row.text(key, "a unit, e.g. \"mm\"").map(str::to_owned)),
+            law: VariableLaw::read(row),
+        })
+    });
+    rows.into_iter().flatten().collect()
 }
 
 /// The keys that a variable changes.
-fn changes<'s>(row: &mut Section<'s>) -> Option<Vec<&'s str>> {
-    let changes = row.texts("changes", "a list of keys, e.g. [\"parameters.rod_length\"]");
-    if changes.as_ref().is_some_and(Vec::is_empty) {
-        row.inconsistent(
-            "changes",
-            "is empty: the variable would change nothing; give the keys that it sets",
-        );
+fn changes(row: &mut Section) -> Option<Vec<String>> {
+    let changes = row.texts("changes", "a list of keys, e.g. [\"parameters.rod_length\"]")?;
+    if changes.is_empty() {
+        let message = "is empty: the variable would change nothing; give the keys that it sets";
+        row.inconsistent("changes", message);
+        return None;
     }
-    changes.filter(|changes| !changes.is_empty())
+    Some(changes.into_iter().map(str::to_owned).collect())
 }
 
 /// Gives the variables their distributions, from the nominal values `seen` at the keys they change, and their measured samples if they
