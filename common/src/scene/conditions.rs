@@ -5,7 +5,7 @@
 
 use super::context::{Overrides, Range};
 use super::model::Life;
-use super::quantity::NUMBER;
+use super::quantity::{NUMBER, Quantity};
 use super::section::Section;
 use toml::Value;
 
@@ -55,10 +55,10 @@ fn read_changes(changes: &Section, key: &str, value: &Value, found: &mut Overrid
         cx.inconsistent(path, "conditions change what a cycle depends on, not limit states or conditions");
         return;
     }
-    let Some(kind) = cx.kind_of(key) else {
+    let Some(kind) = cx.seen.borrow().get(key).map(Quantity::kind) else {
         // After another fault, a quantity may be unread only because of it.
         if cx.fault_count() == 0 {
-            cx.unknown_quantity(&path, key);
+            cx.reference(&path, "quantity", key, cx.seen.borrow().keys().map(String::as_str));
         }
         return;
     };

@@ -33,13 +33,11 @@ pub(super) struct JointRow {
 /// Reads `[[joints]]`; a faulty joint keeps its row.
 pub(super) fn joints(file: &mut Section, bodies: &[BodyRow], materials: &[MaterialRow]) -> Vec<JointRow> {
     let mut joints = Vec::new();
-    let defaults = match file.get(DEFAULTS) {
-        Some(value) if !value.is_table() => {
-            file.wrong_type(DEFAULTS, value, "a table of keys of joints with clearance");
-            None
-        }
-        value => value.and_then(toml::Value::as_table),
-    };
+    let given = file.get(DEFAULTS);
+    let defaults = given.and_then(toml::Value::as_table);
+    if let Some(value) = given.filter(|value| !value.is_table()) {
+        file.wrong_type(DEFAULTS, value, "a table of keys of joints with clearance");
+    }
     let mut known: Vec<&'static str> = Vec::new();
     for (name, mut row) in file.rows("joints") {
         if row.peek("type").and_then(toml::Value::as_str) == Some("clearance") {
@@ -100,11 +98,16 @@ fn joint(
     {
         row.inconsistent_table(format!("{first} and {second} are on the same body"));
     }
-    let joint = kind.zip(friction).zip(journal.zip(bushing));
-    let name = name.to_owned();
-    let joint =
-        joint.map(|((kind, friction), (journal, bushing))| Joint { name, journal, bushing, kind, friction });
-    (unworn, joint)
+    let read = || {
+        Some(Joint {
+            name: name.to_owned(),
+            journal: journal?,
+            bushing: bushing?,
+            kind: kind?,
+            friction: friction?,
+        })
+    };
+    (unworn, read())
 }
 
 /// The place of both sides of every joint, on the body that stands for the mechanism.

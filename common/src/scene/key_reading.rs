@@ -31,11 +31,7 @@ fn value(row: &mut Section, key: &Key, Named { bodies, joints }: Named) -> Optio
         Form::FreePlace => free_place(row, bodies)?.into(),
         Form::Body => body(row, name, bodies)?.into(),
         Form::FreeBody => free_body(row, bodies)?.into(),
-        Form::DrivenBody => {
-            let body = body(row, name, bodies)?;
-            moves(row, name, bodies, body, MotionWord::Driven, "driven")?;
-            body.into()
-        }
+        Form::DrivenBody => driven_body(row, name, bodies)?.into(),
         Form::SignedBody => signed_body(row, name, bodies)?.into(),
         Form::Direction => direction(row, name)?.into(),
         Form::Pair(kind) => row.pair(name, kind)?.into(),
@@ -101,21 +97,28 @@ fn factor(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<Op
 }
 
 /// Reads a place on a free body.
-pub(super) fn free_place(row: &mut Section, bodies: &[BodyRow]) -> Option<Attachment> {
+fn free_place(row: &mut Section, bodies: &[BodyRow]) -> Option<Attachment> {
     let at = place(row, "at", bodies)?;
     moves(row, "at", bodies, at.body, MotionWord::Free, "free")?;
     Some(at)
 }
 
 /// Reads the name of a free body.
-pub(super) fn free_body(row: &mut Section, bodies: &[BodyRow]) -> Option<usize> {
+fn free_body(row: &mut Section, bodies: &[BodyRow]) -> Option<usize> {
     let found = body(row, "body", bodies)?;
     moves(row, "body", bodies, found, MotionWord::Free, "free")?;
     Some(found)
 }
 
+/// Reads the name of a driven body.
+fn driven_body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<usize> {
+    let found = body(row, key, bodies)?;
+    moves(row, key, bodies, found, MotionWord::Driven, "driven")?;
+    Some(found)
+}
+
 /// Checks that the body moves in the way that the output requires.
-pub(super) fn moves(
+fn moves(
     row: &Section,
     key: &str,
     bodies: &[BodyRow],
@@ -135,24 +138,18 @@ pub(super) fn moves(
 
 /// Reads where the drives are held, if that is given: `input_angle`, and `input` unless there is only one driven body; the outer `None` if it
 /// is faulty.
-pub(super) fn held_input(row: &mut Section, bodies: &[BodyRow]) -> Option<Option<HeldInput>> {
-    let named = row.get("input").is_some();
-    let input = match named {
-        true => body(row, "input", bodies).and_then(|found| {
-            moves(row, "input", bodies, found, MotionWord::Driven, "driven").map(|()| found)
-        }),
-        false => None,
-    };
+fn held_input(row: &mut Section, bodies: &[BodyRow]) -> Option<Option<HeldInput>> {
+    let input = row.if_any("input", |row, key| driven_body(row, key, bodies));
     if row.get("input_angle").is_none() {
-        if named {
+        if row.get("input").is_some() {
             row.missing("input_angle", "an angle at which the input is held");
             return None;
         }
         return Some(None);
     }
     let angle = row.quantity("input_angle", ANGLE, Range::Any);
-    if named {
-        return Some(Some(HeldInput { body: input?, angle: angle? }));
+    if let Some(body) = input? {
+        return Some(Some(HeldInput { body, angle: angle? }));
     }
     let mut driven = (0..bodies.len()).filter(|&body| bodies[body].word == Some(MotionWord::Driven));
     match (driven.next(), driven.next()) {
@@ -169,7 +166,7 @@ pub(super) fn held_input(row: &mut Section, bodies: &[BodyRow]) -> Option<Option
 }
 
 /// Reads a body `{ body, sign, label }`.
-pub(super) fn signed_body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<SignedBody> {
+fn signed_body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<SignedBody> {
     let mut section = row.section(key, "a body { body, sign, label }")?;
     let name = section.text("body", "the name of a body");
     let sign = section.integer("sign", -1..=1, Some(1));
@@ -183,12 +180,8 @@ pub(super) fn signed_body(row: &mut Section, key: &'static str, bodies: &[BodyRo
 }
 
 /// Reads the joints of an output of this quantity: by default all that wear.
-pub(super) fn worn_joints(
-    row: &mut Section,
-    quantity: WearQuantity,
-    joints: &[JointRow],
-) -> Option<Vec<usize>> {
-    let has = |i: &usize| wearing(&joints[*i]).is_none_or(|of| has_quantity(quantity, of.surfaces));
+fn worn_joints(row: &mut Section, quantity: WearQuantity, joints: &[JointRow]) -> Option<Vec<usize>> {
+    let has = |i: &usize| wearing(&joints[*i]).is_none_or(|(surfaces, ..)| has_quantity(quantity, surfaces));
     let chosen: Vec<usize> = match row.get("joints") {
         None => (0..joints.len()).filter(|&i| joints[i].unworn.is_none()).filter(has).collect(),
         Some(_) => chosen_joints(row, joints)?,
@@ -198,7 +191,7 @@ pub(super) fn worn_joints(
         let reason = match joint.unworn {
             Some(reason) => format!("{reason} and does not wear"),
             None if !has(&i) => {
-                let wears = wearing(joint).map_or("", |of| of.word);
+                let wears = wearing(joint).map_or("", |(_, word, _)| word);
                 format!("has wears = \"{wears}\"")
             }
             None => continue,
@@ -208,9 +201,8 @@ pub(super) fn worn_joints(
         row.inconsistent("joints", format!("joint \"{}\" {reason}{there_are}", joint.name));
     }
     // An override may set a wear coefficient to 0, to see the mechanism in its new state.
-    let no_wear = |&i: &usize| match wearing(&joints[i]) {
-        Some(of) => of.coefficients == [0.0; 2] && row.cx.as_written(),
-        None => false,
+    let no_wear = |&i: &usize| {
+        wearing(&joints[i]).is_some_and(|(.., coefficients)| coefficients == [0.0; 2] && row.cx.as_written())
     };
     if chosen.is_empty() && joints.iter().any(|joint| joint.unworn.is_none()) {
         let surface = quantity.surface();
@@ -235,34 +227,21 @@ fn has_quantity(quantity: WearQuantity, wears: WearingSurfaces) -> bool {
     }
 }
 
-/// What wears of a joint.
-struct Wearing {
-    surfaces: WearingSurfaces,
-    /// Word for these surfaces in the scene.
-    word: &'static str,
-    /// Wear coefficients of both surfaces `(2,)` [1/Pa].
-    coefficients: [f64; 2],
-}
-
-/// What wears of a joint that may wear and is not faulty.
-fn wearing(joint: &JointRow) -> Option<Wearing> {
-    match joint.joint.as_ref().map(|joint| &joint.kind) {
-        Some(JointKind::Clearance(clearance)) => Some(Wearing {
-            surfaces: clearance.wears,
-            word: clearance.wears.name(),
-            coefficients: clearance.wear_coefficients(),
-        }),
-        Some(JointKind::Guide(guide)) => guide.wear.as_ref().map(|wear| Wearing {
-            surfaces: wear.wears,
-            word: wear.wears.guide_name(),
-            coefficients: wear.coefficients(),
-        }),
+/// Surfaces that may wear of a joint that is not faulty, their word in the scene, and the wear coefficients of both `(2,)` [1/Pa].
+fn wearing(joint: &JointRow) -> Option<(WearingSurfaces, &'static str, [f64; 2])> {
+    match &joint.joint.as_ref()?.kind {
+        JointKind::Clearance(clearance) => {
+            Some((clearance.wears, clearance.wears.name(), clearance.wear_coefficients()))
+        }
+        JointKind::Guide(guide) => {
+            guide.wear.as_ref().map(|wear| (wear.wears, wear.wears.guide_name(), wear.coefficients()))
+        }
         _ => None,
     }
 }
 
 /// Reads joints and guides with clearance, by default all of them.
-pub(super) fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
+fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
     let has_clearance = |joint: &JointRow| {
         // The kind of a faulty joint may be unknown; that fault has been recorded.
         let joint = joint.joint.as_ref();

@@ -39,14 +39,7 @@ struct Found<'t> {
     file: &'t str,
     /// Text of the file.
     source: &'t str,
-    /// Bytes of the key.
-    key: Range<usize>,
-    /// Bytes of the value.
-    value: Range<usize>,
-    /// The value if it is a text.
-    text: Option<String>,
-    /// True if the whole path was found.
-    whole: bool,
+    trace: Trace,
 }
 
 impl Found<'_> {
@@ -65,7 +58,7 @@ impl Layers {
     /// The place of a key, or of the last part of its path that is in a text.
     pub(super) fn location(&self, key: &str) -> Option<Location> {
         let found = find(&self.parsed(), key)?;
-        Some(found.location(found.value.clone()))
+        Some(found.location(found.trace.value.clone()))
     }
 
     fn parsed(&self) -> Vec<ParsedLayer<'_>> {
@@ -78,26 +71,20 @@ impl Layers {
 fn find<'t>(layers: &[ParsedLayer<'t>], path: &str) -> Option<Found<'t>> {
     // Merged rows have other numbers than those of one file.
     let numbered_rows = layers.len() == 1;
-    let mut best: Option<(usize, Found)> = None;
-    for ParsedLayer { layer, document } in layers {
-        let in_csv = layer.imported.iter().find_map(|column| Some((column, column.span(path)?)));
-        if let Some((column, span)) = in_csv
-            && best.as_ref().is_none_or(|(length, _)| *length < path.len())
-        {
-            let (file, source) = (column.file.as_str(), column.text.as_str());
-            let place = Found { file, source, key: span.clone(), value: span, text: None, whole: true };
-            best = Some((path.len(), place));
-            continue;
-        }
-        let Some(found) = trace(document.get_ref(), path, numbered_rows) else { continue };
-        if best.as_ref().is_none_or(|(length, _)| found.found > *length) {
-            let text = found.text.map(str::to_owned);
-            let (file, source) = (layer.file.as_str(), layer.text.as_str());
-            let place = Found { file, source, key: found.key, value: found.value, text, whole: found.whole };
-            best = Some((found.found, place));
-        }
-    }
-    best.map(|(_, place)| place)
+    let place = |ParsedLayer { layer, document }: &ParsedLayer<'t>| {
+        let in_csv = layer.imported.iter().find_map(|column| {
+            let (key, found) = (column.span(path)?, path.len());
+            let trace = Trace { value: key.clone(), key, text: None, found, whole: true };
+            Some(Found { file: &column.file, source: &column.text, trace })
+        });
+        in_csv.or_else(|| {
+            let trace = trace(document.get_ref(), path, numbered_rows)?;
+            Some(Found { file: &layer.file, source: &layer.text, trace })
+        })
+    };
+    let longer =
+        |best: Found<'t>, other: Found<'t>| if other.trace.found > best.trace.found { other } else { best };
+    layers.iter().filter_map(place).reduce(longer)
 }
 
 fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
@@ -115,15 +102,16 @@ fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
     let used = found.location(span_of(&found, &fault.kind));
     if let FaultKind::Duplicate { what, value } = &fault.kind {
         let first = find(layers, &format!("{what}.{value}"));
-        fault.used_at = first.map(|first| Box::new(first.location(first.value.clone())));
+        fault.used_at = first.map(|first| Box::new(first.location(first.trace.value.clone())));
     }
-    let location = match definition(layers, &found).filter(|_| found.whole && fault.kind.is_of_a_value()) {
-        Some(definition) => {
-            fault.used_at = Some(Box::new(used));
-            definition.location(definition.value.clone())
-        }
-        None => used,
-    };
+    let location =
+        match definition(layers, &found).filter(|_| found.trace.whole && fault.kind.is_of_a_value()) {
+            Some(definition) => {
+                fault.used_at = Some(Box::new(used));
+                definition.location(definition.trace.value.clone())
+            }
+            None => used,
+        };
     fault.file.clone_from(&location.file);
     fault.location = Some(Box::new(location));
     fault
@@ -132,18 +120,18 @@ fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
 /// The bytes to point at: an unknown key itself, a key that cannot be a name, the piece of an expression that cannot be read, otherwise the value.
 fn span_of(found: &Found, kind: &FaultKind) -> Range<usize> {
     match kind {
-        FaultKind::UnknownKey { .. } if found.whole => found.key.clone(),
-        FaultKind::BadName { value, .. } if is_key(found, value) => found.key.clone(),
-        FaultKind::Expression { piece: Some(piece), .. } if found.whole => {
-            piece_in(found.source, &found.value, piece).unwrap_or_else(|| found.value.clone())
+        FaultKind::UnknownKey { .. } if found.trace.whole => found.trace.key.clone(),
+        FaultKind::BadName { value, .. } if is_key(found, value) => found.trace.key.clone(),
+        FaultKind::Expression { piece: Some(piece), .. } if found.trace.whole => {
+            piece_in(found.source, &found.trace.value, piece).unwrap_or_else(|| found.trace.value.clone())
         }
-        _ => found.value.clone(),
+        _ => found.trace.value.clone(),
     }
 }
 
 /// Whether the key of a place is this name, in quotes or without.
 fn is_key(found: &Found, name: &str) -> bool {
-    found.source.get(found.key.clone()).is_some_and(|key| key.trim_matches(['"', '\'']) == name)
+    found.source.get(found.trace.key.clone()).is_some_and(|key| key.trim_matches(['"', '\'']) == name)
 }
 
 /// The first place of a piece in a part of a text where it is no part of a longer word.
@@ -160,15 +148,15 @@ fn piece_in(text: &str, part: &Range<usize>, piece: &str) -> Option<Range<usize>
 
 /// The definition of the parameter that a value consists of, through parameters that consist of one again.
 fn definition<'t>(layers: &[ParsedLayer<'t>], value: &Found) -> Option<Found<'t>> {
-    let mut name = value.text.clone();
+    let mut name = value.trace.text.clone();
     let mut definition = None;
     for _ in 0..ALIAS_LIMIT {
         // A plain number names no other parameter.
         let Some(parameter) = name.as_deref().map(str::trim).filter(|name| !name.is_empty()) else { break };
-        let Some(found) = find(layers, &format!("parameters.{parameter}")).filter(|f| f.whole) else {
+        let Some(found) = find(layers, &format!("parameters.{parameter}")).filter(|f| f.trace.whole) else {
             break;
         };
-        name.clone_from(&found.text);
+        name.clone_from(&found.trace.text);
         definition = Some(found);
     }
     definition
@@ -176,21 +164,21 @@ fn definition<'t>(layers: &[ParsedLayer<'t>], value: &Found) -> Option<Found<'t>
 
 /// How far a path leads into a text.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Trace<'t> {
+struct Trace {
     /// Bytes of the key of the last part that was found; those of the whole list or table for a row.
-    pub(super) key: Range<usize>,
+    key: Range<usize>,
     /// Bytes of its value; of a row of a list those of its name, if it has one.
-    pub(super) value: Range<usize>,
+    value: Range<usize>,
     /// The value if it is a text.
-    pub(super) text: Option<&'t str>,
+    text: Option<String>,
     /// Number of bytes of the path that were found.
-    pub(super) found: usize,
+    found: usize,
     /// True if all of it was found.
-    pub(super) whole: bool,
+    whole: bool,
 }
 
 /// Follows `path`; none if not even its first part is there. Rows by number are followed only if `numbered_rows`.
-pub(super) fn trace<'t>(document: &'t DeTable<'_>, path: &str, numbered_rows: bool) -> Option<Trace<'t>> {
+fn trace(document: &DeTable<'_>, path: &str, numbered_rows: bool) -> Option<Trace> {
     let (key, mut value, mut rest) = in_table(document, path)?;
     let mut key_span = key.span();
     let mut is_row = false;
@@ -210,7 +198,7 @@ pub(super) fn trace<'t>(document: &'t DeTable<'_>, path: &str, numbered_rows: bo
     Some(Trace {
         key: key_span,
         value: name.map_or_else(|| value.span(), Spanned::span),
-        text: value.get_ref().as_str(),
+        text: value.get_ref().as_str().map(str::to_owned),
         found: path.len() - rest.len(),
         whole: rest.is_empty(),
     })

@@ -99,7 +99,7 @@ pub use reference::published_results;
 pub use section::{Section, VALUE_LIMIT};
 pub use simulator::REQUEST_FILE;
 pub use source::SceneSource;
-pub use variable_law::{DEFAULT_LAW, laws};
+pub use variable_law::{DEFAULT_LAW, LAWS};
 pub use variables::MeasuredVariable;
 pub use warnings::Warning;
 pub use wear_model::{BlockStep, BoreSpline, WearDistribution, WearModel};

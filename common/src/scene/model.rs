@@ -302,13 +302,9 @@ impl LimitState {
     pub fn middle(&self) -> Option<f64> {
         match self.fails {
             Fails::Above | Fails::Below => None,
-            Fails::Outside { lower } => Some(middle(lower, self.threshold)),
+            Fails::Outside { lower } => Some(0.5 * (lower + self.threshold)),
         }
     }
-}
-
-fn middle(lower: f64, upper: f64) -> f64 {
-    0.5 * (lower + upper)
 }
 
 /// The cycle, and the number of cycles of a life.

@@ -5,7 +5,7 @@ use super::body_row::BodyRow;
 use super::clearance::materials;
 use super::conditions::{ConditionRow, condition_rows};
 use super::context::{Context, Overrides};
-use super::correlations::{correlation_rows, correlations};
+use super::correlations::correlations;
 use super::elements::{limit_states, loads, outputs};
 use super::faults::{Fault, FaultKind, Faults};
 use super::joints::joints;
@@ -14,7 +14,7 @@ use super::model::{ExternalSimulator, Life, LimitState, Scene, StudySettings};
 use super::quantity::{ACCELERATION, Quantity};
 use super::section::{COUNT_LIMIT, Section, VALUE_LIMIT};
 use super::simulator::{Model, cycles, external, simulator};
-use super::variables::{Changes, MeasuredVariable, variable_rows, variables};
+use super::variables::{Changed, Changes, MeasuredVariable, variables};
 use super::wear_model::wear_model;
 use crate::accuracy::{AccuracyNameError, LevelsError, NamedAccuracy};
 use std::collections::{BTreeMap, BTreeSet};
@@ -54,43 +54,35 @@ pub(super) fn resolve(
     }
     let variables_written = document.get("variables").and_then(toml::Value::as_array).map_or(0, Vec::len);
     let parts = Parts::read(&mut file, variables_written);
-    let mut rows = variable_rows(&mut file, parts.changes());
-    let correlation_rows = correlation_rows(&mut file);
-    if !rows.is_empty() && parts.limit_states.is_empty() {
-        file.missing("limit_states", "at least one limit state for a study");
-    }
-    // The parameters of a variable or a correlation are no quantities of the scene that an override could set.
-    cx.forget(|key| key.starts_with("variables.") || key.starts_with("correlations["));
     let conditions = match parts.simulator {
         None => condition_rows(&mut file, parts.model.life.as_ref()),
         Some(_) => Vec::new(),
     };
+    // The parameters of a variable or a correlation are no quantities of the scene that an override could set.
+    let seen = cx.seen.take();
+    let scene = Changed { may: parts.changes(), seen: &seen, is_faulty: cx.fault_count() > 0 };
+    let (mut read, mut correlated) = (vec![], vec![]);
+    if with_variables {
+        read = variables(&mut file, scene);
+        correlated = correlations(&mut file, &read, scene.is_faulty);
+        if !read.is_empty() && parts.limit_states.is_empty() {
+            file.missing("limit_states", "at least one limit state for a study");
+        }
+    } else {
+        let _ = (file.get("variables"), file.get("correlations"));
+    }
     file.finish();
     // After another fault, a key may be unread only because of it.
     if cx.fault_count() == 0 {
-        cx.check_overrides();
+        cx.check_overrides(&seen);
     }
-    let seen = cx.take_seen();
-    let scene = parts.scene().filter(|_| cx.fault_count() == 0);
-    match &scene {
-        Some(_) if !with_variables => rows.clear(),
-        Some(_) => {}
-        // Faults of the variables whose nominal values could be read.
-        None => rows.retain(|row| row.changes.iter().all(|key| seen.contains_key(key))),
-    }
-    let (variables, measured): (Vec<_>, Vec<_>) = variables(&cx, &rows, &seen).into_iter().unzip();
-    let correlations = match &scene {
-        Some(_) if with_variables => {
-            let names: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
-            correlations(&cx, &correlation_rows, &names, &variables)
-        }
-        _ => vec![],
-    };
-    let used = cx.used_parameters();
-    match scene {
+    match parts.scene() {
         Some(scene) if cx.fault_count() == 0 => {
-            let scene = Scene { variables, correlations, ..scene };
+            let (variables, measured): (Vec<_>, Vec<_>) =
+                read.into_iter().filter_map(|(_, read)| read).unzip();
+            let scene = Scene { variables, correlations: correlated, ..scene };
             let measured = measured.into_iter().flatten().collect();
+            let used = cx.parameters.borrow().used();
             Ok(Resolved { scene, conditions, measured, seen, used })
         }
         _ => Err(Faults(without_followers(cx.take_faults()))),

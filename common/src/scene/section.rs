@@ -49,7 +49,7 @@ impl<'s> Section<'s> {
 
     /// Records faults of another file, which have their places.
     pub fn faults_elsewhere(&self, faults: Faults) {
-        self.cx.extend_faults(faults);
+        self.cx.faults.borrow_mut().extend(faults.0);
     }
 
     /// Records that the value of a key contradicts something.
