@@ -4,8 +4,7 @@
 //! | file | content |
 //! |---|---|
 //! | `slot` | a slot evaluates one sample at a time; the signal that stops it |
-//! | `executable` | the program of a command |
-//! | `guard` | ends a process group with the process that started it, or without contact |
+//! | `guard` | finds the program of a command; ends a process group with the process that started it, or without contact |
 //! | `process` | a process with its process group: lines in and out, time limit, kill |
 //! | `reply`, `results_file` | what programs write and read, checked against the scene |
 //! | `working_folder` | one run of a program in a folder, with files in and out; templates |
@@ -20,7 +19,6 @@ mod cycle_reply;
 mod cycle_reply_tests;
 mod cycle_slot;
 mod error;
-mod executable;
 mod guard;
 mod identity;
 mod joint_cycle;

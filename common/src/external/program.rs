@@ -7,7 +7,7 @@
 //! time limit is killed and replaced; a process that exits is replaced and gets the request once more.
 
 use super::error::SimulatorError;
-use super::executable::check_executable;
+use super::guard::check_executable;
 use super::process::{LineError, Process};
 use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::results_file::{self, of_object};

@@ -16,13 +16,15 @@ pub(super) fn document(text: &str, origin: &str) -> Result<Table, Faults> {
         }
         let location = Location::new(origin, text, span);
         let advice = advice(&location).map(|advice| format!("; {advice}")).unwrap_or_default();
-        let kind = FaultKind::Syntax {
-            line: location.line,
-            column: location.column,
-            message: format!("{}{advice}", error.message().trim_end()),
-        };
-        Faults(vec![Fault { location: Some(Box::new(location)), ..Fault::new(origin, "", kind) }])
+        Faults(vec![syntax(location, format!("{}{advice}", error.message().trim_end()))])
     })
+}
+
+/// A fault of syntax at a place.
+fn syntax(location: Location, message: String) -> Fault {
+    let kind = FaultKind::Syntax { line: location.line, column: location.column, message };
+    let file = location.file.clone();
+    Fault { location: Some(Box::new(location)), ..Fault::new(file, "", kind) }
 }
 
 /// What was meant, if a number stands before the fault: a decimal comma, or a unit outside of quotes.
@@ -54,7 +56,7 @@ const LISTS: [&str; 8] =
 
 /// The fault of a key or the head of a table at `span` that the text has twice, with its first place; where the first head of a list
 /// has one bracket instead of two, that is the fault.
-pub(super) fn duplicate_key(text: &str, origin: &str, span: Range<usize>) -> Faults {
+fn duplicate_key(text: &str, origin: &str, span: Range<usize>) -> Faults {
     let line_start = |at: usize| text[..at].rfind('\n').map_or(0, |end| end + 1);
     let lines_before = |end: usize| {
         let mut at = 0;
@@ -64,13 +66,7 @@ pub(super) fn duplicate_key(text: &str, origin: &str, span: Range<usize>) -> Fau
             (at - line.len() + indent, line.trim())
         })
     };
-    let fault = |span: Range<usize>, message: String| {
-        let location = Location::new(origin, text, span);
-        let (line, column) = (location.line, location.column);
-        let mut fault = Fault::new(origin, "", FaultKind::Syntax { line, column, message });
-        fault.location = Some(Box::new(location));
-        fault
-    };
+    let fault = |span: Range<usize>, message| syntax(Location::new(origin, text, span), message);
     let start = line_start(span.start);
     let head = text[start..line_end(text, span.start)].trim();
     let inside = head.trim_start_matches('[').trim_start();

@@ -150,7 +150,7 @@ const PARAMETERS: [&str; 9] =
 const VALUES: [&str; 3] = ["at", "value", "values"];
 
 /// Merges `over` into `base`, in place.
-pub(super) fn merge(base: &mut Table, over: Table) {
+fn merge(base: &mut Table, over: Table) {
     if VALUES.iter().any(|key| over.contains_key(*key)) {
         base.remove(SOURCE);
     }
@@ -168,27 +168,18 @@ pub(super) fn merge(base: &mut Table, over: Table) {
 }
 
 /// Removes a key, or a row of a list of named tables, by its path, e.g. `loads.push`: false if there is none.
-pub(super) fn leave_out(base: &mut Table, path: &str) -> bool {
-    let (first, rest) = match path.split_once('.') {
-        Some((first, rest)) => (first, Some(rest)),
-        None => (path, None),
-    };
-    let Some(rest) = rest else { return base.remove(first).is_some() };
+fn leave_out(base: &mut Table, path: &str) -> bool {
+    let Some((first, rest)) = path.split_once('.') else { return base.remove(path).is_some() };
     match base.get_mut(first) {
         Some(Value::Table(inner)) => leave_out(inner, rest),
         Some(Value::Array(rows)) => {
-            let (row, rest) = match rest.split_once('.') {
-                Some((row, rest)) => (row, Some(rest)),
-                None => (rest, None),
-            };
+            let (row, below) = rest.split_once('.').unwrap_or((rest, ""));
             let Some(place) = rows.iter().position(|other| name(other) == Some(row)) else { return false };
-            match rest {
-                None => {
-                    rows.remove(place);
-                    true
-                }
-                Some(rest) => rows[place].as_table_mut().is_some_and(|row| leave_out(row, rest)),
+            if row == rest {
+                rows.remove(place);
+                return true;
             }
+            rows[place].as_table_mut().is_some_and(|row| leave_out(row, below))
         }
         _ => false,
     }

@@ -11,7 +11,7 @@
 //! | faults | [`faults`], `location`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
 //! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `section_tables`, `input` | one pass over the file that records every fault |
 //! | readers | `bodies`, `shape`, `joints`, `clearance`, `key_reading`, `elements`, `tables`, `life`, `simulator`, `variables`, `variable_law`, `correlations`, `conditions` | one part of a file each |
-//! | whole | `resolve`, `conditioned`, `edit`, `warnings`, `builtin`, `reference`, [`source`], `setting` | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples; values set by name |
+//! | whole | `resolve`, `conditioned`, `edit`, `warnings`, `builtin`, [`source`], `setting` | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples; values set by name |
 
 mod bodies;
 mod body_row;
@@ -57,7 +57,6 @@ mod output_values;
 mod parameters;
 pub mod quantity;
 mod quantity_list;
-mod reference;
 mod resolve;
 mod section;
 mod section_tables;
@@ -95,10 +94,9 @@ pub use model::{
 pub use output::{Output, OutputKind};
 pub use output_unit::OutputUnit;
 pub use output_values::{Attachment, ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
-pub use reference::published_results;
 pub use section::{Section, VALUE_LIMIT};
 pub use simulator::REQUEST_FILE;
-pub use source::SceneSource;
+pub use source::{SceneSource, published_results};
 pub use variable_law::{DEFAULT_LAW, LAWS};
 pub use variables::MeasuredVariable;
 pub use warnings::Warning;

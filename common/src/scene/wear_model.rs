@@ -50,7 +50,6 @@ impl BlockStep {
 
 /// Choices of the wear model; the default is what this program recommends, the others are there to compute as published.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
 pub struct WearModel {
     /// How the wear advances over a block of cycles.
     pub explicit_step: BlockStep,
