@@ -12,7 +12,7 @@ use super::process::{LineError, Process};
 use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::results_file::{self, of_object};
 use super::slot::{SampleResult, Slot, SlotError, StopSignal};
-use super::working_folder::{FileProgram, Inputs};
+use super::working_folder::FileProgram;
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
 use crate::scene::{Exchange, Program, Scene};
@@ -194,8 +194,8 @@ impl ProgramSlot {
     ) -> Result<Result<String, LineError>, SlotError> {
         let line = (request.text)(sample) + "\n";
         if let Some(files) = file_program(&self.setup.program) {
-            let inputs = Inputs { names: &self.setup.expected.inputs, values: sample, request: &line };
-            let run = files.run(inputs, self.setup.timeout, stop);
+            let inputs = (&self.setup.expected.inputs[..], sample);
+            let run = files.run(inputs, &line, self.setup.timeout, stop);
             return run.map_err(|reason| start_error(&self.setup.program, reason).into());
         }
         self.start_process(stop.contact())?;

@@ -34,17 +34,6 @@ pub struct FileProgram<'a> {
     pub exchange: &'a FileExchange,
 }
 
-/// What one evaluation gives to the program.
-#[derive(Debug, Clone, Copy)]
-pub struct Inputs<'a> {
-    /// Names of the inputs `(d,)`.
-    pub names: &'a [String],
-    /// Their values `(d,)`.
-    pub values: &'a [f64],
-    /// The request as JSON.
-    pub request: &'a str,
-}
-
 impl FileProgram<'_> {
     /// Checks that the files exist and the templates name inputs only.
     ///
@@ -64,18 +53,20 @@ impl FileProgram<'_> {
         Ok(())
     }
 
-    /// Runs the program; the text of its results. A program that ends with status 0 and without results counts as ended.
+    /// Runs the program for the values `(d,)` of its inputs by their names `(d,)`, which the `request` has as JSON; the text of its results. A program that ends with status 0 and without results counts as ended.
     ///
     /// # Errors
     /// A file of the scene cannot be used, or the program cannot be started.
     pub fn run(
         &self,
-        inputs: Inputs<'_>,
+        (names, values): (&[String], &[f64]),
+        request: &str,
         timeout: Duration,
         stop: &StopSignal,
     ) -> Result<Result<String, LineError>, Error> {
         let folder = WorkingFolder::create()?;
-        self.fill(&folder, inputs)?;
+        self.fill(&folder, names, values)?;
+        std::fs::write(folder.0.join(REQUEST_FILE), request)?;
         let place = self.folder.canonicalize().unwrap_or_else(|_| self.folder.to_path_buf());
         let mut command = self.command.to_vec();
         for argument in &mut command[1..] {
@@ -93,17 +84,17 @@ impl FileProgram<'_> {
         Ok(results)
     }
 
-    fn fill(&self, folder: &WorkingFolder, inputs: Inputs<'_>) -> Result<(), Error> {
+    fn fill(&self, folder: &WorkingFolder, names: &[String], values: &[f64]) -> Result<(), Error> {
         for name in &self.exchange.files {
             let copied = folder.place(name).and_then(|to| std::fs::copy(self.folder.join(name), to));
             copied.map_err(|error| in_file(name, &error))?;
         }
         for name in &self.exchange.templates {
             let text = std::fs::read_to_string(self.folder.join(name)).map_err(|e| in_file(name, &e))?;
-            let filled = fill(&text, inputs.names, inputs.values).map_err(|e| in_file(name, &e))?;
+            let filled = fill(&text, names, values).map_err(|e| in_file(name, &e))?;
             folder.place(name).and_then(|to| std::fs::write(to, filled)).map_err(|e| in_file(name, &e))?;
         }
-        std::fs::write(folder.0.join(REQUEST_FILE), inputs.request)
+        Ok(())
     }
 
     fn results(&self, folder: &WorkingFolder) -> Result<String, Error> {

@@ -61,17 +61,3 @@ pub struct Curve {
     /// Values over the argument.
     pub table: Table,
 }
-
-impl Curve {
-    /// Range of the values in `unit` and the argument of the table, for names of bodies `(bodies,)`.
-    pub fn explanation(&self, bodies: &[&str], unit: &str) -> String {
-        let over = match self.over {
-            Over::Time => "time".to_owned(),
-            Over::Angle(body) => format!("the angle of {}", bodies[body]),
-        };
-        let [least, most] = self.table.range();
-        let repeat = if self.table.repeat { "repeated" } else { "once" };
-        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-        format!("{least} to {most}{unit} by a table over {over}, {repeat}")
-    }
-}

@@ -1,6 +1,6 @@
 //! Loads and outputs in one line each, by the sentences of their tables.
 
-use super::drive::{Curve, Drive, Table};
+use super::drive::{Curve, Drive, Over, Table};
 use super::joint::JointKind;
 use super::key_table::{Form, Key, Value};
 use super::load::Load;
@@ -138,7 +138,14 @@ fn quantity(value: f64, kind: Kind) -> String {
     }
 }
 
-fn curve_in_words(curve: &Curve, scene: &Scene, unit: &str) -> String {
-    let bodies: Vec<&str> = scene.bodies.iter().map(|body| body.name.as_str()).collect();
-    curve.explanation(&bodies, unit)
+/// Range of the values in `unit` and the argument of the table of a curve.
+fn curve_in_words(Curve { over, table }: &Curve, scene: &Scene, unit: &str) -> String {
+    let over = match over {
+        Over::Time => "time".to_owned(),
+        Over::Angle(body) => format!("the angle of {}", scene.bodies[*body].name),
+    };
+    let [least, most] = table.range();
+    let repeat = if table.repeat { "repeated" } else { "once" };
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    format!("{least} to {most}{unit} by a table over {over}, {repeat}")
 }

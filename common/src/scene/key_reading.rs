@@ -168,15 +168,15 @@ fn held_input(row: &mut Section, bodies: &[BodyRow]) -> Option<Option<HeldInput>
 /// Reads a body `{ body, sign, label }`.
 fn signed_body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<SignedBody> {
     let mut section = row.section(key, "a body { body, sign, label }")?;
-    let name = section.text("body", "the name of a body");
+    let body = body(&mut section, "body", bodies);
     let sign = section.integer("sign", -1..=1, Some(1));
     if sign == Some(0) {
         section.out_of_range("sign", "0", "1 or -1");
     }
-    let label = section.text_or("label", "what a reader calls it", name.unwrap_or_default());
+    let name = body.map_or("", |body| &bodies[body].name);
+    let label = section.text_or("label", "what a reader calls it", name).map(str::to_owned);
     section.finish();
-    let body = section.reference("body", "body", name?, bodies.iter().map(|body| body.name.as_str()))?;
-    Some(SignedBody { body, sign: sign? as f64, label: label?.to_owned() })
+    Some(SignedBody { body: body?, sign: sign? as f64, label: label? })
 }
 
 /// Reads the joints of an output of this quantity: by default all that wear.

@@ -34,9 +34,21 @@ pub const REQUEST_FILE: &str = "request.json";
 pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>> {
     file.get("simulator")?;
     let Some(mut section) = file.section_if_any("simulator") else { return Some(None) };
-    let kind = match (section.get("program").is_some(), section.get("umbridge").is_some()) {
-        (true, false) => program(&mut section).map(SimulatorKind::Program),
-        (false, true) => umbridge(&mut section).map(SimulatorKind::UmBridge),
+    let read = record!(ExternalSimulator {
+        kind: kind(&mut section),
+        timeout: section.quantity_or("timeout", TIME, Range::Positive, TIMEOUT),
+        version: section.text_or("version", "a text, e.g. \"2024.1\"", "").map(str::to_owned),
+        gives: gives(&mut section),
+    });
+    section.finish();
+    Some(read)
+}
+
+/// Reads the program or the server, of which there is one.
+fn kind(section: &mut Section) -> Option<SimulatorKind> {
+    match (section.get("program").is_some(), section.get("umbridge").is_some()) {
+        (true, false) => program(section).map(SimulatorKind::Program),
+        (false, true) => umbridge(section).map(SimulatorKind::UmBridge),
         (true, true) => {
             section.inconsistent_table("has both a program and an umbridge server, expected one of them");
             None
@@ -47,15 +59,7 @@ pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>>
             section.missing("program", expected);
             None
         }
-    };
-    let read = record!(ExternalSimulator {
-        kind: kind,
-        timeout: section.quantity_or("timeout", TIME, Range::Positive, TIMEOUT),
-        version: section.text_or("version", "a text, e.g. \"2024.1\"", "").map(str::to_owned),
-        gives: gives(&mut section),
-    });
-    section.finish();
-    Some(read)
+    }
 }
 
 fn program(section: &mut Section) -> Option<Program> {
@@ -115,11 +119,9 @@ fn exchange(section: &mut Section) -> Option<Exchange> {
 }
 
 fn file_names(section: &mut Section, key: &'static str) -> Option<Vec<String>> {
-    if section.get(key).is_none() {
-        return Some(vec![]);
-    }
-    let names = section.texts(key, "a list of file names, e.g. [\"beam.inp\"]")?;
-    Some(names.into_iter().map(str::to_owned).collect())
+    let expected = "a list of file names, e.g. [\"beam.inp\"]";
+    let names = section.if_any(key, |section, key| section.texts(key, expected))?;
+    Some(names.into_iter().flatten().map(str::to_owned).collect())
 }
 
 /// True for a path that leads to a file below its folder.

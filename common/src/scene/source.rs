@@ -307,8 +307,7 @@ impl SceneSource {
         let resolved = resolve(&self.origin, &self.document, overrides, false)?;
         let (variables, correlations) = (self.nominal.variables.clone(), self.nominal.correlations.clone());
         let conditions =
-            conditions(&self.origin, &self.document, overrides, &resolved.scene, &resolved.conditions)
-                .map_err(Faults)?;
+            conditions(&self.origin, &self.document, overrides, &resolved.scene, &resolved.conditions)?;
         Ok(Scene { variables, correlations, conditions, ..resolved.scene })
     }
 

@@ -5,7 +5,7 @@
 
 use super::expression::read_unit;
 use super::faults::in_first_unit;
-use super::quantity::{Dimension, Kind, Quantity};
+use super::quantity::{Dimension, Quantity};
 use super::quantity_list::quantity_list;
 use super::section::Section;
 use super::variable_law::WrittenLaw;
@@ -94,10 +94,7 @@ fn law(
     scene: Changed,
 ) -> Option<(Quantity, Distribution, Option<MeasuredVariable>)> {
     if row.peek("samples").is_some() {
-        let samples = WrittenSamples::read(row)?;
-        let located = samples.first().map(|value| ("samples.1", value));
-        let nominal = nominal(row, changes?, scene, located, false)?;
-        let measured = samples.measured(row, nominal.kind())?;
+        let (nominal, measured) = measured(row, changes, scene)?;
         return Some((nominal, measured.distribution.clone(), Some(measured)));
     }
     if refuses_fit_without_samples(row) {
@@ -182,69 +179,57 @@ pub struct MeasuredVariable {
     pub distribution: Distribution,
 }
 
-/// Samples as written, not yet read: their dimension is that of the keys that the variable changes.
-struct WrittenSamples {
-    list: Value,
-    family: Option<Family>,
+/// Reads `samples` and `fit`: the value of the scene without the variable, and the samples with their distribution.
+fn measured(
+    row: &mut Section,
+    changes: Option<&[String]>,
+    scene: Changed,
+) -> Option<(Quantity, MeasuredVariable)> {
+    let list = row.get("samples")?;
+    let before = row.cx.fault_count();
+    for key in ["distribution", "mean", "std", "lower", "upper"] {
+        // Known where it is given, so that it has this fault only.
+        if row.peek(key).is_some() && row.get(key).is_some() {
+            row.inconsistent(key, "is that of the samples: give either samples or this key");
+        }
+    }
+    let words = Family::ALL.map(|family| (family.word(), family));
+    let family = row.if_any("fit", |row, key| row.choice(key, "a family of distributions", &words))?;
+    let changes = changes.filter(|_| row.cx.fault_count() == before)?;
+    let located = first(list).map(|value| ("samples.1", value));
+    let nominal = nominal(row, changes, scene, located, false)?;
+    let samples = quantity_list(row.cx, &row.key("samples"), list, nominal.kind())?;
+    let made = match family {
+        None => Distribution::empirical(&samples),
+        Some(family) => family.fit(&samples),
+    };
+    let refused = |error| match error {
+        FitError::NotPositive { place } => {
+            let value = in_first_unit(samples[place], nominal.kind());
+            let allowed = "> 0 in this family; `fit = \"normal\"` takes all values";
+            row.out_of_range(&format!("samples.{}", place + 1), value, allowed);
+        }
+        FitError::Law(error) => row.inconsistent("fit", error.to_string()),
+        other => row.inconsistent("samples", other.to_string()),
+    };
+    let distribution = made.map_err(refused).ok()?;
+    let name = row.path.strip_prefix("variables.").unwrap_or(&row.path).to_owned();
+    Some((nominal, MeasuredVariable { name, samples, family, distribution }))
 }
 
-impl WrittenSamples {
-    /// Reads `samples` and `fit`; none if they are faulty.
-    fn read(row: &mut Section) -> Option<Self> {
-        let list = row.get("samples")?.clone();
-        let before = row.cx.fault_count();
-        for key in ["distribution", "mean", "std", "lower", "upper"] {
-            if row.peek(key).is_some() {
-                // Known, so that it has this fault only.
-                let _ = row.get(key);
-                row.inconsistent(key, "is that of the samples: give either samples or this key");
-            }
+/// The first of a list of samples as written, which has the dimension of the variable.
+fn first(samples: &Value) -> Option<Value> {
+    match samples {
+        Value::Array(list) => list.first().cloned(),
+        Value::Table(table) => {
+            let number = match table.get("values")?.as_array()?.first()? {
+                Value::Integer(number) => *number as f64,
+                other => other.as_float()?,
+            };
+            let unit = table.get("unit").and_then(Value::as_str);
+            Some(unit.map_or(Value::Float(number), |unit| Value::String(format!("{number:?} {unit}"))))
         }
-        let words: Vec<(&str, Family)> = Family::ALL.map(|family| (family.word(), family)).to_vec();
-        let family = row.get("fit").map(|_| row.choice("fit", "a family of distributions", &words));
-        (row.cx.fault_count() == before).then_some(Self { list, family: family.flatten() })
-    }
-
-    /// The first sample as written, which has the dimension of the variable.
-    fn first(&self) -> Option<Value> {
-        match &self.list {
-            Value::Array(list) => list.first().cloned(),
-            Value::Table(table) => {
-                let number = match table.get("values")?.as_array()?.first()? {
-                    Value::Integer(number) => *number as f64,
-                    other => other.as_float()?,
-                };
-                let unit = table.get("unit").and_then(Value::as_str);
-                Some(unit.map_or(Value::Float(number), |unit| Value::String(format!("{number:?} {unit}"))))
-            }
-            _ => None,
-        }
-    }
-
-    /// The samples and their distribution, for a variable whose values are of this kind.
-    fn measured(&self, row: &Section, kind: Kind) -> Option<MeasuredVariable> {
-        let samples = quantity_list(row.cx, &row.key("samples"), &self.list, kind)?;
-        let made = match self.family {
-            None => Distribution::empirical(&samples),
-            Some(family) => family.fit(&samples),
-        };
-        let refused = |error| match error {
-            FitError::TooFew { found, least } => {
-                row.inconsistent("samples", format!("has {found} values, at least {least} are needed"));
-            }
-            FitError::AllEqual => {
-                row.inconsistent("samples", "all values are equal: leave the variable out");
-            }
-            FitError::NotPositive { place } => {
-                let value = in_first_unit(samples[place], kind);
-                let allowed = "> 0 in this family; `fit = \"normal\"` takes all values";
-                row.out_of_range(&format!("samples.{}", place + 1), value, allowed);
-            }
-            FitError::Law(error) => row.inconsistent("fit", error.to_string()),
-        };
-        let distribution = made.map_err(refused).ok()?;
-        let name = row.path.strip_prefix("variables.").unwrap_or(&row.path).to_owned();
-        Some(MeasuredVariable { name, samples, family: self.family, distribution })
+        _ => None,
     }
 }
 

@@ -158,7 +158,7 @@ pub enum LawError {
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum FitError {
     /// Fewer values than the distribution needs.
-    #[error("{found} values, at least {least} are needed")]
+    #[error("has {found} values, at least {least} are needed")]
     TooFew {
         /// Number of values.
         found: usize,
@@ -166,7 +166,7 @@ pub enum FitError {
         least: usize,
     },
     /// All values are equal.
-    #[error("all values are equal")]
+    #[error("all values are equal: leave the variable out")]
     AllEqual,
     /// A value that is not positive in a family of positive values.
     #[error("value {} is not positive", place + 1)]
