@@ -7,7 +7,7 @@
 //! | layer | modules | content |
 //! |---|---|---|
 //! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
-//! | model | [`model`], `choice`, `gives`, `joint`, `mesh`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_model`, `explained` | the types of a checked scene, all exported here |
+//! | model | [`model`], `choice`, `joint`, `mesh`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_model`, `explained` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
 //! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `section_tables`, `input` | one pass over the file that records every fault |
 //! | readers | `bodies`, `shape`, `joints`, `clearance`, `key_reading`, `elements`, `tables`, `life`, `simulator`, `variables`, `variable_law`, `correlations`, `conditions` | one part of a file each |
@@ -34,7 +34,6 @@ pub mod expression;
 mod expression_error;
 mod extends;
 pub mod faults;
-mod gives;
 mod input;
 mod joint;
 mod joints;
@@ -77,7 +76,6 @@ pub use drive::{Curve, Drive, Over, Table};
 pub use explained::filled;
 pub use extends::read_input as read_text;
 pub use faults::{Fault, FaultKind, Faults, nearest};
-pub use gives::{CycleProgram, CycleTier, Gives};
 pub use input::{InputFile, read_rows};
 pub use joint::{
     Clearance, ContactDamping, ContactLaw, ControlPoints, GuideClearance, GuideWear, IdealFriction, Joint,
@@ -88,8 +86,9 @@ pub use load::Load;
 pub use location::Location;
 pub use mesh::{Mesh, MeshForm};
 pub use model::{
-    Body, Condition, DrivenInertia, Exchange, ExternalSimulator, Fails, FileExchange, Life, LimitState,
-    Motion, Point, Program, Scene, SimulatorKind, StudySettings, UmBridgeModel,
+    Body, Condition, CycleProgram, CycleTier, DrivenInertia, Exchange, ExternalSimulator, Fails,
+    FileExchange, Gives, Life, LimitState, Motion, Point, Program, Scene, SimulatorKind, StudySettings,
+    UmBridgeModel,
 };
 pub use output::{Output, OutputKind};
 pub use output_unit::OutputUnit;

@@ -3,7 +3,6 @@
 //! Planar, SI units, angles counter-clockwise from +x. Bodies are referred to by index into [`Scene::bodies`].
 
 use super::drive::Drive;
-use super::gives::Gives;
 use super::joint::Joint;
 use super::load::Load;
 use super::output::Output;
@@ -68,6 +67,40 @@ pub struct ExternalSimulator {
     pub version: String,
     /// What a request is answered by.
     pub gives: Gives,
+}
+
+/// What a simulator gives in reply to a sample.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub enum Gives {
+    /// The outputs over a whole life.
+    #[default]
+    Life,
+    /// The contacts of one cycle on the surfaces as worn so far.
+    Cycle(CycleProgram),
+}
+
+/// A program that gives cycles.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct CycleProgram {
+    /// What its cycles depend on.
+    pub tier: CycleTier,
+    /// Folder in which the replies of lives under way are kept; `None`: they are not.
+    pub journal: Option<String>,
+}
+
+/// What the cycles of a program depend on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum CycleTier {
+    /// Joints with clearance, on the surfaces of the request.
+    Contact,
+    /// Ideal joints, whose reactions depend on no surface: one cycle serves a whole life.
+    Reaction,
+}
+
+impl CycleTier {
+    /// The words of the tiers in a scene.
+    pub const WORDS: [(&'static str, CycleTier); 2] =
+        [("contact", CycleTier::Contact), ("reaction", CycleTier::Reaction)];
 }
 
 /// Ways to call an external simulator.

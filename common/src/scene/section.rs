@@ -4,7 +4,6 @@
 use super::context::{Context, Range};
 use super::faults::{FaultKind, Faults, nearest};
 use super::quantity::Kind;
-use super::quantity_list::quantity_list;
 use std::ops::RangeInclusive;
 use toml::{Table, Value};
 
@@ -250,12 +249,6 @@ impl<'s> Section<'s> {
         let x = self.cx.quantity(&format!("{path}.x"), x, kind, Range::Any);
         let y = self.cx.quantity(&format!("{path}.y"), y, kind, Range::Any);
         Some([x?, y?])
-    }
-
-    /// A required list of quantities `(n,)`; the paths of its entries end in `.1`, `.2`, ...
-    pub(super) fn quantities(&mut self, key: &'static str, kind: Kind) -> Option<Vec<f64>> {
-        let value = self.require(key, || format!("a list, each {}", kind.in_words()))?;
-        quantity_list(self.cx, &self.key(key), value, kind)
     }
 
     /// `true` or `false`, with a default.

@@ -8,13 +8,13 @@ use super::body_row::{BodyRow, MotionWord};
 use super::clearance::materials;
 use super::context::Range;
 use super::elements::{OutputRow, typed_output, typed_words};
-use super::gives::gives;
 use super::joints::{JointRow, worn_joint};
 use super::key_reading::Named;
 use super::key_table::Form;
 use super::load::Load;
 use super::model::{
-    Exchange, ExternalSimulator, FileExchange, Life, Motion, Program, SimulatorKind, UmBridgeModel,
+    CycleProgram, CycleTier, Exchange, ExternalSimulator, FileExchange, Gives, Life, Motion, Program,
+    SimulatorKind, UmBridgeModel,
 };
 use super::output::{Output, OutputKind};
 use super::quantity::TIME;
@@ -60,6 +60,21 @@ fn kind(section: &mut Section) -> Option<SimulatorKind> {
             None
         }
     }
+}
+
+/// Reads what a simulator gives, of `[simulator]`; none if it is faulty.
+fn gives(section: &mut Section) -> Option<Gives> {
+    let is_cycle = section.word_or("gives", &[("life", false), ("cycle", true)], false)?;
+    if !is_cycle {
+        return Some(Gives::Life);
+    }
+    if section.get("umbridge").is_some() {
+        section.inconsistent("gives", "is \"cycle\", which a UM-Bridge server cannot give: use a program");
+        return None;
+    }
+    let tier = section.word("tier", &CycleTier::WORDS);
+    let journal = section.if_any("journal", |section, key| section.text(key, "a folder").map(str::to_owned));
+    Some(Gives::Cycle(CycleProgram { tier: tier?, journal: journal? }))
 }
 
 fn program(section: &mut Section) -> Option<Program> {

@@ -6,7 +6,6 @@
 use super::expression::read_unit;
 use super::faults::in_first_unit;
 use super::quantity::{Dimension, Quantity};
-use super::quantity_list::quantity_list;
 use super::section::Section;
 use super::variable_law::WrittenLaw;
 use crate::random::{Distribution, Family, FitError, RandomVariable};
@@ -198,7 +197,7 @@ fn measured(
     let changes = changes.filter(|_| row.cx.fault_count() == before)?;
     let located = first(list).map(|value| ("samples.1", value));
     let nominal = nominal(row, changes, scene, located, false)?;
-    let samples = quantity_list(row.cx, &row.key("samples"), list, nominal.kind())?;
+    let samples = row.quantities("samples", nominal.kind())?;
     let made = match family {
         None => Distribution::empirical(&samples),
         Some(family) => family.fit(&samples),
