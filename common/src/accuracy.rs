@@ -1,10 +1,8 @@
 //! Numerical settings of an evaluation, and three presets.
 
-mod levels;
 mod name;
 
-pub use levels::{LevelsError, MOST_LEVELS};
-pub use name::{AccuracyNameError, KNOBS, NamedAccuracy};
+pub use name::{AccuracyNameError, KNOBS, LevelsError, MOST_LEVELS, NamedAccuracy};
 
 use serde::{Deserialize, Serialize};
 

@@ -280,7 +280,7 @@ pub enum SimulationFailure {
 }
 
 /// `: LINES`, or nothing without lines.
-fn last_words(stderr: &str) -> String {
+pub(crate) fn last_words(stderr: &str) -> String {
     if stderr.is_empty() { String::new() } else { format!(": {stderr}") }
 }
 

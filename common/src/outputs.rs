@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Result of one evaluation: the life of the mechanism for one sample of its random variables.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
     /// Checkpoints `(m,)` [cycles]; each value below belongs to the profile worn to that many cycles.
     pub cycles: Vec<u32>,
@@ -32,16 +32,7 @@ impl Evaluation {
     /// An evaluation by a formula or another program: histories `(outputs, m)` at the checkpoints `(m,)` [cycles],
     /// without stated errors, motion or joints.
     pub fn from_histories(cycles: Vec<u32>, histories: Vec<Vec<f64>>) -> Self {
-        Self {
-            cycles,
-            histories,
-            start: Vec::new(),
-            errors: Vec::new(),
-            joints: Vec::new(),
-            first_cycle: None,
-            worn: None,
-            diagnostics: Diagnostics::default(),
-        }
+        Self { cycles, histories, ..Self::default() }
     }
 
     /// Moves the bodies of all cycle histories by `by` `(2,)` [m]; nothing else depends on the origin of the coordinates.

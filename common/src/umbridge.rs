@@ -66,7 +66,6 @@ pub struct SizesRequest<C> {
     /// Name of the model.
     pub name: String,
     /// Configuration of the model.
-    #[serde(default = "Option::default")]
     pub config: Option<C>,
 }
 
@@ -94,7 +93,6 @@ pub struct EvaluateRequest<C> {
     /// Input vectors, of the lengths of [`InputSizes`].
     pub input: Vec<Vec<f64>>,
     /// Configuration of the model.
-    #[serde(default = "Option::default")]
     pub config: Option<C>,
 }
 

@@ -9,13 +9,11 @@
 //! | `eccentricity_x`, `eccentricity_y` | centre of the journal from that of the bushing, in the bushing's frame `(n,)` each; optional | m |
 //!
 //! Instants need not be equal. The last one may be missing where the first one repeats after the period.
+//!
+//! One cycle as a table of comma-separated values: `time`, `JOINT.FIELD` as a reply names them, and the outputs, whose last value counts.
 
-use super::cycle_check::{check_joint, sampling_error};
-use super::cycle_table::of_table;
-use super::joint_cycle::{CycleJoint, JointCycle, slopes};
-use super::reply::{is_non_finite, parse, plain, shown};
-use crate::evaluation_shape::LARGEST;
-use crate::failure::SimulationFailure;
+use super::joint_cycle::{CycleJoint, JointCycle, check_joint, sampling_error, slopes};
+use super::reply::{NoResult, by_name, is_non_finite_word, number, object, shown};
 use crate::scene::{JointKind, Scene};
 use serde_json::{Map, Value};
 
@@ -46,21 +44,6 @@ pub struct CycleReply {
     pub sampling_error: f64,
 }
 
-/// Why a reply has no cycle.
-#[derive(Debug, Clone, PartialEq)]
-pub enum NoCycle {
-    /// The reply does not fit the scene, in words.
-    Fault(String),
-    /// The sample has no result.
-    Failure(SimulationFailure),
-}
-
-impl From<String> for NoCycle {
-    fn from(fault: String) -> Self {
-        NoCycle::Fault(fault)
-    }
-}
-
 impl ExpectedCycle {
     /// Joints, outputs and period of a scene whose simulator gives cycles.
     pub fn from_scene(scene: &Scene) -> Self {
@@ -83,29 +66,12 @@ impl ExpectedCycle {
     /// The cycle of the life that begins at `cycle`, from the text of a reply: an object, or a table of a results file.
     ///
     /// # Errors
-    /// [`NoCycle`].
-    pub fn read(&self, text: &str, cycle: u32) -> Result<CycleReply, NoCycle> {
+    /// [`NoResult`].
+    pub fn read(&self, text: &str, cycle: u32) -> Result<CycleReply, NoResult> {
         let text = text.trim_start_matches('\u{feff}').trim();
-        if text.get(..4).is_some_and(|word| word.eq_ignore_ascii_case("fail")) {
-            return Err(NoCycle::Failure(reported(shown(text).replace('\n', " "))));
-        }
-        if !text.starts_with('{') {
-            return self.of_object(&of_table(text)?, cycle);
-        }
-        let reply = parse(text).map_err(|error| format!("\"{}\" is no JSON: {error}", shown(text)))?;
-        self.of_object(reply.as_object().unwrap_or(&Map::new()), cycle)
-    }
-
-    /// The cycle of an object.
-    fn of_object(&self, reply: &Map<String, Value>, cycle: u32) -> Result<CycleReply, NoCycle> {
-        if let Some(failure) = reply.get("failure") {
-            return Err(NoCycle::Failure(reported(plain(failure))));
-        }
-        let field = |name: &str| match reply.get(name) {
-            Some(Value::Object(object)) => Ok(object),
-            Some(other) => Err(format!("{name} is {}, expected values by name", shown(&other.to_string()))),
-            None => Err(format!("{name} is missing")),
-        };
+        let reply = &object(text)?.map_or_else(|| of_table(text), Ok)?;
+        let field =
+            |name: &str| by_name(reply, name)?.ok_or_else(|| NoResult::Fault(format!("{name} is missing")));
         let given = field("joints")?;
         let mut joints = Vec::with_capacity(self.joints.len());
         for joint in &self.joints {
@@ -134,12 +100,12 @@ impl ExpectedCycle {
     }
 
     /// The contacts of a joint at the instants `time` [s].
-    fn joint(&self, joint: &CycleJoint, fields: &Fields, time: Vec<f64>) -> Result<JointCycle, NoCycle> {
+    fn joint(&self, joint: &CycleJoint, fields: &Fields, time: Vec<f64>) -> Result<JointCycle, NoResult> {
         let place = &fields.place;
         let is_closed = self.is_closed(place, &time)?;
         let n = Some(time.len());
         let required = |name: &str| {
-            fields.list(name, n)?.ok_or_else(|| NoCycle::Fault(format!("{place}.{name} is missing")))
+            fields.list(name, n)?.ok_or_else(|| NoResult::Fault(format!("{place}.{name} is missing")))
         };
         let (x, y) = (required("force_x")?, required("force_y")?);
         let (angle, sliding) = (fields.list("angle", n)?, fields.list("sliding", n)?);
@@ -213,7 +179,7 @@ struct Fields<'a> {
 
 impl Fields<'_> {
     /// The numbers of a field, `n` of them if that is known; `None` without the field.
-    fn list(&self, name: &str, n: Option<usize>) -> Result<Option<Vec<f64>>, NoCycle> {
+    fn list(&self, name: &str, n: Option<usize>) -> Result<Option<Vec<f64>>, NoResult> {
         let field = if self.place.is_empty() { name.to_owned() } else { format!("{}.{name}", self.place) };
         let list = match self.values.get(name) {
             None => return Ok(None),
@@ -230,19 +196,48 @@ impl Fields<'_> {
     }
 }
 
-fn number_of(field: &str, value: &Value, cycles: u32) -> Result<f64, NoCycle> {
-    match value.as_f64() {
-        Some(number) if number.abs() <= LARGEST => Ok(number),
-        None if !is_non_finite(value) => {
-            Err(format!("{field} is {} instead of a number", shown(&value.to_string())).into())
-        }
-        _ => {
-            let output = field.to_owned();
-            Err(NoCycle::Failure(SimulationFailure::NoNumber { output, cycles, value: plain(value) }))
-        }
-    }
+fn number_of(field: &str, value: &Value, cycles: u32) -> Result<f64, NoResult> {
+    number(value, field, cycles, || format!("{field} is {} instead of a number", shown(&value.to_string())))
 }
 
-fn reported(message: String) -> SimulationFailure {
-    SimulationFailure::Reported { message }
+/// The object of a reply that the table stands for.
+///
+/// # Errors
+/// The line and the column that is no number.
+pub fn of_table(text: &str) -> Result<Map<String, Value>, String> {
+    let mut lines = text.lines();
+    let header = lines.next().unwrap_or_default();
+    let names: Vec<&str> = header.split(',').map(|name| name.trim().trim_matches('"')).collect();
+    if !names.contains(&"time") && !names.iter().any(|name| name.ends_with(".time")) {
+        return Err(format!("line 1: \"{}\" has no column time", shown(header)));
+    }
+    let mut columns: Vec<Vec<Value>> = vec![vec![]; names.len()];
+    for (k, line) in lines.enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+        if cells.len() != names.len() {
+            return Err(format!("line {}: {} values, expected {}", k + 2, cells.len(), names.len()));
+        }
+        for ((cell, column), name) in cells.into_iter().zip(&mut columns).zip(&names) {
+            let number = cell.parse().ok().and_then(serde_json::Number::from_f64).map(Value::Number);
+            let word = is_non_finite_word(cell).then(|| Value::from(cell));
+            let value = number.or(word);
+            column.push(
+                value.ok_or_else(|| format!("line {}, column {name}: \"{cell}\" is no number", k + 2))?,
+            );
+        }
+    }
+    let (mut reply, mut joints, mut outputs) = (Map::new(), Map::new(), Map::new());
+    for (name, mut column) in names.into_iter().zip(columns) {
+        if name == "time" {
+            reply.insert(name.into(), column.into());
+        } else if let Some((joint, field)) = name.split_once('.') {
+            let of_joint = joints.entry(joint).or_insert_with(|| Value::Object(Map::new()));
+            of_joint[field] = column.into();
+        } else if let Some(last) = column.pop() {
+            outputs.insert(name.into(), last);
+        }
+    }
+    reply.insert("joints".into(), joints.into());
+    reply.insert("outputs".into(), outputs.into());
+    Ok(reply)
 }

@@ -1,7 +1,8 @@
 //! Replies of programs that give cycles: closed, as tables, and wrong.
 
-use super::cycle_reply::{ExpectedCycle, NoCycle};
+use super::cycle_reply::ExpectedCycle;
 use super::joint_cycle::CycleJoint;
+use super::reply::NoResult;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
@@ -21,8 +22,8 @@ fn turning(n: usize) -> Value {
 
 fn fault(reply: &Value) -> String {
     match expected().read(&reply.to_string(), 7) {
-        Err(NoCycle::Fault(fault)) => fault,
-        Err(NoCycle::Failure(failure)) => failure.to_string(),
+        Err(NoResult::Fault(fault)) => fault,
+        Err(NoResult::Failure(failure)) => failure.to_string(),
         Ok(_) => "none".into(),
     }
 }
@@ -136,5 +137,5 @@ fn a_table_gives_the_same_cycle() {
     }
     assert_eq!(expected().read(&table, 0), expected().read(&reply.to_string(), 0));
     let said = expected().read(&table.replacen("2.5\n", "\n", 1), 0).unwrap_err();
-    assert_eq!(said, NoCycle::Fault("line 2, column speed: \"\" is no number".into()));
+    assert_eq!(said, NoResult::Fault("line 2, column speed: \"\" is no number".into()));
 }

@@ -1,14 +1,25 @@
 //! Cycles of a program on the surfaces as worn so far: requests and replies of one life after the other, by the road of the program.
+//!
+//! The replies of a life under way are kept in a file, so that another worker goes on where one has died: no cycle is simulated twice but the one
+//! under way.
+//!
+//! A file belongs to a life: scene, sample and accuracy. A line has the digest of a request and the reply to it. A line that was not
+//! finished counts for nothing. The request contains the surfaces, which follow from the replies before it: a life that goes on has the
+//! same bits. The file is removed at the end of the life.
 
-use super::cycle_journal::CycleJournal;
-use super::cycle_reply::{CycleReply, ExpectedCycle, NoCycle};
+use super::cycle_reply::{CycleReply, ExpectedCycle};
 use super::error::SimulatorError;
 use super::program::{ProgramSlot, Request, SampleByName, Setup};
+use super::reply::outcome;
 use super::slot::{Slot, SlotError, StopSignal};
 use crate::failure::SimulationFailure;
+use crate::scene::source::digest;
 use crate::scene::{Gives, Scene};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions, create_dir_all, read_to_string, remove_file};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Radii of the surfaces of a joint at their control points, from angle zero on, at equal angles `(points,)` each [m].
@@ -123,18 +134,16 @@ impl CyclesOfLife<'_> {
             let line = Line { id, cycle, sample, accuracy, period: expected.period, joints, outputs };
             serde_json::to_string(&line).expect("numbers by name are JSON")
         };
-        let read = |text: &str| match expected.read(text, request.cycle) {
-            Ok(cycle) => Ok(Ok(cycle)),
-            Err(NoCycle::Failure(failure)) => Ok(Err(failure)),
-            Err(NoCycle::Fault(fault)) => Err(format!("cycle {}: {fault}", request.cycle)),
-        };
+        let place = format!("cycle {}", request.cycle);
+        let read = |text: &str| expected.read(text, request.cycle).map_err(|none| none.of(&place));
         let key = text(None, sample);
         if let Some(known) = journal.as_ref().and_then(|journal| journal.reply(&key)) {
-            return read(known).map_err(|fault| setup.broken(*id, fault).into());
+            return outcome(read(known), |fault| setup.broken(*id, fault));
         }
         let with_id = |sample: &[f64]| text(Some(*id), sample);
         let asked = slot.ask(Request { id: *id, sample, text: &with_id }, stop, |setup, text| {
-            setup.check_id(*id, text).and_then(|()| read(text))
+            setup.check_id(*id, text)?;
+            read(text)
         });
         let (cycle, reply) = match asked? {
             Ok(found) => found,
@@ -157,5 +166,83 @@ impl CyclesOfLife<'_> {
         if let Some(Err(error)) = self.journal.map(CycleJournal::remove) {
             tracing::warn!("the journal of a life cannot be removed: {error}");
         }
+    }
+}
+
+/// The journal of one life.
+#[derive(Debug)]
+pub struct CycleJournal {
+    path: PathBuf,
+    known: BTreeMap<u128, String>,
+    file: File,
+}
+
+impl CycleJournal {
+    /// Opens the journal of the life identified by the text `life` in `folder`, which is created if missing.
+    ///
+    /// # Errors
+    /// The file cannot be read or written.
+    pub fn open(folder: &Path, life: &str) -> io::Result<Self> {
+        create_dir_all(folder)?;
+        let path = folder.join(format!("{:032x}.cycles", digest(life)));
+        let text = if path.exists() { read_to_string(&path)? } else { String::new() };
+        let entry = |line: &str| {
+            let (digest, reply) = line.strip_suffix('\n')?.split_once(' ')?;
+            Some((u128::from_str_radix(digest, 16).ok()?, serde_json::from_str(reply).ok()?))
+        };
+        let known = text.split_inclusive('\n').filter_map(entry).collect();
+        let mut file = OpenOptions::new().create(true).append(true).open(&path)?;
+        if !text.is_empty() && !text.ends_with('\n') {
+            file.write_all(b"\n")?;
+        }
+        Ok(CycleJournal { path, known, file })
+    }
+
+    /// The reply to a request, if it is known.
+    pub fn reply(&self, request: &str) -> Option<&str> {
+        self.known.get(&digest(request)).map(String::as_str)
+    }
+
+    /// Adds the reply to a request.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn add(&mut self, request: &str, reply: &str) -> io::Result<()> {
+        let text = serde_json::to_string(reply)?;
+        self.file.write_all(format!("{:032x} {text}\n", digest(request)).as_bytes())?;
+        self.file.sync_data()
+    }
+
+    /// Removes the file, at the end of the life.
+    ///
+    /// # Errors
+    /// The file cannot be removed.
+    pub fn remove(self) -> io::Result<()> {
+        remove_file(self.path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reply_outlives_its_worker_and_half_a_line_does_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut journal = CycleJournal::open(folder.path(), "life").unwrap();
+        journal.add("first", "{\"a\":\n1}").unwrap();
+        journal.add("second", "2").unwrap();
+        drop(journal);
+        let path = folder.path().join(format!("{:032x}.cycles", digest("life")));
+        let text = read_to_string(&path).unwrap();
+        std::fs::write(&path, &text[..text.len() - 2]).unwrap();
+        let mut journal = CycleJournal::open(folder.path(), "life").unwrap();
+        assert_eq!((journal.reply("first"), journal.reply("second")), (Some("{\"a\":\n1}"), None));
+        journal.add("second", "3").unwrap();
+        let journal = CycleJournal::open(folder.path(), "life").unwrap();
+        assert_eq!(journal.reply("second"), Some("3"));
+        assert_eq!(CycleJournal::open(folder.path(), "other").unwrap().reply("first"), None);
+        journal.remove().unwrap();
+        assert!(!path.exists());
     }
 }

@@ -1,5 +1,6 @@
 //! Errors of external simulators: programs that do not start or reply, servers whose model does not fit the scene.
 
+use crate::failure::last_words;
 use thiserror::Error;
 
 /// Reasons why a simulator cannot be used. A failure it reports for a single sample is a failed simulation instead.
@@ -18,7 +19,7 @@ pub enum SimulatorError {
     /// The program exits without a reply, also at the means of the inputs.
     #[error(
         "simulator.program: \"{program}\" ended with {status} instead of answering{}",
-        after_colon(stderr)
+        last_words(stderr)
     )]
     Dead {
         /// The program with its arguments.
@@ -102,8 +103,4 @@ pub enum SimulatorError {
         /// Numbers of values of the scene's outputs.
         lengths: Vec<usize>,
     },
-}
-
-fn after_colon(text: &str) -> String {
-    if text.is_empty() { String::new() } else { format!(": {text}") }
 }

@@ -10,14 +10,13 @@
 //! programs that need contact it belongs to another process, the [`Watch`], which ends with this process too, and when this process
 //! has not sent it a new time limit within the last one ([`limit_contact`]).
 
-use super::executable::{check_executable, program_path};
 use super::slot::locked;
 use rustix::io::{FdFlags, fcntl_setfd};
 use std::collections::BTreeMap;
-use std::io::{Error, PipeReader, PipeWriter, Result, Write};
+use std::io::{Error, ErrorKind, PipeReader, PipeWriter, Result, Write};
 use std::os::fd::AsRawFd;
 use std::os::unix::process::CommandExt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -169,4 +168,57 @@ fn guard_of(guards: &mut BTreeMap<Option<usize>, Arc<Guard>>, contact: Option<us
     let guard = Arc::new(Guard::new(contact.is_some())?);
     guards.insert(contact, Arc::clone(&guard));
     Ok(guard)
+}
+
+/// Path of the program of a command: a relative path starts at `folder`, a bare name is searched for by the system.
+///
+/// # Errors
+/// The command is empty.
+pub fn program_path(command: &[String], folder: &Path) -> Result<PathBuf> {
+    let Some(program) = command.first() else {
+        return Err(Error::other("the command is empty"));
+    };
+    let named = PathBuf::from(program);
+    Ok(if named.components().count() > 1 { folder.join(named) } else { named })
+}
+
+/// Fails like the start of a command in `folder` would if its program is missing or not executable.
+///
+/// # Errors
+/// What is wrong, and what can be done.
+pub fn check_executable(command: &[String], folder: &Path) -> Result<()> {
+    let named = program_path(command, folder)?;
+    if !folder.is_dir() {
+        return Err(Error::new(ErrorKind::NotADirectory, "there is no such folder"));
+    }
+    if named.components().count() > 1 {
+        return is_executable(&named);
+    }
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let missing = "there is no such program in the folders of PATH; install it, or give its path";
+    let mut reason = Error::new(ErrorKind::NotFound, missing);
+    for folder in std::env::split_paths(&path) {
+        match is_executable(&folder.join(&named)) {
+            Ok(()) => return Ok(()),
+            // A file without permission says more than a missing one.
+            Err(error) if error.kind() == ErrorKind::PermissionDenied => reason = error,
+            Err(_) => {}
+        }
+    }
+    Err(reason)
+}
+
+fn is_executable(file: &Path) -> Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    let found = std::fs::metadata(file).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => {
+            Error::new(ErrorKind::NotFound, format!("there is no file {}", file.display()))
+        }
+        _ => error,
+    })?;
+    if found.is_file() && found.permissions().mode() & 0o111 != 0 {
+        return Ok(());
+    }
+    let reason = format!("{} may not be executed; allow it with chmod +x", file.display());
+    Err(Error::new(ErrorKind::PermissionDenied, reason))
 }

@@ -4,26 +4,21 @@
 //! | file | content |
 //! |---|---|
 //! | `slot` | a slot evaluates one sample at a time; the signal that stops it |
-//! | `executable` | the program of a command |
-//! | `guard` | ends a process group with the process that started it, or without contact |
+//! | `guard` | finds the program of a command; ends a process group with the process that started it, or without contact |
 //! | `process` | a process with its process group: lines in and out, time limit, kill |
-//! | `reply`, `results_file`, `template` | what programs write and read, checked against the scene |
-//! | `working_folder` | one run of a program in a folder, with files in and out |
+//! | `reply`, `results_file` | what programs write and read, checked against the scene |
+//! | `working_folder` | one run of a program in a folder, with files in and out; templates |
 //! | `program`, `umbridge` | the two kinds of simulators |
-//! | `cycle_slot`, `cycle_journal` | cycles of a program on worn surfaces; the replies of a life under way |
-//! | `cycle_reply`, `joint_cycle`, `cycle_table`, `cycle_check` | one cycle as it is read, and what shows that it is wrong |
+//! | `cycle_slot` | cycles of a program on worn surfaces; the replies of a life under way |
+//! | `cycle_reply`, `joint_cycle` | one cycle as it is read, and what shows that it is wrong |
 //! | `opened` | the simulator of a scene, ready to give slots |
 //! | `identity` | what a coordinator and a worker with its own program agree by |
 
-mod cycle_check;
-mod cycle_journal;
 mod cycle_reply;
 #[cfg(test)]
 mod cycle_reply_tests;
 mod cycle_slot;
-mod cycle_table;
 mod error;
-mod executable;
 mod guard;
 mod identity;
 mod joint_cycle;
@@ -33,7 +28,6 @@ mod program;
 mod reply;
 mod results_file;
 mod slot;
-mod template;
 mod umbridge;
 mod working_folder;
 

@@ -22,11 +22,10 @@ pub fn check(simulator: &ExternalSimulator, scene: &Scene) -> Result<(), Simulat
 
 /// The simulator of a scene, ready to give slots.
 #[derive(Debug, Clone)]
-pub struct OpenedSimulator(Opened);
-
-#[derive(Debug, Clone)]
-enum Opened {
+pub enum OpenedSimulator {
+    /// A program of this machine.
     Program(Arc<Setup>),
+    /// A model of a server.
     Server(Arc<UmBridgeClient>),
 }
 
@@ -37,30 +36,30 @@ impl OpenedSimulator {
     /// # Errors
     /// [`SimulatorError`].
     pub fn open(simulator: &ExternalSimulator, scene: &Scene) -> Result<Self, SimulatorError> {
-        Ok(Self(match &simulator.kind {
+        Ok(match &simulator.kind {
             SimulatorKind::Program(program) => {
                 check_program_file(program, scene)?;
-                Opened::Program(Arc::new(Setup::new(program, simulator.timeout, scene)))
+                Self::Program(Arc::new(Setup::new(program, simulator.timeout, scene)))
             }
             SimulatorKind::UmBridge(model) => {
-                Opened::Server(Arc::new(UmBridgeClient::open(model, simulator.timeout, scene)?))
+                Self::Server(Arc::new(UmBridgeClient::open(model, simulator.timeout, scene)?))
             }
-        }))
+        })
     }
 
     /// A slot for cycles of a program with this number; `None` for a server.
     pub fn cycle_slot(&self, number: usize) -> Option<CycleSlot> {
-        match &self.0 {
-            Opened::Program(setup) => Some(CycleSlot::new(Arc::clone(setup), number)),
-            Opened::Server(_) => None,
+        match self {
+            Self::Program(setup) => Some(CycleSlot::new(Arc::clone(setup), number)),
+            Self::Server(_) => None,
         }
     }
 
     /// A slot of the simulator with this number. Its program is started by [`Slot::start`] or by the first sample.
     pub fn slot(&self, number: usize) -> Box<dyn Slot> {
-        match &self.0 {
-            Opened::Program(setup) => Box::new(ProgramSlot::new(Arc::clone(setup), number)),
-            Opened::Server(client) => Box::new(ModelSlot::new(Arc::clone(client), number)),
+        match self {
+            Self::Program(setup) => Box::new(ProgramSlot::new(Arc::clone(setup), number)),
+            Self::Server(client) => Box::new(ModelSlot::new(Arc::clone(client), number)),
         }
     }
 }

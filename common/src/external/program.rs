@@ -7,13 +7,14 @@
 //! time limit is killed and replaced; a process that exits is replaced and gets the request once more.
 
 use super::error::SimulatorError;
-use super::executable::check_executable;
+use super::guard::check_executable;
 use super::process::{LineError, Process};
-use super::reply::{Expected, parse, shown};
+use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::results_file::{self, of_object};
 use super::slot::{SampleResult, Slot, SlotError, StopSignal};
-use super::working_folder::{FileProgram, Inputs};
+use super::working_folder::FileProgram;
 use crate::failure::SimulationFailure;
+use crate::outputs::Evaluation;
 use crate::scene::{Exchange, Program, Scene};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
@@ -103,12 +104,13 @@ impl Setup {
         Path::new(&self.program.folder)
     }
 
-    /// Result of a reply line, or the text of a results file, or what is wrong with it.
-    fn outcome(&self, id: u64, text: &str) -> Result<SampleResult, String> {
+    /// Result of a reply line, or of the text of a results file.
+    fn outcome(&self, id: u64, text: &str) -> Result<Evaluation, NoResult> {
         match &self.program.exchange {
             Exchange::Lines => of_object(&self.expected, &self.object(id, text)?),
-            Exchange::Files(files) => results_file::read(&self.expected, text)
-                .map_err(|fault| format!("{}: {fault}", files.results)),
+            Exchange::Files(files) => {
+                results_file::read(&self.expected, text).map_err(|none| none.of(&files.results))
+            }
         }
     }
 }
@@ -192,8 +194,8 @@ impl ProgramSlot {
     ) -> Result<Result<String, LineError>, SlotError> {
         let line = (request.text)(sample) + "\n";
         if let Some(files) = file_program(&self.setup.program) {
-            let inputs = Inputs { names: &self.setup.expected.inputs, values: sample, request: &line };
-            let run = files.run(inputs, self.setup.timeout, stop);
+            let inputs = (&self.setup.expected.inputs[..], sample);
+            let run = files.run(inputs, &line, self.setup.timeout, stop);
             return run.map_err(|reason| start_error(&self.setup.program, reason).into());
         }
         self.start_process(stop.contact())?;
@@ -243,22 +245,19 @@ impl ProgramSlot {
         &mut self,
         request: Request,
         stop: &StopSignal,
-        read: impl Fn(&Setup, &str) -> Result<Result<T, SimulationFailure>, String>,
+        read: impl Fn(&Setup, &str) -> Result<T, NoResult>,
     ) -> Result<Result<(T, String), SimulationFailure>, SlotError> {
         let mut crash = None;
         for _ in 0..ATTEMPTS {
             match self.attempt(request, request.sample, stop)? {
                 Ok(text) => {
-                    return match read(&self.setup, &text) {
-                        Ok(outcome) => {
-                            self.setup.answered.store(true, Ordering::Relaxed);
-                            Ok(outcome.map(|outcome| (outcome, text)))
-                        }
-                        Err(fault) => {
-                            self.kill();
-                            Err(self.setup.broken(request.id, fault).into())
-                        }
-                    };
+                    let broken = |fault| self.setup.broken(request.id, fault);
+                    let read = outcome(read(&self.setup, &text), broken);
+                    match &read {
+                        Ok(_) => self.setup.answered.store(true, Ordering::Relaxed),
+                        Err(_) => self.kill(),
+                    }
+                    return read.map(|outcome| outcome.map(|found| (found, text)));
                 }
                 Err(LineError::TimedOut) => {
                     return Ok(Err(SimulationFailure::TimedOut { seconds: self.setup.seconds }));

@@ -1,9 +1,10 @@
 //! Converts the reply of an external simulator into an evaluation; checks names, shapes and numbers against the scene.
 
-use super::slot::SampleResult;
+use super::error::SimulatorError;
+use super::slot::SlotError;
 use crate::evaluation_shape::LARGEST;
 use crate::failure::SimulationFailure;
-use crate::outputs::{Diagnostics, Evaluation};
+use crate::outputs::Evaluation;
 use crate::scene::{OutputKind, Scene};
 use serde_json::{Map, Value};
 
@@ -53,14 +54,13 @@ impl Expected {
     /// life. An output with a single value has it from the start.
     ///
     /// # Errors
-    /// A message for the user if a name or shape does not fit the scene. A value that is not a finite number makes a
-    /// failed simulation instead.
+    /// [`NoResult`]: a fault if a name or shape does not fit the scene, a failure if a value is not a finite number.
     pub fn evaluation(
         &self,
         values: &Map<String, Value>,
         errors: Option<&Map<String, Value>>,
         start: Option<&Map<String, Value>>,
-    ) -> Result<SampleResult, String> {
+    ) -> Result<Evaluation, NoResult> {
         let mut histories = Vec::new();
         for (name, single) in &self.outputs {
             let value = values.get(name).ok_or_else(|| {
@@ -68,26 +68,11 @@ impl Expected {
                 let found = if found.is_empty() { "none".to_owned() } else { found.join(", ") };
                 format!("output \"{name}\" is missing; found: {found}")
             })?;
-            match self.history(&format!("output \"{name}\""), value, *single)? {
-                Ok(history) => histories.push(history),
-                Err((at, value)) => return Ok(Err(self.no_number(name.clone(), at, value))),
-            }
+            histories.push(self.history(name, &format!("output \"{name}\""), value, *single)?);
         }
-        let errors = match errors.map(|errors| self.errors(errors)).transpose()? {
-            None => vec![],
-            Some(Ok(errors)) => errors,
-            Some(Err(failure)) => return Ok(Err(failure)),
-        };
-        Ok(Ok(Evaluation {
-            cycles: self.cycles.clone(),
-            start: self.start(&histories, start)?,
-            histories,
-            errors,
-            joints: vec![],
-            first_cycle: None,
-            worn: None,
-            diagnostics: Diagnostics::default(),
-        }))
+        let errors = errors.map(|errors| self.errors(errors)).transpose()?.unwrap_or_default();
+        let start = self.start(&histories, start)?;
+        Ok(Evaluation { start, errors, ..Evaluation::from_histories(self.cycles.clone(), histories) })
     }
 
     /// Values of the outputs at the start of life `(outputs,)`; empty if none is known.
@@ -111,59 +96,135 @@ impl Expected {
     }
 
     /// Stated errors of all outputs `(outputs, m)`; zero for an output without stated errors.
-    fn errors(
-        &self,
-        errors: &Map<String, Value>,
-    ) -> Result<Result<Vec<Vec<f64>>, SimulationFailure>, String> {
-        let mut found = Vec::new();
-        for (name, single) in &self.outputs {
-            let Some(value) = errors.get(name) else {
-                found.push(vec![0.0; self.cycles.len()]);
-                continue;
-            };
+    fn errors(&self, errors: &Map<String, Value>) -> Result<Vec<Vec<f64>>, NoResult> {
+        let of_output = |(name, single): &(String, bool)| {
+            let Some(value) = errors.get(name) else { return Ok(vec![0.0; self.cycles.len()]) };
             let what = format!("the error of output \"{name}\"");
-            match self.history(&what, value, *single)? {
-                Ok(errors) if errors.iter().all(|error| *error >= 0.0) => found.push(errors),
-                Ok(_) => return Err(format!("{what} is below 0")),
-                Err((at, value)) => return Ok(Err(self.no_number(format!("{name} (its error)"), at, value))),
+            let errors = self.history(&format!("{name} (its error)"), &what, value, *single)?;
+            match errors.iter().all(|error| *error >= 0.0) {
+                true => Ok(errors),
+                false => Err(format!("{what} is below 0").into()),
             }
-        }
-        Ok(Ok(found))
+        };
+        self.outputs.iter().map(of_output).collect()
     }
 
-    fn no_number(&self, output: String, at: usize, value: String) -> SimulationFailure {
-        SimulationFailure::NoNumber { output, cycles: self.cycles[at], value }
-    }
-
-    /// Values `(m,)` of an output, or index and text of the first one that is not a finite number up to [`LARGEST`].
-    fn history(
-        &self,
-        what: &str,
-        value: &Value,
-        single: bool,
-    ) -> Result<Result<Vec<f64>, (usize, String)>, String> {
+    /// Values `(m,)` of an output.
+    fn history(&self, output: &str, what: &str, value: &Value, single: bool) -> Result<Vec<f64>, NoResult> {
         let list = match value {
             Value::Array(list) => list.as_slice(),
             one => std::slice::from_ref(one),
         };
         let expected = if single { 1 } else { self.cycles.len() };
         if list.len() != expected {
-            return Err(format!("{what} has {} values, expected {expected}", list.len()));
+            return Err(format!("{what} has {} values, expected {expected}", list.len()).into());
         }
-        let mut values = Vec::new();
-        for (at, value) in list.iter().enumerate() {
-            match value.as_f64() {
-                Some(number) if number.abs() <= LARGEST => values.push(number),
-                Some(number) => return Ok(Err((at, format!("{number:e}")))),
-                _ if is_non_finite(value) => return Ok(Err((at, plain(value)))),
-                _ => return Err(format!("{what} has {value} instead of a number")),
-            }
-        }
+        let of_cycle = |(value, cycles): (&Value, &u32)| {
+            number(value, output, *cycles, || format!("{what} has {value} instead of a number"))
+        };
+        let mut values = list.iter().zip(&self.cycles).map(of_cycle).collect::<Result<Vec<f64>, _>>()?;
         if single {
             values.resize(self.cycles.len(), values[0]);
         }
-        Ok(Ok(values))
+        Ok(values)
     }
+}
+
+/// Why a reply has no result.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NoResult {
+    /// The reply does not fit the scene, in words.
+    Fault(String),
+    /// The sample has no result.
+    Failure(SimulationFailure),
+}
+
+impl From<String> for NoResult {
+    fn from(fault: String) -> Self {
+        NoResult::Fault(fault)
+    }
+}
+
+impl NoResult {
+    /// A failure that the simulator reports.
+    pub fn reported(message: String) -> Self {
+        NoResult::Failure(SimulationFailure::Reported { message })
+    }
+
+    /// This reason, a fault with the `place` of the reply.
+    pub fn of(self, place: &str) -> Self {
+        match self {
+            NoResult::Fault(fault) => NoResult::Fault(format!("{place}: {fault}")),
+            failure => failure,
+        }
+    }
+}
+
+/// The outcome of a sample by what was read; a fault is the error that `broken` makes of it.
+///
+/// # Errors
+/// That error.
+pub fn outcome<T>(
+    read: Result<T, NoResult>,
+    broken: impl FnOnce(String) -> SimulatorError,
+) -> Result<Result<T, SimulationFailure>, SlotError> {
+    match read {
+        Ok(found) => Ok(Ok(found)),
+        Err(NoResult::Failure(failure)) => Ok(Err(failure)),
+        Err(NoResult::Fault(fault)) => Err(broken(fault).into()),
+    }
+}
+
+/// The object of a text of JSON in braces; `None` for any other text.
+///
+/// # Errors
+/// [`NoResult`]: a failure if the first word begins with `fail`.
+pub fn object(text: &str) -> Result<Option<Map<String, Value>>, NoResult> {
+    if text.get(..4).is_some_and(|word| word.eq_ignore_ascii_case("fail")) {
+        return Err(NoResult::reported(shown(text).replace('\n', " ")));
+    }
+    if !text.starts_with('{') {
+        return Ok(None);
+    }
+    let reply = parse(text).map_err(|error| format!("\"{}\" is no JSON: {error}", shown(text)))?;
+    Ok(reply.as_object().cloned())
+}
+
+/// The object at a key of a reply, if there is one.
+///
+/// # Errors
+/// [`NoResult`]: a fault if it is no object, a failure if the reply states one.
+pub fn by_name<'r>(
+    reply: &'r Map<String, Value>,
+    key: &str,
+) -> Result<Option<&'r Map<String, Value>>, NoResult> {
+    match (reply.get("failure"), reply.get(key)) {
+        (Some(failure), _) => Err(NoResult::reported(plain(failure))),
+        (None, None) => Ok(None),
+        (None, Some(Value::Object(values))) => Ok(Some(values)),
+        (None, Some(other)) => {
+            Err(format!("\"{key}\" is {}, expected values by name", shown(&other.to_string())).into())
+        }
+    }
+}
+
+/// The number of an output after `cycles`, up to [`LARGEST`].
+///
+/// # Errors
+/// [`NoResult`]: a failure if it is not finite or larger, the `fault` if it is no number.
+pub fn number(
+    value: &Value,
+    output: &str,
+    cycles: u32,
+    fault: impl FnOnce() -> String,
+) -> Result<f64, NoResult> {
+    let value = match value.as_f64() {
+        Some(number) if number.abs() <= LARGEST => return Ok(number),
+        Some(number) => format!("{number:e}"),
+        None if value.is_null() || value.as_str().is_some_and(is_non_finite_word) => plain(value),
+        None => return Err(fault().into()),
+    };
+    Err(NoResult::Failure(SimulationFailure::NoNumber { output: output.to_owned(), cycles, value }))
 }
 
 /// Parses JSON as simulators write it; the words `NaN`, `Infinity` and `inf`, which JSON lacks, become strings.
@@ -196,13 +257,8 @@ pub fn is_non_finite_word(word: &str) -> bool {
     ["nan", "inf", "infinity"].iter().any(|word| bare.eq_ignore_ascii_case(word))
 }
 
-/// True for a value that stands for a number that is not finite.
-pub fn is_non_finite(value: &Value) -> bool {
-    value.is_null() || value.as_str().is_some_and(is_non_finite_word)
-}
-
 /// A text without its quotes, any other value as JSON.
-pub fn plain(value: &Value) -> String {
+fn plain(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
@@ -255,7 +311,7 @@ mod tests {
         }
     }
 
-    fn evaluation(outputs: Value, errors: Option<Value>) -> Result<SampleResult, String> {
+    fn evaluation(outputs: Value, errors: Option<Value>) -> Result<Evaluation, NoResult> {
         let errors = errors.as_ref().map(|errors| errors.as_object().unwrap());
         expected().evaluation(outputs.as_object().unwrap(), errors, None)
     }
@@ -265,23 +321,22 @@ mod tests {
         let with = |start: Value| {
             let outputs = json!({ "g": [1, 2], "h": 3 });
             let found = expected().evaluation(outputs.as_object().unwrap(), None, start.as_object());
-            found.map(|evaluation| evaluation.unwrap().start)
+            found.map(|evaluation| evaluation.start)
         };
         assert_eq!(with(Value::Null), Ok(vec![None, Some(3.0)]));
         assert_eq!(with(json!({ "g": 0.5 })), Ok(vec![Some(0.5), Some(3.0)]));
         assert_eq!(
             with(json!({ "g": [0.5] })).unwrap_err(),
-            "the start of output \"g\" is [0.5] instead of a number"
+            NoResult::Fault("the start of output \"g\" is [0.5] instead of a number".into())
         );
     }
 
     #[test]
     fn values_and_errors_have_the_scenes_shape() {
-        let found = evaluation(json!({ "h": [3], "g": [1.5, -2], "more": [] }), None).unwrap().unwrap();
+        let found = evaluation(json!({ "h": [3], "g": [1.5, -2], "more": [] }), None).unwrap();
         assert_eq!(found.histories, [[1.5, -2.0], [3.0, 3.0]]);
         assert!(found.errors.is_empty());
-        let found =
-            evaluation(json!({ "g": [1, 2], "h": 3.0 }), Some(json!({ "g": [0.1, 0] }))).unwrap().unwrap();
+        let found = evaluation(json!({ "g": [1, 2], "h": 3.0 }), Some(json!({ "g": [0.1, 0] }))).unwrap();
         assert_eq!(found.errors, [[0.1, 0.0], [0.0, 0.0]]);
     }
 
@@ -300,13 +355,14 @@ mod tests {
                 "the error of output \"g\" is below 0",
             ),
         ] {
-            assert_eq!(evaluation(outputs, errors), Err(said.to_owned()));
+            assert_eq!(evaluation(outputs, errors), Err(NoResult::Fault(said.to_owned())));
         }
         // Of one sample only, as a value that is no number.
         for error in ["NaN", "1e200"] {
             let errors = parse(&format!("{{\"h\": {error}}}")).unwrap();
-            let found = evaluation(json!({ "g": [1, 2], "h": 1 }), Some(errors)).unwrap();
-            let said = found.unwrap_err().to_string();
+            let found = evaluation(json!({ "g": [1, 2], "h": 1 }), Some(errors));
+            let Err(NoResult::Failure(failure)) = found else { panic!("{found:?}") };
+            let said = failure.to_string();
             assert_eq!(said, format!("the simulator returned {error} for output h (its error) at cycle 100"));
         }
     }
@@ -317,7 +373,8 @@ mod tests {
         let found = parse(text).unwrap();
         assert_eq!(found["note"], "NaN is \" no\\");
         let failure = |output: &str, cycles, value: &str| {
-            Ok(Err(SimulationFailure::NoNumber { output: output.into(), cycles, value: value.into() }))
+            let (output, value) = (output.into(), value.into());
+            Err(NoResult::Failure(SimulationFailure::NoNumber { output, cycles, value }))
         };
         assert_eq!(evaluation(found, None), failure("g", 200, "-Infinity"));
         assert_eq!(evaluation(parse("{\"g\": [1, 2], \"h\": nan}").unwrap(), None), failure("h", 100, "nan"));

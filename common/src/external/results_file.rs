@@ -4,51 +4,35 @@
 //! white space or line breaks; on each line, what follows the last number is a comment, e.g. the name of the value. A file
 //! whose first word begins with `fail` states that the sample has no result. These are the conventions of Dakota.
 
-use super::reply::{Expected, parse, shown};
-use super::slot::SampleResult;
-use crate::failure::SimulationFailure;
+use super::reply::{Expected, NoResult, by_name, object, shown};
+use crate::outputs::Evaluation;
 use serde_json::{Map, Value};
 
-/// Result stated by the text of a file, or what is wrong with the text.
+/// Result stated by the text of a file.
 ///
 /// # Errors
-/// A message for the user.
-pub fn read(expected: &Expected, text: &str) -> Result<SampleResult, String> {
+/// [`NoResult`].
+pub fn read(expected: &Expected, text: &str) -> Result<Evaluation, NoResult> {
     let text = text.trim_start_matches('\u{feff}').trim();
-    if text.starts_with('{') {
-        let reply = parse(text).map_err(|error| format!("\"{}\" is no JSON: {error}", shown(text)))?;
-        return match reply {
-            Value::Object(reply) => of_object(expected, &reply),
-            _ => unreachable!("JSON in braces is an object"),
-        };
-    }
-    if text.get(..4).is_some_and(|word| word.eq_ignore_ascii_case("fail")) {
-        return Ok(Err(SimulationFailure::Reported { message: shown(text).replace('\n', " ") }));
+    if let Some(reply) = object(text)? {
+        return of_object(expected, &reply);
     }
     let values = numbers(text)?;
     let needed: usize = expected.lengths().iter().sum();
     if values.len() != needed {
-        return Err(format!("it has {} values, expected {needed}: {}", values.len(), expected.sizes()));
+        return Err(format!("it has {} values, expected {needed}: {}", values.len(), expected.sizes()).into());
     }
     expected.evaluation(&expected.by_name(values), None, None)
 }
 
-/// Result stated by an object with `outputs` or `failure`, or what is wrong with it.
+/// Result stated by an object with `outputs` or `failure`.
 ///
 /// # Errors
-/// A message for the user.
-pub fn of_object(expected: &Expected, reply: &Map<String, Value>) -> Result<SampleResult, String> {
-    if let Some(failure) = reply.get("failure") {
-        let message = failure.as_str().map_or_else(|| failure.to_string(), str::to_owned);
-        return Ok(Err(SimulationFailure::Reported { message }));
-    }
-    let by_name = |key: &str| match reply.get(key) {
-        None => Ok(None),
-        Some(Value::Object(values)) => Ok(Some(values)),
-        Some(other) => Err(format!("\"{key}\" is {}, expected values by name", shown(&other.to_string()))),
-    };
-    let outputs = by_name("outputs")?.ok_or("it has neither \"outputs\" nor \"failure\"")?;
-    expected.evaluation(outputs, by_name("errors")?, by_name("start")?)
+/// [`NoResult`].
+pub fn of_object(expected: &Expected, reply: &Map<String, Value>) -> Result<Evaluation, NoResult> {
+    let neither = || "it has neither \"outputs\" nor \"failure\"".to_owned();
+    let outputs = by_name(reply, "outputs")?.ok_or_else(neither)?;
+    expected.evaluation(outputs, by_name(reply, "errors")?, by_name(reply, "start")?)
 }
 
 /// All numbers of a text, as JSON; those that are not finite as strings.
@@ -86,7 +70,11 @@ mod tests {
     }
 
     fn histories(text: &str) -> Result<Vec<Vec<f64>>, String> {
-        read(&expected(), text).map(|result| result.unwrap().histories)
+        match read(&expected(), text) {
+            Ok(evaluation) => Ok(evaluation.histories),
+            Err(NoResult::Fault(fault)) => Err(fault),
+            Err(NoResult::Failure(failure)) => panic!("{failure}"),
+        }
     }
 
     #[test]
@@ -108,7 +96,10 @@ mod tests {
         assert_eq!(histories("1 2\nh = 3"), Err("line 2: \"h = 3\" does not begin with a number".into()));
         assert!(histories("{\"outputs\": ").unwrap_err().contains("is no JSON"));
         assert_eq!(histories(""), Err("it has 0 values, expected 3: g 2, h 1".into()));
-        let failed = |text: &str| read(&expected(), text).unwrap().unwrap_err().to_string();
+        let failed = |text: &str| match read(&expected(), text) {
+            Err(NoResult::Failure(failure)) => failure.to_string(),
+            other => panic!("{other:?}"),
+        };
         assert_eq!(failed("FAIL no\nmesh"), "the simulator reports: FAIL no mesh");
         assert_eq!(failed("{\"failure\": \"no mesh\"}"), "the simulator reports: no mesh");
         assert_eq!(failed("1 nan 3"), "the simulator returned nan for output g at cycle 200");

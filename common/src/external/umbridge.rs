@@ -7,9 +7,10 @@
 //! See [`crate::umbridge`].
 
 use super::error::SimulatorError;
-use super::reply::{Expected, parse, shown};
+use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::slot::{SampleResult, Slot, SlotError, StopSignal, WaitError};
 use crate::failure::SimulationFailure;
+use crate::outputs::Evaluation;
 use crate::scene::{Scene, UmBridgeModel};
 use crate::umbridge as protocol;
 use serde::de::DeserializeOwned;
@@ -164,14 +165,14 @@ impl UmBridgeClient {
         json!({ "name": self.model.model, "input": input, "config": self.config })
     }
 
-    /// Result stated by a reply, or what is wrong with the reply.
-    fn outcome(&self, http: &HttpReply) -> Result<SampleResult, String> {
+    /// Result stated by a reply.
+    fn evaluation(&self, http: &HttpReply) -> Result<Evaluation, NoResult> {
         let reply = parse(&http.text)
             .map_err(|_| format!("HTTP status {}: \"{}\"", http.status, shown(&http.text)))?;
         if let Ok(protocol::ErrorReply { error }) = serde_json::from_value(reply.clone()) {
             let message = format!("{}: {}", error.kind, error.message);
             let refused = REFUSALS.contains(&error.kind.as_str());
-            return if refused { Err(message) } else { Ok(Err(SimulationFailure::Reported { message })) };
+            return Err(if refused { message.into() } else { NoResult::reported(message) });
         }
         let protocol::Evaluated::<Value> { output } =
             serde_json::from_value(reply).map_err(|_| format!("\"{}\"", shown(&http.text)))?;
@@ -180,7 +181,8 @@ impl UmBridgeClient {
             return Err(format!(
                 "it has vectors of {sizes:?} values, the model's are {:?}",
                 self.output_sizes
-            ));
+            )
+            .into());
         }
         let by_name = self.expected.by_name(output.into_iter().flatten());
         self.expected.evaluation(&by_name, None, None)
@@ -250,10 +252,10 @@ impl Slot for ModelSlot {
                     }
                 }
                 Ok(reply) => {
-                    return self.client.outcome(&reply).map_err(|fault| {
-                        let simulator =
-                            format!("model \"{}\" of {}", self.client.model.model, self.client.model.url);
-                        SimulatorError::Protocol { simulator, id, fault }.into()
+                    return outcome(self.client.evaluation(&reply), |fault| {
+                        let UmBridgeModel { model, url, .. } = &self.client.model;
+                        let simulator = format!("model \"{model}\" of {url}");
+                        SimulatorError::Protocol { simulator, id, fault }
                     });
                 }
                 Err(HttpError::Failed(reason)) => tracing::debug!("{url}: {reason}"),

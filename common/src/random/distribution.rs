@@ -17,7 +17,6 @@ mod lognormal;
 mod normal;
 #[cfg(test)]
 mod tests;
-mod tilted;
 mod triangular;
 mod truncated_normal;
 mod uniform;

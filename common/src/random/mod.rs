@@ -4,8 +4,7 @@
 //! |---|---|
 //! | [`distribution`] | eleven distributions, each a file with density, moments and source |
 //! | `family` | families of distributions fitted to measured values |
-//! | `standard` | standard distributions whose location and scale others are |
-//! | `standard_normal` | density, distribution function and quantile of the standard normal |
+//! | `standard` | standard distributions whose location and scale others are; density, distribution function and quantile of the standard normal |
 //! | `copula` | dependence of several variables: the Gaussian copula |
 //! | `iso286` | limits, clearances and their spread from tolerance classes such as `H7/e8` |
 
@@ -14,15 +13,13 @@ pub mod distribution;
 mod family;
 mod iso286;
 mod standard;
-mod standard_normal;
 
 pub use copula::{Correlation, GaussianCopula, NotPositiveDefinite, normal_from_rank_correlation};
 pub use distribution::{Distribution, Extreme, FitError, Law, LawError};
 pub use family::{Family, LocationScale};
 pub use iso286::{Feature, Fit, ToleranceClass, ToleranceError};
-pub use standard::{Standard, Tail};
-pub use standard_normal::{
-    standard_normal_cdf, standard_normal_mass, standard_normal_pdf, standard_normal_quantile,
+pub use standard::{
+    Standard, Tail, standard_normal_cdf, standard_normal_mass, standard_normal_pdf, standard_normal_quantile,
 };
 
 use serde::{Deserialize, Serialize};

@@ -6,26 +6,23 @@ use super::context::Range;
 use super::drive::Drive;
 use super::model::{DrivenInertia, Motion, Point};
 use super::quantity::*;
-use super::record::record;
-use super::section::Section;
+use super::section::{Section, record};
 use super::shape::{MassProperties, shape};
 use super::tables::{Repetition, over_time};
 
 /// Reads `[[bodies]]`; a faulty body keeps its row.
 pub(super) fn bodies(file: &mut Section, materials: &[MaterialRow]) -> Vec<BodyRow> {
     let words = [("fixed", MotionWord::Fixed), ("driven", MotionWord::Driven), ("free", MotionWord::Free)];
-    let mut bodies = Vec::new();
-    for (name, mut row) in file.rows("bodies") {
+    let bodies = file.each_row("bodies", |name, row| {
         let word = row.word("motion", &words);
-        let points = points(&mut row);
+        let points = points(row);
         let motion = word.and_then(|word| match word {
             MotionWord::Fixed => Some(Motion::Fixed),
-            MotionWord::Driven => driven(&mut row, &points, materials),
-            MotionWord::Free => free(&mut row, &points, materials),
+            MotionWord::Driven => driven(row, &points, materials),
+            MotionWord::Free => free(row, &points, materials),
         });
-        row.finish();
-        bodies.push(BodyRow { name: name.to_owned(), word, motion, points });
-    }
+        BodyRow { name: name.to_owned(), word, motion, points }
+    });
     if bodies.is_empty() {
         file.missing("bodies", "at least one body, [[bodies]]");
     }
@@ -92,7 +89,7 @@ fn driven_inertia(
     if given == [false; 4] {
         return Some(None);
     }
-    let shape = shape(row, points, materials)?;
+    let shape = row.if_any("shape", |row, _| shape(row, points, materials))?;
     let inertia = record!(DrivenInertia {
         mass: or_of_shape(row, "mass", MASS, shape.map(|shape| shape.mass)),
         inertia: or_of_shape(row, "inertia", INERTIA, shape.map(|shape| shape.inertia)),
@@ -103,7 +100,7 @@ fn driven_inertia(
 
 fn free(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Option<Motion> {
     // A faulty shape leaves its quantities open: they are then no faults as well.
-    let shape = match shape(row, points, materials) {
+    let shape = match row.if_any("shape", |row, _| shape(row, points, materials)) {
         None => Some(MassProperties { mass: 1.0, inertia: 1.0, centre: [0.0; 2] }),
         Some(shape) => shape,
     };
@@ -116,21 +113,15 @@ fn free(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Optio
         },
         start_position: row.pair("start_position", LENGTH),
         start_angle: row.quantity("start_angle", ANGLE, Range::Any),
-        start_velocity: match row.get("start_velocity") {
-            Some(_) => row.pair("start_velocity", SPEED).map(Some),
-            None => Some(None),
-        },
+        start_velocity: row.if_any("start_velocity", |row, key| row.pair(key, SPEED)),
         start_speed: row.quantity_if_any("start_speed", ANGULAR_VELOCITY, Range::Any),
     })
 }
 
 fn points(row: &mut Section) -> Vec<Point> {
     let Some(section) = row.section_if_any("points") else { return Vec::new() };
-    let mut points = Vec::new();
-    for (name, value) in section.entries() {
-        // A faulty point keeps its name, so that references to it are not faults as well.
-        let position = section.as_pair(name, value, LENGTH).unwrap_or_default();
-        points.push(Point { name: name.clone(), position });
-    }
-    points
+    // A faulty point keeps its name, so that references to it are not faults as well.
+    let position = |name: &str, value| section.as_pair(name, value, LENGTH).unwrap_or_default();
+    let point = |(name, value): (&String, _)| Point { name: name.clone(), position: position(name, value) };
+    section.entries().map(point).collect()
 }

@@ -1,8 +1,8 @@
 //! A body while its scene is read, and the references to it: names of bodies, places on them.
 
-use super::attachment::Attachment;
 use super::drive::Drive;
 use super::model::{Body, Motion, Point};
+use super::output_values::Attachment;
 use super::section::Section;
 
 /// The words of `motion`.

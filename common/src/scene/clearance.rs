@@ -1,13 +1,13 @@
-//! Reads joints with clearance: materials, radii, contact law and damping, friction, wear.
+//! Reads joints with clearance: materials, hinges and guides, contact law and damping, friction, wear.
 
 use super::context::Range;
 use super::faults::in_first_unit;
 use super::joint::{
-    Clearance, ContactDamping, ContactLaw, ControlPoints, Material, RestitutionLaw, WearingSurfaces,
+    Clearance, ContactDamping, ContactLaw, ControlPoints, GuideClearance, GuideWear, Material,
+    RestitutionLaw, WearingSurfaces,
 };
 use super::quantity::*;
-use super::record::record;
-use super::section::Section;
+use super::section::{Section, record};
 
 /// Range of the number of control points: fewer do not represent a bore.
 const CONTROL_POINTS: std::ops::RangeInclusive<i64> = 8..=ControlPoints::MOST as i64;
@@ -80,9 +80,8 @@ pub(super) fn clearance(
 
 /// Reads the law of the normal contact force.
 fn contact_law(row: &mut Section) -> Option<ContactLaw> {
-    let laws = ContactLaw::ALL.map(|law| (law.name(), law));
     let names = ContactLaw::ALL.map(ContactLaw::name).join(", ");
-    row.choice("contact_law", &format!("one of {names}"), &laws)
+    row.choice("contact_law", &format!("one of {names}"), &ContactLaw::WORDS)
 }
 
 /// Reads the wear coefficient, which a joint that does not wear need not have.
@@ -98,10 +97,8 @@ fn wear_coefficient(row: &mut Section, is_worn: bool) -> Option<f64> {
 /// Reads the surfaces that wear.
 fn surfaces(row: &mut Section) -> Option<WearingSurfaces> {
     let words = WearingSurfaces::ALL.map(|surfaces| (surfaces.name(), surfaces));
-    match row.get("wears") {
-        None => Some(WearingSurfaces::default()),
-        Some(_) => row.choice("wears", "bushing, journal or both", &words),
-    }
+    let given = row.if_any("wears", |row, key| row.choice(key, "bushing, journal or both", &words))?;
+    Some(given.unwrap_or_default())
 }
 
 /// Reads the control points of a bore and its journal.
@@ -140,7 +137,7 @@ pub(super) fn second_coefficient(
 
 /// The bushing is given by its radius or by the clearance it leaves to its journal.
 fn bushing_radius(row: &mut Section, journal_radius: Option<f64>) -> Option<f64> {
-    if let Some(written) = row.get("radial_clearance") {
+    if row.get("radial_clearance").is_some() {
         if row.get("bushing_radius").is_some() {
             row.inconsistent_table("give either bushing_radius or radial_clearance, not both");
             return None;
@@ -150,9 +147,8 @@ fn bushing_radius(row: &mut Section, journal_radius: Option<f64>) -> Option<f64>
         if clearance < journal_radius {
             return Some(journal_radius + clearance);
         }
-        let value = row.shown("radial_clearance", written, clearance, LENGTH);
         let allowed = format!("smaller than journal_radius = {}", in_first_unit(journal_radius, LENGTH));
-        row.out_of_range("radial_clearance", value, allowed);
+        row.refuse("radial_clearance", clearance, LENGTH, allowed);
         return None;
     }
     let radius = row.quantity("bushing_radius", LENGTH, Range::Positive)?;
@@ -160,13 +156,11 @@ fn bushing_radius(row: &mut Section, journal_radius: Option<f64>) -> Option<f64>
     if radius > journal_radius && radius < 2.0 * journal_radius {
         return Some(radius);
     }
-    let written = row.get("bushing_radius")?;
-    let value = row.shown("bushing_radius", written, radius, LENGTH);
     let allowed = format!(
         "larger than the journal and below twice that, journal_radius = {}",
         in_first_unit(journal_radius, LENGTH)
     );
-    row.out_of_range("bushing_radius", value, allowed);
+    row.refuse("bushing_radius", radius, LENGTH, allowed);
     None
 }
 
@@ -215,10 +209,86 @@ pub(super) fn contact_damping(row: &mut Section) -> Option<ContactDamping> {
 
 /// Reads `{ law, restitution, least_speed }`.
 fn by_restitution(damping: &mut Section) -> Option<ContactDamping> {
-    let laws = RestitutionLaw::ALL.map(|law| (law.word(), law));
     record!(ContactDamping::Restitution {
-        law: damping.word("law", &laws),
+        law: damping.word("law", &RestitutionLaw::WORDS),
         coefficient: damping.quantity("restitution", NUMBER, Range::Above(0.0, 1.0)),
         least_speed: damping.quantity_or("least_speed", SPEED, Range::Positive, LEAST_SPEED),
     })
+}
+
+/// Keys of the wear of a hinge that a guide does not have, and why.
+const KEYS_OF_HINGES: [(&str, &str); 3] = [
+    ("wear", "a guide wears where it has wears = \"guide\", \"slider\" or \"both\": leave this key out"),
+    ("journal_wear_coefficient", "the second surface of a guide is its slider: see slider_wear_coefficient"),
+    ("wall", "a guide is not worn through, as nothing behind its faces is modelled: leave this key out"),
+];
+
+/// Reads the fields of a guide with clearance.
+pub(super) fn guide(row: &mut Section, materials: &[MaterialRow]) -> Option<GuideClearance> {
+    let read = record!(GuideClearance {
+        axis: row.quantity_or("axis", ANGLE, Range::Any, 0.0),
+        angle: row.quantity_or("angle", ANGLE, Range::Any, 0.0),
+        length: row.quantity("length", LENGTH, Range::Positive),
+        height: row.quantity("height", LENGTH, Range::Positive),
+        width: row.quantity("width", LENGTH, Range::Positive),
+        clearance: guide_clearance(row, height),
+        reach: reach(row, length),
+        slider_material: material(row, "slider_material", materials),
+        guide_material: material(row, "guide_material", materials),
+        contact_damping: contact_damping(row),
+        friction: row.quantity("friction", NUMBER, FRICTION),
+        friction_speed: row.quantity("friction_speed", SPEED, Range::Positive),
+        wear: wear(row),
+    });
+    for (key, reason) in KEYS_OF_HINGES {
+        // Known only where it is given, so that no message offers it.
+        if row.peek(key).is_some() && row.get(key).is_some() {
+            row.inconsistent(key, reason);
+        }
+    }
+    read
+}
+
+/// Reads the wear of guide and slider; outer none if it is faulty, inner none without the key wears.
+fn wear(row: &mut Section) -> Option<Option<GuideWear>> {
+    let words = WearingSurfaces::ALL.map(|surfaces| (surfaces.guide_name(), surfaces));
+    let keys = ["wear_coefficient", "slider_wear_coefficient", "control_points"];
+    let given: Vec<&str> = keys.into_iter().filter(|key| row.get(key).is_some()).collect();
+    if row.get("wears").is_none() {
+        let needs = "needs wears = \"guide\", \"slider\" or \"both\": without it a guide does not wear";
+        given.iter().for_each(|key| row.inconsistent(key, needs));
+        return given.is_empty().then_some(None);
+    }
+    let wear = record!(GuideWear {
+        wears: row.choice("wears", "guide, slider or both", &words),
+        coefficient: row.quantity("wear_coefficient", INVERSE_PRESSURE, Range::NonNegative),
+        slider_coefficient: second_coefficient(row, "slider_wear_coefficient", wears),
+        control_points: control_points(row),
+    });
+    wear.map(Some)
+}
+
+/// The clearance on each side, which is below the slider's height.
+fn guide_clearance(row: &mut Section, height: Option<f64>) -> Option<f64> {
+    let clearance = row.quantity("clearance", LENGTH, Range::Positive)?;
+    let height = height?;
+    if clearance < height {
+        return Some(clearance);
+    }
+    let allowed = format!("smaller than height = {}", in_first_unit(height, LENGTH));
+    row.refuse("clearance", clearance, LENGTH, allowed);
+    None
+}
+
+/// The ends of the guide, between which there is room for the slider.
+fn reach(row: &mut Section, length: Option<f64>) -> Option<[f64; 2]> {
+    let start = row.quantity("guide_start", LENGTH, Range::Any);
+    let end = row.quantity("guide_end", LENGTH, Range::Any);
+    let (start, end, length) = (start?, end?, length?);
+    if end - start > length {
+        return Some([start, end]);
+    }
+    let least = in_first_unit(length, LENGTH);
+    row.inconsistent("guide_end", format!("leaves no room for the slider, whose length is {least}"));
+    None
 }

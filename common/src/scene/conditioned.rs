@@ -21,7 +21,7 @@ pub(super) fn conditions(
     overrides: &Overrides,
     scene: &Scene,
     rows: &[ConditionRow],
-) -> Result<Vec<Condition>, Vec<Fault>> {
+) -> Result<Vec<Condition>, Faults> {
     let (mut found, mut faults) = (Vec::new(), Vec::new());
     if let Some(limit) = (rows.len() > 1).then(|| two_sided(scene)).flatten() {
         let message = "over several conditions an output of the motion is its largest or its smallest value: its limit states must all \
@@ -64,7 +64,7 @@ pub(super) fn conditions(
             }
         }
     }
-    if faults.is_empty() { Ok(found) } else { Err(faults) }
+    if faults.is_empty() { Ok(found) } else { Err(Faults(faults)) }
 }
 
 /// Name of the first limit state that fails on another side than one before it of the same output of the motion, or on both; `None` if

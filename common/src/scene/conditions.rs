@@ -5,7 +5,7 @@
 
 use super::context::{Overrides, Range};
 use super::model::Life;
-use super::quantity::NUMBER;
+use super::quantity::{NUMBER, Quantity};
 use super::section::Section;
 use toml::Value;
 
@@ -25,8 +25,7 @@ pub(super) struct ConditionRow {
 /// Reads `[[conditions]]`, after everything that a condition may change.
 pub(super) fn condition_rows(file: &mut Section, life: Option<&Life>) -> Vec<ConditionRow> {
     let before = file.cx.fault_count();
-    let mut rows = Vec::new();
-    for (name, mut row) in file.rows("conditions") {
+    let rows = file.each_row("conditions", |name, row| {
         let share = row.quantity("share", NUMBER, Range::Above(0.0, 1.0));
         let mut changes = Overrides::new();
         if let Some(table) = row.section_if_any("changes") {
@@ -34,9 +33,9 @@ pub(super) fn condition_rows(file: &mut Section, life: Option<&Life>) -> Vec<Con
                 read_changes(&table, key, value, &mut changes);
             }
         }
-        row.finish();
-        rows.extend(share.map(|share| ConditionRow { name: name.to_owned(), share, changes }));
-    }
+        share.map(|share| ConditionRow { name: name.to_owned(), share, changes })
+    });
+    let rows: Vec<ConditionRow> = rows.into_iter().flatten().collect();
     if file.cx.fault_count() == before && !rows.is_empty() {
         check(file, &rows, life);
     }
@@ -56,10 +55,10 @@ fn read_changes(changes: &Section, key: &str, value: &Value, found: &mut Overrid
         cx.inconsistent(path, "conditions change what a cycle depends on, not limit states or conditions");
         return;
     }
-    let Some(kind) = cx.kind_of(key) else {
+    let Some(kind) = cx.seen.borrow().get(key).map(Quantity::kind) else {
         // After another fault, a quantity may be unread only because of it.
         if cx.fault_count() == 0 {
-            cx.unknown_quantity(&path, key);
+            cx.reference(&path, "quantity", key, cx.seen.borrow().keys().map(String::as_str));
         }
         return;
     };

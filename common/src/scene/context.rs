@@ -5,12 +5,12 @@
 //! `Section`s, which pass what they read to the context that they share.
 
 use super::expression::{ExpressionError, evaluate, read_unit};
-use super::faults::{Fault, FaultKind, Faults, in_first_unit};
+use super::faults::{Fault, FaultKind, in_first_unit};
 use super::parameters::{Lookup, Parameters, why_not_a_name};
 use super::quantity::{AngleUnit, Kind, NUMBER, Quantity};
 use super::unit_advice::advised;
 use std::cell::RefCell;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use toml::{Table, Value};
 
 /// Values in SI by the path of their key.
@@ -66,12 +66,10 @@ impl Range {
 pub(super) struct Context<'s> {
     origin: &'s str,
     overrides: &'s Overrides,
-    /// Keys whose value was overridden.
-    overridden: RefCell<BTreeSet<String>>,
-    parameters: RefCell<Parameters<'s>>,
+    pub(super) parameters: RefCell<Parameters<'s>>,
     /// Every quantity read, by the path of its key.
-    seen: RefCell<BTreeMap<String, Quantity>>,
-    faults: RefCell<Vec<Fault>>,
+    pub(super) seen: RefCell<BTreeMap<String, Quantity>>,
+    pub(super) faults: RefCell<Vec<Fault>>,
 }
 
 impl<'s> Context<'s> {
@@ -79,7 +77,6 @@ impl<'s> Context<'s> {
         Context {
             origin,
             overrides,
-            overridden: RefCell::default(),
             parameters: RefCell::default(),
             seen: RefCell::default(),
             faults: RefCell::default(),
@@ -91,30 +88,9 @@ impl<'s> Context<'s> {
         self.faults.borrow_mut().push(Fault::new(self.origin, key, kind));
     }
 
-    /// Records faults that have their places already.
-    pub(super) fn extend_faults(&self, Faults(faults): Faults) {
-        self.faults.borrow_mut().extend(faults);
-    }
-
     /// Records that a value contradicts another one.
     pub(super) fn inconsistent(&self, key: impl Into<String>, message: impl Into<String>) {
         self.fault(key, message.into().into());
-    }
-
-    /// Removes quantities, by the path of their key, from those read so far.
-    pub(super) fn forget(&self, key: impl Fn(&str) -> bool) {
-        self.seen.borrow_mut().retain(|seen, _| !key(seen));
-    }
-
-    /// Kind of the quantity at a key, if it has been read.
-    pub(super) fn kind_of(&self, key: &str) -> Option<Kind> {
-        self.seen.borrow().get(key).map(Quantity::kind)
-    }
-
-    /// Records that `place` names a quantity at a `key` where none has been read.
-    pub(super) fn unknown_quantity(&self, place: &str, key: &str) {
-        let seen = self.seen.borrow();
-        self.reference(place, "quantity", key, seen.keys().map(String::as_str));
     }
 
     /// Number of faults so far.
@@ -125,16 +101,6 @@ impl<'s> Context<'s> {
     /// The faults so far; none are left.
     pub(super) fn take_faults(&self) -> Vec<Fault> {
         self.faults.take()
-    }
-
-    /// The quantities read so far, by the path of their key; none are left.
-    pub(super) fn take_seen(&self) -> BTreeMap<String, Quantity> {
-        self.seen.take()
-    }
-
-    /// Parameters that the rest of the scene depends on, directly or through others.
-    pub(super) fn used_parameters(&self) -> BTreeSet<String> {
-        self.parameters.borrow().used()
     }
 
     /// Evaluates every parameter, and records names that no parameter can have.
@@ -189,7 +155,6 @@ impl<'s> Context<'s> {
     pub(super) fn value(&self, key: &str, value: &Value, expected: Option<Kind>) -> Option<Quantity> {
         let mut quantity = self.written(key, value, expected)?;
         if let Some(&overridden) = self.overrides.get(key) {
-            self.overridden.borrow_mut().insert(key.to_owned());
             quantity.value = overridden;
         }
         self.seen.borrow_mut().insert(key.to_owned(), quantity);
@@ -212,7 +177,7 @@ impl<'s> Context<'s> {
         let kind = match (found, expected) {
             (Ok(quantity), None) => return Some(quantity),
             (Ok(_), Some(expected)) if !value.is_str() && !expected.takes_bare_numbers() => {
-                FaultKind::NoUnit { value: shown(), expected }
+                FaultKind::NoUnit { value: shown(), unit: "unit", expected }
             }
             (Ok(quantity), Some(expected)) if quantity.dimension != expected.dimension => {
                 // A text such as "5" has no unit either; "a plain number" would be a puzzling answer.
@@ -223,7 +188,7 @@ impl<'s> Context<'s> {
                 if quantity.angle == AngleUnit::Present {
                     FaultKind::AngleUnit { value, expected }
                 } else {
-                    FaultKind::NoAngleUnit { value, expected }
+                    FaultKind::NoUnit { value, unit: "unit of angle", expected }
                 }
             }
             (Ok(quantity), Some(_)) => return Some(quantity),
@@ -312,10 +277,9 @@ impl<'s> Context<'s> {
         found
     }
 
-    /// Records a fault for each override of a key that no field has.
-    pub(super) fn check_overrides(&self) {
-        let (overridden, seen) = (self.overridden.borrow(), self.seen.borrow());
-        for key in self.overrides.keys().filter(|key| !overridden.contains(*key)) {
+    /// Records a fault for each override of a key that is none of the quantities `seen`.
+    pub(super) fn check_overrides(&self, seen: &BTreeMap<String, Quantity>) {
+        for key in self.overrides.keys() {
             self.reference(key, "quantity", key, seen.keys().map(String::as_str));
         }
     }

@@ -1,38 +1,61 @@
 //! Reads the correlations of random variables: `[[correlations]]`, each a pair of variables with the coefficient of
 //! their standard normals or their rank correlation.
 
-use super::context::{Context, Range};
+use super::context::Range;
 use super::quantity::NUMBER;
 use super::section::Section;
-use crate::random::{Correlation, GaussianCopula, RandomVariable, normal_from_rank_correlation};
+use super::variables::Variable;
+use crate::random::{Correlation, GaussianCopula, normal_from_rank_correlation};
 
-/// A row of `[[correlations]]`, its names not yet resolved.
-pub(super) struct CorrelationRow {
-    path: String,
-    pair: [String; 2],
-    /// Correlation of the standard normals [1].
-    coefficient: f64,
-}
-
-/// Reads `[[correlations]]` as written.
-pub(super) fn correlation_rows(file: &mut Section) -> Vec<CorrelationRow> {
-    let mut rows = Vec::new();
+/// Reads `[[correlations]]` of the `variables`, each with its name; in a scene that `is_faulty` their names may be wrong only because of that.
+pub(super) fn correlations(
+    file: &mut Section,
+    variables: &[(&str, Option<Variable>)],
+    is_faulty: bool,
+) -> Vec<Correlation> {
+    let before = file.cx.fault_count();
+    let mut found: Vec<Correlation> = Vec::new();
     for mut row in file.unnamed_rows("correlations") {
         let expected = "a pair of random variables, e.g. [\"rod_length\", \"friction\"]";
         let names = row.texts("variables", expected);
         let pair = names.and_then(|names| match names[..] {
-            [a, b] if a != b => Some([a.to_owned(), b.to_owned()]),
+            [a, b] if a != b => Some([a, b]),
             _ => {
                 row.inconsistent("variables", format!("is not {expected}"));
                 None
             }
         });
         let coefficient = coefficient(&mut row);
-        let path = row.path.clone();
         row.finish();
-        rows.extend((|| Some(CorrelationRow { path, pair: pair?, coefficient: coefficient? }))());
+        let (Some([a, b]), Some(coefficient), false) = (pair, coefficient, is_faulty) else { continue };
+        let index = |name: &str| {
+            let names = variables.iter().map(|(name, _)| *name);
+            let i = row.reference("variables", "random variable", name, names)?;
+            if variables[i].1.as_ref().is_some_and(|(variable, _)| variable.distribution.is_constant()) {
+                row.inconsistent("variables", format!("\"{name}\" is constant and cannot be correlated"));
+                return None;
+            }
+            Some(i)
+        };
+        let (first, second) = (index(a), index(b));
+        let Some((first, second)) = first.zip(second) else { continue };
+        if found.iter().any(|c| [(first, second), (second, first)].contains(&(c.first, c.second))) {
+            row.inconsistent("variables", format!("the correlation of \"{a}\" and \"{b}\" is given twice"));
+            continue;
+        }
+        found.push(Correlation { first, second, coefficient });
     }
-    rows
+    if file.cx.fault_count() == before
+        && let Err(error) = GaussianCopula::new(variables.len(), &found)
+    {
+        let message = format!(
+            "the correlation matrix is not positive definite: the correlations of \"{}\" contradict those before it; use \
+             coefficients nearer to 0",
+            variables[error.variable].0
+        );
+        file.inconsistent("correlations", message);
+    }
+    found
 }
 
 /// The coefficient of the standard normals, from `coefficient` or `rank`.
@@ -55,46 +78,4 @@ fn coefficient(row: &mut Section) -> Option<f64> {
         return None;
     }
     Some(if key == "rank" { normal_from_rank_correlation(value) } else { value })
-}
-
-/// Resolves the variables among `names`, those of all rows; `variables` are the rows without a fault.
-pub(super) fn correlations(
-    cx: &Context,
-    rows: &[CorrelationRow],
-    names: &[&str],
-    variables: &[RandomVariable],
-) -> Vec<Correlation> {
-    let before = cx.fault_count();
-    let mut found: Vec<Correlation> = Vec::new();
-    for row in rows {
-        let key = format!("{}.variables", row.path);
-        let index = |name: &str| {
-            let i = cx.reference(&key, "random variable", name, names.iter().copied())?;
-            if variables.iter().any(|variable| variable.name == name && variable.distribution.is_constant()) {
-                cx.inconsistent(key.clone(), format!("\"{name}\" is constant and cannot be correlated"));
-                return None;
-            }
-            Some(i)
-        };
-        let [first, second] = row.pair.each_ref().map(|name| index(name));
-        let Some((first, second)) = first.zip(second) else { continue };
-        let same = |c: &&Correlation| (c.first.min(c.second), c.first.max(c.second));
-        if found.iter().any(|c| same(&c) == (first.min(second), first.max(second))) {
-            let [a, b] = &row.pair;
-            cx.inconsistent(key, format!("the correlation of \"{a}\" and \"{b}\" is given twice"));
-            continue;
-        }
-        found.push(Correlation { first, second, coefficient: row.coefficient });
-    }
-    if cx.fault_count() == before
-        && let Err(error) = GaussianCopula::new(names.len(), &found)
-    {
-        let message = format!(
-            "the correlation matrix is not positive definite: the correlations of \"{}\" contradict those before it; use \
-             coefficients nearer to 0",
-            names[error.variable]
-        );
-        cx.inconsistent("correlations", message);
-    }
-    found
 }

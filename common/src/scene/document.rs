@@ -1,10 +1,10 @@
 //! Parses a text as TOML; a fault of syntax names line and column, and for what is often mistyped the remedy.
 
-use super::duplicate_key::duplicate_key;
 use super::expression_error::instead_of_comma;
 use super::faults::{Fault, FaultKind, Faults};
 use super::location::Location;
 use super::quantity::unit;
+use std::ops::Range;
 use toml::Table;
 
 /// Parses a text as TOML; `origin` names it in the fault.
@@ -16,13 +16,15 @@ pub(super) fn document(text: &str, origin: &str) -> Result<Table, Faults> {
         }
         let location = Location::new(origin, text, span);
         let advice = advice(&location).map(|advice| format!("; {advice}")).unwrap_or_default();
-        let kind = FaultKind::Syntax {
-            line: location.line,
-            column: location.column,
-            message: format!("{}{advice}", error.message().trim_end()),
-        };
-        Faults(vec![Fault { location: Some(Box::new(location)), ..Fault::new(origin, "", kind) }])
+        Faults(vec![syntax(location, format!("{}{advice}", error.message().trim_end()))])
     })
+}
+
+/// A fault of syntax at a place.
+fn syntax(location: Location, message: String) -> Fault {
+    let kind = FaultKind::Syntax { line: location.line, column: location.column, message };
+    let file = location.file.clone();
+    Fault { location: Some(Box::new(location)), ..Fault::new(file, "", kind) }
 }
 
 /// What was meant, if a number stands before the fault: a decimal comma, or a unit outside of quotes.
@@ -46,4 +48,63 @@ fn advice(location: &Location) -> Option<String> {
     let symbol = rest.trim_start().split(|c: char| !c.is_alphabetic() && c != '%').next()?;
     let value = value.split(',').next().unwrap_or_default().trim_end();
     unit(symbol).map(|_| format!("a quantity with a unit is a text: \"{value}\""))
+}
+
+/// Parts of a scene that are lists of tables.
+const LISTS: [&str; 8] =
+    ["bodies", "joints", "loads", "outputs", "limit_states", "conditions", "variables", "correlations"];
+
+/// The fault of a key or the head of a table at `span` that the text has twice, with its first place; where the first head of a list
+/// has one bracket instead of two, that is the fault.
+fn duplicate_key(text: &str, origin: &str, span: Range<usize>) -> Faults {
+    let line_start = |at: usize| text[..at].rfind('\n').map_or(0, |end| end + 1);
+    let lines_before = |end: usize| {
+        let mut at = 0;
+        text[..end].split_inclusive('\n').map(move |line| {
+            let indent = line.len() - line.trim_start().len();
+            at += line.len();
+            (at - line.len() + indent, line.trim())
+        })
+    };
+    let fault = |span: Range<usize>, message| syntax(Location::new(origin, text, span), message);
+    let start = line_start(span.start);
+    let head = text[start..line_end(text, span.start)].trim();
+    let inside = head.trim_start_matches('[').trim_start();
+    let is_named = |list: &str| {
+        head.starts_with('[')
+            && inside.strip_prefix(list).is_some_and(|rest| rest.starts_with([']', '.', ' ']))
+    };
+    let single = LISTS.into_iter().find(|list| is_named(list)).and_then(|list| {
+        let is_single = |line: &str| {
+            line.strip_prefix('[').is_some_and(|rest| rest.trim_start().starts_with(&format!("{list}]")))
+        };
+        lines_before(line_end(text, span.start))
+            .find(|(_, line)| is_single(line))
+            .map(|(at, line)| (list, at, line))
+    });
+    if let Some((list, at, line)) = single {
+        let message = format!("each row of the list `{list}` begins with [[{list}]], in two brackets");
+        return Faults(vec![fault(at..at + line.len(), message)]);
+    }
+    // The lines of the same table, or for a head all lines.
+    let key = text[span.clone()].trim();
+    let mut before: Vec<(usize, &str)> = lines_before(start).collect();
+    let is_head = head.starts_with('[');
+    if !is_head && let Some(own) = before.iter().rposition(|(_, line)| line.starts_with('[')) {
+        before.drain(..own);
+    }
+    let is_first = |line: &str| match is_head {
+        true => line.starts_with(head),
+        false => line.strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('=')),
+    };
+    let name = if is_head { head } else { key };
+    let mut found = fault(span.clone(), format!("`{name}` is given twice; remove one of the two"));
+    let first = before.into_iter().find(|(_, line)| is_first(line));
+    found.used_at = first.map(|(at, line)| Box::new(Location::new(origin, text, at..at + line.len())));
+    Faults(vec![found])
+}
+
+/// End of the line at a byte.
+fn line_end(text: &str, at: usize) -> usize {
+    text[at..].find('\n').map_or(text.len(), |end| at + end)
 }

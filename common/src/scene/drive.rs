@@ -35,6 +35,14 @@ pub struct Table {
     pub repeat: bool,
 }
 
+impl Table {
+    /// The smallest and the largest value `(2,)`.
+    pub fn range(&self) -> [f64; 2] {
+        let ends = [f64::INFINITY, f64::NEG_INFINITY];
+        self.value.iter().fold(ends, |[least, most], value| [least.min(*value), most.max(*value)])
+    }
+}
+
 /// The argument of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Over {
@@ -52,20 +60,4 @@ pub struct Curve {
     pub over: Over,
     /// Values over the argument.
     pub table: Table,
-}
-
-impl Curve {
-    /// Range of the values in `unit` and the argument of the table, for names of bodies `(bodies,)`.
-    pub fn explanation(&self, bodies: &[&str], unit: &str) -> String {
-        let over = match self.over {
-            Over::Time => "time".to_owned(),
-            Over::Angle(body) => format!("the angle of {}", bodies[body]),
-        };
-        let values = &self.table.value;
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let repeat = if self.table.repeat { "repeated" } else { "once" };
-        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-        format!("{least} to {most}{unit} by a table over {over}, {repeat}")
-    }
 }

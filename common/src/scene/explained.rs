@@ -1,6 +1,6 @@
 //! Loads and outputs in one line each, by the sentences of their tables.
 
-use super::drive::{Curve, Drive, Table};
+use super::drive::{Curve, Drive, Over, Table};
 use super::joint::JointKind;
 use super::key_table::{Form, Key, Value};
 use super::load::Load;
@@ -32,9 +32,7 @@ impl JointKind {
     /// What an ideal joint of one condition is, in words; `None` for the others.
     pub fn coupling(&self) -> Option<String> {
         let range = |table: &Table| {
-            let ends = [f64::INFINITY, f64::NEG_INFINITY];
-            let [low, high] =
-                table.value.iter().fold(ends, |[low, high], value| [low.min(*value), high.max(*value)]);
+            let [low, high] = table.range();
             format!("{:.3} to {:.3} mm", low * 1e3, high * 1e3)
         };
         Some(match self {
@@ -117,9 +115,9 @@ fn in_words(form: Form, value: &Value, scene: &Scene) -> String {
             [one] => format!("joint {}", scene.joints[one].name),
             _ => format!("{} joints", joints.len()),
         },
-        Value::WearQuantity(quantity) => quantity.description().to_owned(),
-        Value::ErrorMeasure(measure) => measure.description().to_owned(),
-        Value::ImpactMeasure(measure) => measure.description().to_owned(),
+        Value::WearQuantity(quantity) => quantity.explanation().to_owned(),
+        Value::ErrorMeasure(measure) => measure.explanation().to_owned(),
+        Value::ImpactMeasure(measure) => measure.explanation().to_owned(),
         Value::Held(None) => ", largest over the cycle".to_owned(),
         Value::Held(Some(HeldInput { body: held, angle })) => {
             // Without digits that come from rounding.
@@ -140,7 +138,14 @@ fn quantity(value: f64, kind: Kind) -> String {
     }
 }
 
-fn curve_in_words(curve: &Curve, scene: &Scene, unit: &str) -> String {
-    let bodies: Vec<&str> = scene.bodies.iter().map(|body| body.name.as_str()).collect();
-    curve.explanation(&bodies, unit)
+/// Range of the values in `unit` and the argument of the table of a curve.
+fn curve_in_words(Curve { over, table }: &Curve, scene: &Scene, unit: &str) -> String {
+    let over = match over {
+        Over::Time => "time".to_owned(),
+        Over::Angle(body) => format!("the angle of {}", scene.bodies[*body].name),
+    };
+    let [least, most] = table.range();
+    let repeat = if table.repeat { "repeated" } else { "once" };
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    format!("{least} to {most}{unit} by a table over {over}, {repeat}")
 }

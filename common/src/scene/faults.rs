@@ -128,19 +128,13 @@ pub enum FaultKind {
         /// Type expected, in words.
         expected: String,
     },
-    /// A number without a unit where one is needed.
-    #[error("{value} has no unit, expected {} ({}, ...)", expected.name, expected.units)]
+    /// A number without a unit where one is needed, or a text without a unit of angle: `30`, or `900 1/min`.
+    #[error("{value} has no {unit}, expected {} ({}, ...)", expected.name, expected.units)]
     NoUnit {
         /// The value as written.
         value: String,
-        /// The kind of quantity that belongs there.
-        expected: Kind,
-    },
-    /// A text without a unit of angle where one is needed: `30`, or `900 1/min`.
-    #[error("{value} has no unit of angle, expected {} ({}, ...)", expected.name, expected.units)]
-    NoAngleUnit {
-        /// The value as written.
-        value: String,
+        /// What it does not have: `unit`, or `unit of angle`.
+        unit: &'static str,
         /// The kind of quantity that belongs there.
         expected: Kind,
     },
@@ -299,11 +293,7 @@ impl FaultKind {
     pub(super) fn is_of_a_value(&self) -> bool {
         matches!(
             self,
-            Self::WrongUnit { .. }
-                | Self::NoUnit { .. }
-                | Self::NoAngleUnit { .. }
-                | Self::AngleUnit { .. }
-                | Self::OutOfRange { .. }
+            Self::WrongUnit { .. } | Self::NoUnit { .. } | Self::AngleUnit { .. } | Self::OutOfRange { .. }
         )
     }
 }

@@ -1,8 +1,9 @@
 //! Joints between bodies: ideal ones and those with clearance.
 
-use super::attachment::Attachment;
+use super::choice::choice;
 use super::drive::{Drive, Table};
 use super::mesh::{Mesh, MeshForm};
+use super::output_values::Attachment;
 use serde::{Deserialize, Serialize};
 
 /// A joint between two bodies.
@@ -301,37 +302,20 @@ pub struct Material {
     pub poisson_ratio: f64,
 }
 
-/// Law of the normal contact force.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ContactLaw {
+choice! {
+    /// Law of the normal contact force.
+    pub enum ContactLaw;
     /// F = K_n delta^1.5 with the penetration measured in the direction of the eccentricity.
-    LocalHertz,
+    "local-hertz" => LocalHertz "F = K delta^1.5 along the eccentricity; cheap, but on a worn bore it feeds energy into vibration"
     /// Linear elastic (Winkler) foundation along the bore.
-    Foundation,
+    "foundation" => Foundation
+        "elastic foundation along the bore; stays conservative as the bore wears, with more worn volume than K F s on wide arcs"
 }
 
 impl ContactLaw {
-    /// Every contact law.
-    pub const ALL: [ContactLaw; 2] = [ContactLaw::LocalHertz, ContactLaw::Foundation];
-
     /// Name of the law in a scene file.
     pub fn name(self) -> &'static str {
-        match self {
-            ContactLaw::LocalHertz => "local-hertz",
-            ContactLaw::Foundation => "foundation",
-        }
-    }
-
-    /// Model and properties of the law, in one line.
-    pub fn explanation(self) -> &'static str {
-        match self {
-            ContactLaw::LocalHertz => {
-                "F = K delta^1.5 along the eccentricity; cheap, but on a worn bore it feeds energy into vibration"
-            }
-            ContactLaw::Foundation => {
-                "elastic foundation along the bore; stays conservative as the bore wears, with more worn volume than K F s on wide arcs"
-            }
-        }
+        self.word()
     }
 }
 
@@ -357,41 +341,18 @@ pub enum ContactDamping {
     },
 }
 
-/// The damping factor of an impact, C(e) = D v_0 [1], from the coefficient of restitution e.
-///
-/// # Source
-/// Lankarani, Nikravesh (1990), A contact force model with hysteresis damping for impact analysis of multibody systems;
-/// Hunt, Crossley (1975), Coefficient of restitution interpreted as damping in vibroimpact; Flores, Machado, Silva,
-/// Martins (2011), On the continuous contact force models for soft materials in multibody dynamics.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum RestitutionLaw {
+choice! {
+    /// The damping factor of an impact, C(e) = D v_0 [1], from the coefficient of restitution e; explained by its authors.
+    ///
+    /// # Source
+    /// Lankarani, Nikravesh (1990), A contact force model with hysteresis damping for impact analysis of multibody systems;
+    /// Hunt, Crossley (1975), Coefficient of restitution interpreted as damping in vibroimpact; Flores, Machado, Silva,
+    /// Martins (2011), On the continuous contact force models for soft materials in multibody dynamics.
+    pub enum RestitutionLaw;
     /// C(e) = 3 (1 - e^2) / 4.
-    LankaraniNikravesh,
+    "lankarani-nikravesh" => LankaraniNikravesh "Lankarani-Nikravesh"
     /// C(e) = 3 (1 - e) / 2.
-    HuntCrossley,
+    "hunt-crossley" => HuntCrossley "Hunt-Crossley"
     /// C(e) = 8 (1 - e) / (5 e).
-    Flores,
-}
-
-impl RestitutionLaw {
-    /// Every law of the damping factor.
-    pub const ALL: [Self; 3] = [Self::LankaraniNikravesh, Self::HuntCrossley, Self::Flores];
-
-    /// Word of the law in a scene file.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::LankaraniNikravesh => "lankarani-nikravesh",
-            Self::HuntCrossley => "hunt-crossley",
-            Self::Flores => "flores",
-        }
-    }
-
-    /// The names of its authors.
-    pub fn authors(self) -> &'static str {
-        match self {
-            Self::LankaraniNikravesh => "Lankarani-Nikravesh",
-            Self::HuntCrossley => "Hunt-Crossley",
-            Self::Flores => "Flores",
-        }
-    }
+    "flores" => Flores "Flores"
 }

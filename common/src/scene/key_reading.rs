@@ -1,16 +1,15 @@
-//! Reads the keys of an element by the table of its kind.
+//! Reads the keys of an element by the table of its kind: its quantities and curves, and the bodies and joints that it refers to.
 
 use super::body_row::{BodyRow, MotionWord, body, place};
+use super::context::Range;
 use super::drive::Curve;
-use super::joints::{JointRow, chosen_joints};
+use super::joint::{JointKind, WearingSurfaces};
+use super::joints::{JointRow, chosen_joints, listed};
 use super::key_table::{Form, Key, Value};
-use super::output_bodies::{free_body, free_place, held_input, moves, signed_body};
-use super::output_values::{ErrorMeasure, ImpactMeasure};
-use super::quantity::{Kind, LENGTH, NUMBER};
+use super::output_values::{Attachment, ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
+use super::quantity::{ANGLE, Kind, LENGTH, NUMBER};
 use super::section::Section;
 use super::tables::curve;
-use super::wear_output::WearQuantity;
-use super::wear_outputs::{struck_joints, worn_joints};
 
 /// Bodies and joints to which the keys of an element refer.
 #[derive(Clone, Copy)]
@@ -32,11 +31,7 @@ fn value(row: &mut Section, key: &Key, Named { bodies, joints }: Named) -> Optio
         Form::FreePlace => free_place(row, bodies)?.into(),
         Form::Body => body(row, name, bodies)?.into(),
         Form::FreeBody => free_body(row, bodies)?.into(),
-        Form::DrivenBody => {
-            let body = body(row, name, bodies)?;
-            moves(row, name, bodies, body, MotionWord::Driven, "driven")?;
-            body.into()
-        }
+        Form::DrivenBody => driven_body(row, name, bodies)?.into(),
         Form::SignedBody => signed_body(row, name, bodies)?.into(),
         Form::Direction => direction(row, name)?.into(),
         Form::Pair(kind) => row.pair(name, kind)?.into(),
@@ -66,7 +61,7 @@ fn value(row: &mut Section, key: &Key, Named { bodies, joints }: Named) -> Optio
 /// The quantity of the wear that the word of a row states.
 fn wear_quantity(row: &Section) -> Option<WearQuantity> {
     let word = row.peek("type")?.as_str()?;
-    WearQuantity::ALL.into_iter().find(|quantity| quantity.word() == word)
+    WearQuantity::WORDS.into_iter().find(|(known, _)| *known == word).map(|(_, quantity)| quantity)
 }
 
 /// Reads a direction; of unit length.
@@ -87,20 +82,185 @@ fn curve_if_any(
     kind: Kind,
     bodies: &[BodyRow],
 ) -> Option<Option<Curve>> {
-    if row.get(key).is_none() {
-        return Some(None);
-    }
-    curve(row, key, kind, bodies).map(Some)
+    row.if_any(key, |row, key| curve(row, key, kind, bodies))
 }
 
 /// Reads the curve of a factor, if there is one; the outer `None` if it is faulty.
 fn factor(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<Option<Curve>> {
     let factor = curve_if_any(row, key, NUMBER, bodies)?;
-    let values = factor.iter().flat_map(|factor| &factor.table.value);
-    let least = values.copied().fold(f64::INFINITY, f64::min);
+    let least = factor.as_ref().map_or(0.0, |factor| factor.table.range()[0]);
     if least < 0.0 {
         row.out_of_range(&format!("{key}.value"), least.to_string(), ">= 0: a drag slows down");
         return None;
     }
     Some(factor)
+}
+
+/// Reads a place on a free body.
+fn free_place(row: &mut Section, bodies: &[BodyRow]) -> Option<Attachment> {
+    let at = place(row, "at", bodies)?;
+    moves(row, "at", bodies, at.body, MotionWord::Free, "free")?;
+    Some(at)
+}
+
+/// Reads the name of a free body.
+fn free_body(row: &mut Section, bodies: &[BodyRow]) -> Option<usize> {
+    let found = body(row, "body", bodies)?;
+    moves(row, "body", bodies, found, MotionWord::Free, "free")?;
+    Some(found)
+}
+
+/// Reads the name of a driven body.
+fn driven_body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<usize> {
+    let found = body(row, key, bodies)?;
+    moves(row, key, bodies, found, MotionWord::Driven, "driven")?;
+    Some(found)
+}
+
+/// Checks that the body moves in the way that the output requires.
+fn moves(
+    row: &Section,
+    key: &str,
+    bodies: &[BodyRow],
+    body: usize,
+    word: MotionWord,
+    in_words: &str,
+) -> Option<()> {
+    // The motion of a faulty body may be unknown; that fault has been recorded.
+    if bodies[body].word? == word {
+        return Some(());
+    }
+    let fitting = bodies.iter().filter(|other| other.word == Some(word)).map(|other| other.name.as_str());
+    let there_are = listed(fitting);
+    row.inconsistent(key, format!("body \"{}\" is not {in_words}{there_are}", bodies[body].name));
+    None
+}
+
+/// Reads where the drives are held, if that is given: `input_angle`, and `input` unless there is only one driven body; the outer `None` if it
+/// is faulty.
+fn held_input(row: &mut Section, bodies: &[BodyRow]) -> Option<Option<HeldInput>> {
+    let input = row.if_any("input", |row, key| driven_body(row, key, bodies));
+    if row.get("input_angle").is_none() {
+        if row.get("input").is_some() {
+            row.missing("input_angle", "an angle at which the input is held");
+            return None;
+        }
+        return Some(None);
+    }
+    let angle = row.quantity("input_angle", ANGLE, Range::Any);
+    if let Some(body) = input? {
+        return Some(Some(HeldInput { body, angle: angle? }));
+    }
+    let mut driven = (0..bodies.len()).filter(|&body| bodies[body].word == Some(MotionWord::Driven));
+    match (driven.next(), driven.next()) {
+        (Some(only), None) => Some(Some(HeldInput { body: only, angle: angle? })),
+        (None, _) => {
+            row.inconsistent("input_angle", "there is no driven body that could be held");
+            None
+        }
+        (Some(_), Some(_)) => {
+            row.missing("input", "the name of the driven body that is held, since there are several");
+            None
+        }
+    }
+}
+
+/// Reads a body `{ body, sign, label }`.
+fn signed_body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<SignedBody> {
+    let mut section = row.section(key, "a body { body, sign, label }")?;
+    let body = body(&mut section, "body", bodies);
+    let sign = section.integer("sign", -1..=1, Some(1));
+    if sign == Some(0) {
+        section.out_of_range("sign", "0", "1 or -1");
+    }
+    let name = body.map_or("", |body| &bodies[body].name);
+    let label = section.text_or("label", "what a reader calls it", name).map(str::to_owned);
+    section.finish();
+    Some(SignedBody { body: body?, sign: sign? as f64, label: label? })
+}
+
+/// Reads the joints of an output of this quantity: by default all that wear.
+fn worn_joints(row: &mut Section, quantity: WearQuantity, joints: &[JointRow]) -> Option<Vec<usize>> {
+    let has = |i: &usize| wearing(&joints[*i]).is_none_or(|(surfaces, ..)| has_quantity(quantity, surfaces));
+    let chosen: Vec<usize> = match row.get("joints") {
+        None => (0..joints.len()).filter(|&i| joints[i].unworn.is_none()).filter(has).collect(),
+        Some(_) => chosen_joints(row, joints)?,
+    };
+    let faults = row.cx.fault_count();
+    for (i, joint) in chosen.iter().map(|&i| (i, &joints[i])) {
+        let reason = match joint.unworn {
+            Some(reason) => format!("{reason} and does not wear"),
+            None if !has(&i) => {
+                let wears = wearing(joint).map_or("", |(_, word, _)| word);
+                format!("has wears = \"{wears}\"")
+            }
+            None => continue,
+        };
+        let others = (0..joints.len()).filter(|other| joints[*other].unworn.is_none() && has(other));
+        let there_are = listed(others.map(|other| joints[other].name.as_str()));
+        row.inconsistent("joints", format!("joint \"{}\" {reason}{there_are}", joint.name));
+    }
+    // An override may set a wear coefficient to 0, to see the mechanism in its new state.
+    let no_wear = |&i: &usize| {
+        wearing(&joints[i]).is_some_and(|(.., coefficients)| coefficients == [0.0; 2] && row.cx.as_written())
+    };
+    if chosen.is_empty() && joints.iter().any(|joint| joint.unworn.is_none()) {
+        let surface = quantity.surface();
+        row.inconsistent("joints", format!("there is no joint of which {surface} wears: see its key wears"));
+    } else if chosen.is_empty() {
+        row.inconsistent(
+            "joints",
+            "there is no joint that wears, i.e. a hinge with clearance and without wear = false, or a guide with the key wears",
+        );
+    } else if row.cx.fault_count() == faults && chosen.iter().all(no_wear) {
+        row.inconsistent("joints", "every wear_coefficient of these joints is 0: they do not wear");
+    }
+    (row.cx.fault_count() == faults).then_some(chosen)
+}
+
+/// True if a quantity of the wear is not zero by definition for a joint of which these surfaces wear.
+fn has_quantity(quantity: WearQuantity, wears: WearingSurfaces) -> bool {
+    match quantity {
+        WearQuantity::BushingDepth => wears != WearingSurfaces::Journal,
+        WearQuantity::JournalDepth => wears != WearingSurfaces::Bushing,
+        _ => true,
+    }
+}
+
+/// Surfaces that may wear of a joint that is not faulty, their word in the scene, and the wear coefficients of both `(2,)` [1/Pa].
+fn wearing(joint: &JointRow) -> Option<(WearingSurfaces, &'static str, [f64; 2])> {
+    match &joint.joint.as_ref()?.kind {
+        JointKind::Clearance(clearance) => {
+            Some((clearance.wears, clearance.wears.name(), clearance.wear_coefficients()))
+        }
+        JointKind::Guide(guide) => {
+            guide.wear.as_ref().map(|wear| (wear.wears, wear.wears.guide_name(), wear.coefficients()))
+        }
+        _ => None,
+    }
+}
+
+/// Reads joints and guides with clearance, by default all of them.
+fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
+    let has_clearance = |joint: &JointRow| {
+        // The kind of a faulty joint may be unknown; that fault has been recorded.
+        let joint = joint.joint.as_ref();
+        joint.is_none_or(|joint| joint.kind.has_clearance())
+    };
+    let with_clearance =
+        || joints.iter().filter(|joint| has_clearance(joint)).map(|joint| joint.name.as_str());
+    let chosen: Vec<usize> = match row.get("joints") {
+        None => (0..joints.len()).filter(|&k| has_clearance(&joints[k])).collect(),
+        Some(_) => chosen_joints(row, joints)?,
+    };
+    if chosen.is_empty() {
+        row.inconsistent("joints", "there is no joint with clearance");
+        return None;
+    }
+    if let Some(ideal) = chosen.iter().map(|&k| &joints[k]).find(|joint| !has_clearance(joint)) {
+        let there_are = listed(with_clearance());
+        row.inconsistent("joints", format!("joint \"{}\" has no clearance{there_are}", ideal.name));
+        return None;
+    }
+    Some(chosen)
 }

@@ -2,12 +2,10 @@
 //! written, and the sentence that explains it. `elements!` declares the type of an element from its table; its reader (`key_reading`), its
 //! explanation (`explained`), the rows of reports, the schema of scenes and the page about their language follow from the same rows.
 
-use super::attachment::Attachment;
 use super::context::Range;
 use super::drive::{Curve, Over};
-use super::output_values::{ErrorMeasure, HeldInput, ImpactMeasure, SignedBody};
+use super::output_values::{Attachment, ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
 use super::quantity::Kind;
-use super::wear_output::WearQuantity;
 
 /// A row of a table: one kind of element.
 #[derive(Debug)]

@@ -3,16 +3,16 @@
 use super::body_row::{BodyRow, MotionWord};
 use super::context::Range;
 use super::drive::{Curve, Drive, Over};
+use super::elements::OutputRow;
 use super::faults::{FaultKind, in_first_unit};
 use super::joint::JointKind;
 use super::joints::JointRow;
-use super::limits::{CHECKPOINT_LIMIT, COUNT_LIMIT};
 use super::load::Load;
 use super::model::{Life, Motion};
 use super::monotone::monotone_integral;
-use super::outputs::OutputRow;
 use super::quantity::{ANGLE, TIME};
 use super::section::Section;
+use super::simulator::checkpoints;
 use super::tables::{repetitions, span};
 use std::f64::consts::TAU;
 use toml::Value;
@@ -43,31 +43,11 @@ pub(super) fn life(
         (None, Some(_)) => section.quantity("period", TIME, Range::Positive).map(|period| (period, None)),
         (None, None) => period_of_drive(&section, bodies, &strokes).map(|period| (period, None)),
     };
-    let cycles = section.integer("cycles", 1..=COUNT_LIMIT, None);
-    let every = section.integer("checkpoint_every", 1..=COUNT_LIMIT, None);
+    let cycles = checkpoints(&mut section);
     let settle = section.integer("settle_cycles", 0..=SETTLE_LIMIT, Some(1));
     section.finish();
-    if let (Some(cycles), Some(every)) = (cycles, every)
-        && cycles % every != 0
-    {
-        section.out_of_range(
-            "cycles",
-            cycles.to_string(),
-            format!("a multiple of checkpoint_every = {every}"),
-        );
-        return None;
-    }
-    if let (Some(cycles), Some(every)) = (cycles, every)
-        && cycles / every > i64::from(CHECKPOINT_LIMIT)
-    {
-        let allowed = format!("so long that cycles = {cycles} has at most {CHECKPOINT_LIMIT} checkpoints");
-        section.out_of_range("checkpoint_every", every.to_string(), allowed);
-        return None;
-    }
-    let ((period, turn_of), cycles, every, settle) = (period?, cycles?, every?, settle?);
-    // All fit: COUNT_LIMIT is below u32::MAX.
-    let (cycles, checkpoint_every, settle_cycles) = (cycles as u32, every as u32, settle as u32);
-    let life = Life { period, cycles, checkpoint_every, settle_cycles, turn_of };
+    let ((period, turn_of), cycles, settle) = (period?, cycles?, settle?);
+    let life = Life { period, settle_cycles: settle as u32, turn_of, ..cycles };
     // A motion seen once may be cut anywhere.
     if !life.is_single_cycle() {
         check_drives(&section, period, bodies);

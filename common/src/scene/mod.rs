@@ -7,38 +7,33 @@
 //! | layer | modules | content |
 //! |---|---|---|
 //! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
-//! | model | [`model`], `attachment`, `gives`, `joint`, `mesh`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_output`, `wear_model`, `explained` | the types of a checked scene, all exported here |
-//! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
-//! | reading | `document`, `duplicate_key`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `section_tables`, `record`, `input` | one pass over the file that records every fault |
-//! | readers | `bodies`, `shape`, `joints`, `couplings`, `clearance`, `key_reading`, `loads`, `tables`, `outputs`, `output_bodies`, `wear_outputs`, `life`, `simulator`, `cycle_program`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
-//! | whole | `resolve`, `conditioned`, `merge`, `edit`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`], `setting` | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples; values set by name |
+//! | model | [`model`], `choice`, `joint`, `mesh`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_model`, `explained` | the types of a checked scene, all exported here |
+//! | faults | [`faults`], `location`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
+//! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `section_tables`, `input` | one pass over the file that records every fault |
+//! | readers | `bodies`, `shape`, `joints`, `clearance`, `key_reading`, `elements`, `tables`, `life`, `simulator`, `variables`, `variable_law`, `correlations`, `conditions` | one part of a file each |
+//! | whole | `resolve`, `conditioned`, `edit`, `warnings`, `builtin`, [`source`], `setting` | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples; values set by name |
 
-mod attachment;
 mod bodies;
 mod body_row;
 mod builtin;
+mod choice;
 mod clearance;
 mod conditioned;
 mod conditions;
 mod context;
 mod correlations;
-mod couplings;
 mod csv_file;
 mod csv_import;
-mod cycle_program;
 mod document;
 mod drive;
-mod duplicate_key;
 mod edit;
+mod elements;
 mod excerpts;
 mod explained;
 pub mod expression;
 mod expression_error;
 mod extends;
 pub mod faults;
-mod fits;
-mod gives;
-mod guide;
 mod input;
 mod joint;
 mod joints;
@@ -46,14 +41,8 @@ mod key_reading;
 mod key_table;
 mod layers;
 mod life;
-mod limit_states;
-mod limits;
 mod load;
-mod loads;
 mod location;
-mod magnitudes;
-mod measured;
-mod merge;
 mod mesh;
 pub mod model;
 #[cfg(test)]
@@ -62,15 +51,11 @@ pub mod monotone;
 mod moved;
 mod nearest_unit;
 mod output;
-mod output_bodies;
 mod output_unit;
 mod output_values;
-mod outputs;
 mod parameters;
 pub mod quantity;
 mod quantity_list;
-mod record;
-mod reference;
 mod resolve;
 mod section;
 mod section_tables;
@@ -79,46 +64,39 @@ mod shape;
 mod simulator;
 pub mod source;
 mod tables;
-mod trace;
 mod unit_advice;
 mod variable_law;
 mod variables;
 mod warnings;
 mod wear_model;
-mod wear_output;
-mod wear_outputs;
 
-pub use attachment::Attachment;
 pub use context::{Range, number_and_unit, read_quantity};
 pub use csv_file::{Cell, CsvRow, csv_rows};
 pub use drive::{Curve, Drive, Over, Table};
 pub use explained::filled;
 pub use extends::read_input as read_text;
 pub use faults::{Fault, FaultKind, Faults, nearest};
-pub use gives::{CycleProgram, CycleTier, Gives};
 pub use input::{InputFile, read_rows};
 pub use joint::{
     Clearance, ContactDamping, ContactLaw, ControlPoints, GuideClearance, GuideWear, IdealFriction, Joint,
     JointKind, Material, RestitutionLaw, WearingSurfaces,
 };
 pub use key_table::{ElementKind, Form, Key, Value};
-pub use limits::VALUE_LIMIT;
 pub use load::Load;
 pub use location::Location;
-pub use measured::MeasuredVariable;
 pub use mesh::{Mesh, MeshForm};
 pub use model::{
-    Body, Condition, DrivenInertia, Exchange, ExternalSimulator, Fails, FileExchange, Life, LimitState,
-    Motion, Point, Program, Scene, SimulatorKind, StudySettings, UmBridgeModel,
+    Body, Condition, CycleProgram, CycleTier, DrivenInertia, Exchange, ExternalSimulator, Fails,
+    FileExchange, Gives, Life, LimitState, Motion, Point, Program, Scene, SimulatorKind, StudySettings,
+    UmBridgeModel,
 };
 pub use output::{Output, OutputKind};
 pub use output_unit::OutputUnit;
-pub use output_values::{ErrorMeasure, HeldInput, ImpactMeasure, SignedBody};
-pub use reference::published_results;
-pub use section::Section;
+pub use output_values::{Attachment, ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
+pub use section::{Section, VALUE_LIMIT};
 pub use simulator::REQUEST_FILE;
-pub use source::SceneSource;
-pub use variable_law::{DEFAULT_LAW, laws};
+pub use source::{SceneSource, published_results};
+pub use variable_law::{DEFAULT_LAW, LAWS};
+pub use variables::MeasuredVariable;
 pub use warnings::Warning;
 pub use wear_model::{BlockStep, BoreSpline, WearDistribution, WearModel};
-pub use wear_output::WearQuantity;

@@ -2,19 +2,18 @@
 //!
 //! Planar, SI units, angles counter-clockwise from +x. Bodies are referred to by index into [`Scene::bodies`].
 
-use super::attachment::Attachment;
 use super::drive::Drive;
-use super::gives::Gives;
 use super::joint::Joint;
 use super::load::Load;
 use super::output::Output;
+use super::output_values::Attachment;
 use super::wear_model::WearModel;
 use crate::accuracy::NamedAccuracy;
 use crate::random::{Correlation, RandomVariable};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// A whole study case: mechanism, uncertainty, limit states, life.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scene {
     /// Short name, as used on the command line.
     pub name: String,
@@ -37,48 +36,75 @@ pub struct Scene {
     /// Limit states over the outputs.
     pub limit_states: Vec<LimitState>,
     /// True if the numbers of control points are a part of the model, as published: what more of them change is then no error.
-    #[serde(default)]
     pub control_points_of_model: bool,
     /// Choices of the wear model.
-    #[serde(default)]
     pub wear: WearModel,
     /// Duration and number of the cycles.
     pub life: Life,
     /// Operating conditions of the life; empty if all cycles are alike.
-    #[serde(default)]
     pub conditions: Vec<Condition>,
     /// Default settings of a study of this scene.
     pub study: StudySettings,
     /// Default accuracy of an evaluation.
-    #[serde(default)]
     pub accuracy: NamedAccuracy,
     /// Levels of accuracy of a study of this scene, the working accuracy first; empty where the scene names none.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub levels: Vec<NamedAccuracy>,
     /// External simulator that evaluates a sample instead of this program. Such a scene has no bodies, joints or loads,
     /// and its random variables are the simulator's inputs. If it gives cycles, the scene has the joints that wear, on a body that stands for
     /// the mechanism.
-    #[serde(default)]
     pub simulator: Option<ExternalSimulator>,
 }
 
 /// An external simulator.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExternalSimulator {
     /// Program or server, with its address.
     pub kind: SimulatorKind,
     /// Longest time of one evaluation [s].
     pub timeout: f64,
     /// Version of the simulator in its author's words; empty if the scene states none.
-    #[serde(default)]
     pub version: String,
     /// What a request is answered by.
-    #[serde(default)]
     pub gives: Gives,
 }
 
+/// What a simulator gives in reply to a sample.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub enum Gives {
+    /// The outputs over a whole life.
+    #[default]
+    Life,
+    /// The contacts of one cycle on the surfaces as worn so far.
+    Cycle(CycleProgram),
+}
+
+/// A program that gives cycles.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct CycleProgram {
+    /// What its cycles depend on.
+    pub tier: CycleTier,
+    /// Folder in which the replies of lives under way are kept; `None`: they are not.
+    pub journal: Option<String>,
+}
+
+/// What the cycles of a program depend on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum CycleTier {
+    /// Joints with clearance, on the surfaces of the request.
+    Contact,
+    /// Ideal joints, whose reactions depend on no surface: one cycle serves a whole life.
+    Reaction,
+}
+
+impl CycleTier {
+    /// The words of the tiers in a scene.
+    pub const WORDS: [(&'static str, CycleTier); 2] =
+        [("contact", CycleTier::Contact), ("reaction", CycleTier::Reaction)];
+}
+
 /// Ways to call an external simulator.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum SimulatorKind {
     /// A program on this machine.
     Program(Program),
@@ -87,19 +113,18 @@ pub enum SimulatorKind {
 }
 
 /// A program that reads samples and writes results.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Program {
     /// Program and arguments, at least one entry.
     pub command: Vec<String>,
     /// Folder in which the program runs; with files, the folder that has them.
     pub folder: String,
     /// How it gets samples and returns results.
-    #[serde(default)]
     pub exchange: Exchange,
 }
 
 /// How a program gets samples and returns results.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub enum Exchange {
     /// Lines of JSON over standard input and output of a program that keeps running.
     #[default]
@@ -109,7 +134,7 @@ pub enum Exchange {
 }
 
 /// The files of a working folder. All names are relative, without `..`.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct FileExchange {
     /// The file that the program writes.
     pub results: String,
@@ -120,7 +145,7 @@ pub struct FileExchange {
 }
 
 /// A model of a UM-Bridge server.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct UmBridgeModel {
     /// Address without a `/` at its end, e.g. `http://127.0.0.1:4242`.
     pub url: String,
@@ -139,7 +164,7 @@ impl Scene {
 }
 
 /// An operating condition: a share of the cycles of a life, in which some quantities of the scene have other values.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Condition {
     /// Name, unique in its scene.
     pub name: String,
@@ -150,7 +175,7 @@ pub struct Condition {
 }
 
 /// A rigid body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Body {
     /// Name, unique in its scene.
     pub name: String,
@@ -161,7 +186,7 @@ pub struct Body {
 }
 
 /// A named point of a body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Point {
     /// Name, unique in its body.
     pub name: String,
@@ -170,7 +195,7 @@ pub struct Point {
 }
 
 /// The kinds of motion of a body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Motion {
     /// Part of the frame: its frame coincides with the global one.
     Fixed,
@@ -214,7 +239,7 @@ impl Motion {
 }
 
 /// Inertia of a driven body.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DrivenInertia {
     /// Mass of the body [kg].
     pub mass: f64,
@@ -225,7 +250,7 @@ pub struct DrivenInertia {
 }
 
 /// A limit state of an output: the mechanism has failed where the output is at or beyond a threshold.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LimitState {
     /// Unique name, e.g. `wear`.
     pub name: String,
@@ -234,12 +259,11 @@ pub struct LimitState {
     /// Threshold in the unit of the output (SI); the upper one of two.
     pub threshold: f64,
     /// Side of the threshold on which the mechanism has failed.
-    #[serde(default)]
     pub fails: Fails,
 }
 
 /// The side of a threshold that means failure; the threshold itself belongs to it.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub enum Fails {
     /// Values at the threshold and above.
     #[default]
@@ -302,17 +326,13 @@ impl LimitState {
     pub fn middle(&self) -> Option<f64> {
         match self.fails {
             Fails::Above | Fails::Below => None,
-            Fails::Outside { lower } => Some(middle(lower, self.threshold)),
+            Fails::Outside { lower } => Some(0.5 * (lower + self.threshold)),
         }
     }
 }
 
-fn middle(lower: f64, upper: f64) -> f64 {
-    0.5 * (lower + upper)
-}
-
 /// The cycle, and the number of cycles of a life.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Life {
     /// Duration of one cycle; 0 for an external simulator, where it is unknown [s].
     pub period: f64,
@@ -323,7 +343,6 @@ pub struct Life {
     /// Cycles that settle the motion before the first measured one, at least; 0 to measure from the start.
     pub settle_cycles: u32,
     /// Free body whose turn is the cycle; `period` is then the time that a turn takes at its start speed.
-    #[serde(default)]
     pub turn_of: Option<usize>,
 }
 
@@ -340,7 +359,7 @@ impl Life {
 }
 
 /// Default settings of a study.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StudySettings {
     /// Size of the Monte Carlo population.
     pub population: usize,

@@ -1,9 +1,9 @@
 //! A scene at another place.
 
-use super::attachment::Attachment;
 use super::key_table::Value;
 use super::model::{Motion, Scene};
 use super::output::OutputKind;
+use super::output_values::Attachment;
 
 impl Scene {
     /// The scene with its mechanism moved by `by` `(2,)` [m] as a whole: fixed points, axes of drives, start positions and wanted

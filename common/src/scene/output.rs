@@ -1,13 +1,11 @@
 //! Quantities that an evaluation returns.
 
-use super::attachment::Attachment;
 use super::context::Range;
 use super::drive::Curve;
 use super::key_table::{ElementKind, Form, Key, Value, elements};
 use super::output_unit::OutputUnit;
-use super::output_values::{ErrorMeasure, HeldInput, ImpactMeasure, SignedBody};
+use super::output_values::{Attachment, ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
 use super::quantity::ANGLE;
-use super::wear_output::WearQuantity;
 use serde::{Deserialize, Serialize};
 
 /// A quantity returned at every checkpoint of life.

@@ -49,20 +49,20 @@ impl OutputUnit {
         }
     }
 
-    /// Unit in result files, unit in text, and kind of the quantities.
-    fn row(&self) -> (&str, &str, Kind) {
+    /// Unit in result files, unit in text with the number of them in one of the files, and kind of the quantities.
+    fn row(&self) -> (&str, &str, f64, Kind) {
         match self {
-            Self::Length => ("m", "µm", LENGTH),
-            Self::Volume => ("m3", "mm³", VOLUME),
-            Self::AngularVelocity => ("rpm", "r/min", ANGULAR_VELOCITY),
-            Self::Angle => ("deg", "deg", ANGLE),
-            Self::Force => ("N", "N", FORCE),
-            Self::Torque => ("Nm", "N m", TORQUE),
-            Self::Acceleration => ("m/s^2", "m/s^2", ACCELERATION),
-            Self::AngularAcceleration => ("rad/s^2", "rad/s^2", ANGULAR_ACCELERATION),
-            Self::Energy => ("J", "mJ", ENERGY),
-            Self::Number => ("", "", NUMBER),
-            Self::External(unit) => (unit, unit, NUMBER),
+            Self::Length => ("m", "µm", 1e6, LENGTH),
+            Self::Volume => ("m3", "mm³", 1e9, VOLUME),
+            Self::AngularVelocity => ("rpm", "r/min", 1.0, ANGULAR_VELOCITY),
+            Self::Angle => ("deg", "deg", 1.0, ANGLE),
+            Self::Force => ("N", "N", 1.0, FORCE),
+            Self::Torque => ("Nm", "N m", 1.0, TORQUE),
+            Self::Acceleration => ("m/s^2", "m/s^2", 1.0, ACCELERATION),
+            Self::AngularAcceleration => ("rad/s^2", "rad/s^2", 1.0, ANGULAR_ACCELERATION),
+            Self::Energy => ("J", "mJ", 1e3, ENERGY),
+            Self::Number => ("", "", 1.0, NUMBER),
+            Self::External(unit) => (unit, unit, 1.0, NUMBER),
         }
     }
 
@@ -82,7 +82,7 @@ impl OutputUnit {
 
     /// Kind of the quantities with this unit, as a scene or a person states them; those of an external simulator are plain numbers.
     pub fn kind(&self) -> Kind {
-        self.row().2
+        self.row().3
     }
 
     /// Name of the unit on axes and in sentences.
@@ -92,12 +92,7 @@ impl OutputUnit {
 
     /// An SI value in the unit of [`Self::symbol`].
     pub fn to_shown(&self, si: f64) -> f64 {
-        match self {
-            Self::Length => si * 1e6,
-            Self::Volume => si * 1e9,
-            Self::Energy => si * 1e3,
-            other => other.to_file(si),
-        }
+        self.to_file(si) * self.row().2
     }
 
     /// A number as shown, with its unit, e.g. `30 µm`.

@@ -1,5 +1,8 @@
-//! Values of the keys of outputs: where drives are held, measures over a cycle, bodies with a sign.
+//! Values of the keys of loads and outputs: points on bodies, where drives are held, measures over a cycle, bodies with a sign, quantities of
+//! the wear.
 
+use super::choice::choice;
+use super::output_unit::OutputUnit;
 use serde::{Deserialize, Serialize};
 
 /// Position in which the drives of a mechanism are held.
@@ -11,50 +14,22 @@ pub struct HeldInput {
     pub angle: f64,
 }
 
-/// Measure of an error over a cycle.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ErrorMeasure {
+choice! {
+    /// Measure of an error over a cycle.
+    pub enum ErrorMeasure;
     /// Largest size of the error.
-    #[default]
-    Largest,
+    "largest" => Largest "largest"
     /// Root of the mean over time of its square.
-    RootMeanSquare,
+    "rms" => RootMeanSquare "r.m.s."
 }
 
-impl ErrorMeasure {
-    /// Every measure by its word in a scene.
-    pub const WORDS: [(&str, Self); 2] = [("largest", Self::Largest), ("rms", Self::RootMeanSquare)];
-
-    /// The measure in a description.
-    pub(super) fn description(self) -> &'static str {
-        match self {
-            Self::Largest => "largest",
-            Self::RootMeanSquare => "r.m.s.",
-        }
-    }
-}
-
-/// Measure of the energies of the impacts of a cycle.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ImpactMeasure {
+choice! {
+    /// Measure of the energies of the impacts of a cycle.
+    pub enum ImpactMeasure;
     /// Sum over all impacts.
-    #[default]
-    Total,
+    "total" => Total "impacts per cycle"
     /// Energy of the hardest impact.
-    Largest,
-}
-
-impl ImpactMeasure {
-    /// Every measure by its word in a scene.
-    pub const WORDS: [(&str, Self); 2] = [("total", Self::Total), ("largest", Self::Largest)];
-
-    /// The measure in a description.
-    pub(super) fn description(self) -> &'static str {
-        match self {
-            Self::Total => "impacts per cycle",
-            Self::Largest => "hardest impact",
-        }
-    }
+    "largest" => Largest "hardest impact"
 }
 
 /// A body with the sense in which its angle is reported.
@@ -66,4 +41,49 @@ pub struct SignedBody {
     pub sign: f64,
     /// Name in texts, e.g. `right`.
     pub label: String,
+}
+
+choice! {
+    /// A quantity of the wear of one or more joints.
+    pub enum WearQuantity;
+    /// Largest wear depth of either surface of any of the joints [m].
+    "largest-wear" => LargestDepth "largest wear depth"
+    /// Largest wear depth of a bushing, or of a guide on both faces [m].
+    "bushing-wear" => BushingDepth "largest wear depth of the bushing or guide"
+    /// Largest wear depth of a journal, or of a slider on both faces [m].
+    "journal-wear" => JournalDepth "largest wear depth of the journal or slider"
+    /// Growth of the radial clearance of the joint where it grows most: the sum of the largest depths of its bushing and its journal,
+    /// which is the largest growth of the gap over all places and relative angles [m]. For a guide, growth of the clearance on the side where it
+    /// grows most: the sum of the largest depths of guide and slider on that face, the largest growth of the gap if they pass each other.
+    "clearance-growth" => ClearanceGrowth "growth of the clearance"
+    /// Volume worn from both surfaces of all joints [m^3].
+    "worn-volume" => Volume "worn volume"
+}
+
+impl WearQuantity {
+    /// Unit of the values.
+    pub fn unit(self) -> OutputUnit {
+        match self {
+            Self::Volume => OutputUnit::Volume,
+            _ => OutputUnit::Length,
+        }
+    }
+
+    /// The surface that must wear, in words.
+    pub(super) fn surface(self) -> &'static str {
+        match self {
+            Self::BushingDepth => "a bushing or a guide",
+            Self::JournalDepth => "a journal or a slider",
+            _ => "a joint",
+        }
+    }
+}
+
+/// A point of a body, by position in the body's frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Attachment {
+    /// Index into [`super::Scene::bodies`].
+    pub body: usize,
+    /// Position in that body's frame `(2,)` [m].
+    pub position: [f64; 2],
 }

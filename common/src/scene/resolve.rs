@@ -5,23 +5,17 @@ use super::body_row::BodyRow;
 use super::clearance::materials;
 use super::conditions::{ConditionRow, condition_rows};
 use super::context::{Context, Overrides};
-use super::correlations::{correlation_rows, correlations};
-use super::cycle_program::{CycleModel, cycle_model};
+use super::correlations::correlations;
+use super::elements::{limit_states, loads, outputs};
 use super::faults::{Fault, FaultKind, Faults};
-use super::joints::{JointRow, joints};
+use super::joints::joints;
 use super::life::life;
-use super::limit_states::limit_states;
-use super::limits::{COUNT_LIMIT, VALUE_LIMIT};
-use super::load::Load;
-use super::loads::loads;
-use super::measured::MeasuredVariable;
 use super::model::{ExternalSimulator, Life, LimitState, Scene, StudySettings};
-use super::outputs::{OutputRow, outputs};
 use super::quantity::{ACCELERATION, Quantity};
-use super::section::Section;
-use super::simulator::{declared_life, declared_output, declared_outputs, simulator};
-use super::variables::{Changes, variable_rows, variables};
-use super::wear_model::{WearModel, wear_model};
+use super::section::{COUNT_LIMIT, Section, VALUE_LIMIT};
+use super::simulator::{Model, cycles, external, simulator};
+use super::variables::{Changed, Changes, MeasuredVariable, variables};
+use super::wear_model::wear_model;
 use crate::accuracy::{AccuracyNameError, LevelsError, NamedAccuracy};
 use std::collections::{BTreeMap, BTreeSet};
 use toml::Table;
@@ -60,43 +54,35 @@ pub(super) fn resolve(
     }
     let variables_written = document.get("variables").and_then(toml::Value::as_array).map_or(0, Vec::len);
     let parts = Parts::read(&mut file, variables_written);
-    let mut rows = variable_rows(&mut file, parts.changes());
-    let correlation_rows = correlation_rows(&mut file);
-    if !rows.is_empty() && parts.limit_states.is_empty() {
-        file.missing("limit_states", "at least one limit state for a study");
-    }
-    // The parameters of a variable or a correlation are no quantities of the scene that an override could set.
-    cx.forget(|key| key.starts_with("variables.") || key.starts_with("correlations["));
     let conditions = match parts.simulator {
         None => condition_rows(&mut file, parts.model.life.as_ref()),
         Some(_) => Vec::new(),
     };
+    // The parameters of a variable or a correlation are no quantities of the scene that an override could set.
+    let seen = cx.seen.take();
+    let scene = Changed { may: parts.changes(), seen: &seen, is_faulty: cx.fault_count() > 0 };
+    let (mut read, mut correlated) = (vec![], vec![]);
+    if with_variables {
+        read = variables(&mut file, scene);
+        correlated = correlations(&mut file, &read, scene.is_faulty);
+        if !read.is_empty() && parts.limit_states.is_empty() {
+            file.missing("limit_states", "at least one limit state for a study");
+        }
+    } else {
+        let _ = (file.get("variables"), file.get("correlations"));
+    }
     file.finish();
     // After another fault, a key may be unread only because of it.
     if cx.fault_count() == 0 {
-        cx.check_overrides();
+        cx.check_overrides(&seen);
     }
-    let seen = cx.take_seen();
-    let scene = parts.scene().filter(|_| cx.fault_count() == 0);
-    match &scene {
-        Some(_) if !with_variables => rows.clear(),
-        Some(_) => {}
-        // Faults of the variables whose nominal values could be read.
-        None => rows.retain(|row| row.changes.iter().all(|key| seen.contains_key(key))),
-    }
-    let (variables, measured): (Vec<_>, Vec<_>) = variables(&cx, &rows, &seen).into_iter().unzip();
-    let correlations = match &scene {
-        Some(_) if with_variables => {
-            let names: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
-            correlations(&cx, &correlation_rows, &names, &variables)
-        }
-        _ => vec![],
-    };
-    let used = cx.used_parameters();
-    match scene {
+    match parts.scene() {
         Some(scene) if cx.fault_count() == 0 => {
-            let scene = Scene { variables, correlations, ..scene };
+            let (variables, measured): (Vec<_>, Vec<_>) =
+                read.into_iter().filter_map(|(_, read)| read).unzip();
+            let scene = Scene { variables, correlations: correlated, ..scene };
             let measured = measured.into_iter().flatten().collect();
+            let used = cx.parameters.borrow().used();
             Ok(Resolved { scene, conditions, measured, seen, used })
         }
         _ => Err(Faults(without_followers(cx.take_faults()))),
@@ -126,7 +112,8 @@ fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
 
 /// The parts of a scene, as far as they could be read.
 struct Parts {
-    head: Option<Head>,
+    /// Name, title, and whether the control points are a part of the model.
+    head: Option<(String, String, bool)>,
     /// The outer `None` for a mechanism, the inner one for a faulty simulator.
     simulator: Option<Option<ExternalSimulator>>,
     model: Model,
@@ -167,8 +154,8 @@ impl Parts {
 
     /// The scene, its variables and correlations still empty; none if a part is faulty.
     fn scene(self) -> Option<Scene> {
-        let Head { name, title, control_points_of_model } = self.head?;
-        let (study, Levels { accuracy, levels }) = self.study?;
+        let (name, title, control_points_of_model) = self.head?;
+        let (study, (accuracy, levels)) = self.study?;
         let Model { bodies, joints, loads, gravity, outputs, wear, life } = self.model;
         Some(Scene {
             name,
@@ -196,17 +183,6 @@ impl Parts {
     }
 }
 
-/// The model that is simulated and its outputs, as far as they could be read.
-struct Model {
-    bodies: Vec<BodyRow>,
-    joints: Vec<JointRow>,
-    loads: Vec<Load>,
-    gravity: Option<[f64; 2]>,
-    outputs: Vec<OutputRow>,
-    wear: Option<WearModel>,
-    life: Option<Life>,
-}
-
 /// Reads a mechanism.
 fn mechanism(file: &mut Section) -> Model {
     let materials = materials(file);
@@ -221,21 +197,6 @@ fn mechanism(file: &mut Section) -> Model {
     Model { bodies, joints, loads, gravity, outputs, wear, life }
 }
 
-/// Reads what an external simulator returns; its inside is not described.
-fn external(file: &mut Section) -> Model {
-    let life = declared_life(file);
-    let outputs = declared_outputs(file, |name, row| declared_output(name, row, life.as_ref()));
-    let (gravity, wear) = (Some([0.0; 2]), Some(WearModel::default()));
-    Model { bodies: vec![], joints: vec![], loads: vec![], gravity, outputs, wear, life }
-}
-
-/// Reads the joints that a program moves.
-fn cycles(file: &mut Section) -> Model {
-    let CycleModel { body, joints, outputs, life } = cycle_model(file);
-    let wear = wear_model(file, joints.iter().filter_map(|row| row.joint.as_ref()));
-    Model { bodies: vec![body], joints, loads: vec![], gravity: Some([0.0; 2]), outputs, wear, life }
-}
-
 /// Checks that all outputs at all checkpoints fit into a worker's message.
 fn check_size(file: &Section, life: &Life, outputs: usize) {
     let checkpoints = (life.cycles / life.checkpoint_every) as usize;
@@ -246,15 +207,8 @@ fn check_size(file: &Section, life: &Life, outputs: usize) {
     }
 }
 
-/// What `[scene]` says.
-struct Head {
-    name: String,
-    title: String,
-    control_points_of_model: bool,
-}
-
 /// Reads `[scene]`: name and title, and of a mechanism whether its control points are a part of the model.
-fn head(file: &mut Section) -> Option<Head> {
+fn head(file: &mut Section) -> Option<(String, String, bool)> {
     let simulator = file.get("simulator").map(|simulator| simulator.get("gives"));
     let has_joints = simulator.is_none_or(|gives| gives.is_some());
     let mut section = file.section("scene", "a table [scene] with name and title")?;
@@ -263,15 +217,11 @@ fn head(file: &mut Section) -> Option<Head> {
     let of_model =
         if has_joints { section.boolean_or("control_points_of_model", false) } else { Some(false) };
     section.finish();
-    Some(Head { name: name?.to_owned(), title: title?.to_owned(), control_points_of_model: of_model? })
+    Some((name?.to_owned(), title?.to_owned(), of_model?))
 }
 
 /// Accuracy of an evaluation, and the levels of a study by active learning.
-#[derive(Default)]
-struct Levels {
-    accuracy: NamedAccuracy,
-    levels: Vec<NamedAccuracy>,
-}
+type Levels = (NamedAccuracy, Vec<NamedAccuracy>);
 
 /// Reads `[study]`: defaults of a study of `variables` random variables, and the accuracies of a mechanism.
 fn study(file: &mut Section, simulates: bool, variables: usize) -> Option<(StudySettings, Levels)> {
@@ -317,14 +267,14 @@ fn levels(section: &mut Section) -> Option<Levels> {
         None
     };
     if !has_levels {
-        return Some(Levels { accuracy: single?, levels: vec![] });
+        return Some((single?, vec![]));
     }
     let names = section.texts("levels", LIST)?;
     let named = names.iter().map(|name| accuracy(section, "levels", name));
     let levels: Vec<NamedAccuracy> = named.collect::<Option<_>>()?;
     match LevelsError::of(&levels) {
         Some(error) => section.inconsistent("levels", error.to_string()),
-        None => return Some(Levels { accuracy: single.unwrap_or_else(|| levels[0].clone()), levels }),
+        None => return Some((single.unwrap_or_else(|| levels[0].clone()), levels)),
     }
     None
 }

@@ -4,7 +4,6 @@
 use super::context::{Context, Range};
 use super::faults::{FaultKind, Faults, nearest};
 use super::quantity::Kind;
-use super::quantity_list::quantity_list;
 use std::ops::RangeInclusive;
 use toml::{Table, Value};
 
@@ -49,7 +48,7 @@ impl<'s> Section<'s> {
 
     /// Records faults of another file, which have their places.
     pub fn faults_elsewhere(&self, faults: Faults) {
-        self.cx.extend_faults(faults);
+        self.cx.faults.borrow_mut().extend(faults.0);
     }
 
     /// Records that the value of a key contradicts something.
@@ -77,9 +76,10 @@ impl<'s> Section<'s> {
         self.cx.wrong_type(&self.key(key), value, expected.into());
     }
 
-    /// A value of this table for a message: see [`Context::shown`].
-    pub(super) fn shown(&self, key: &str, written: &Value, value: f64, kind: Kind) -> String {
-        self.cx.shown(&self.key(key), written, value, kind)
+    /// Records that a quantity is not in the range that another one sets.
+    pub(super) fn refuse(&self, key: &str, value: f64, kind: Kind, allowed: String) {
+        let written = self.peek(key).expect("the value was read");
+        self.out_of_range(key, self.cx.shown(&self.key(key), written, value, kind), allowed);
     }
 
     /// Index of `name` among `known`, or a fault at `key` with the nearest of them.
@@ -186,6 +186,15 @@ impl<'s> Section<'s> {
         }
     }
 
+    /// What `read` makes of an optional key; the outer `None` if it is faulty.
+    pub(super) fn if_any<T>(
+        &mut self,
+        key: &'static str,
+        read: impl FnOnce(&mut Self, &'static str) -> Option<T>,
+    ) -> Option<Option<T>> {
+        if self.get(key).is_some() { read(self, key).map(Some) } else { Some(None) }
+    }
+
     /// An optional quantity; the outer `None` if it is faulty.
     pub(super) fn quantity_if_any(
         &mut self,
@@ -193,7 +202,7 @@ impl<'s> Section<'s> {
         kind: Kind,
         range: Range,
     ) -> Option<Option<f64>> {
-        if self.get(key).is_some() { self.quantity(key, kind, range).map(Some) } else { Some(None) }
+        self.if_any(key, |section, key| section.quantity(key, kind, range))
     }
 
     /// The value of any key, or of a part of it, as a quantity.
@@ -240,12 +249,6 @@ impl<'s> Section<'s> {
         let x = self.cx.quantity(&format!("{path}.x"), x, kind, Range::Any);
         let y = self.cx.quantity(&format!("{path}.y"), y, kind, Range::Any);
         Some([x?, y?])
-    }
-
-    /// A required list of quantities `(n,)`; the paths of its entries end in `.1`, `.2`, ...
-    pub(super) fn quantities(&mut self, key: &'static str, kind: Kind) -> Option<Vec<f64>> {
-        let value = self.require(key, || format!("a list, each {}", kind.in_words()))?;
-        quantity_list(self.cx, &self.key(key), value, kind)
     }
 
     /// `true` or `false`, with a default.
@@ -357,3 +360,20 @@ impl<'s> Section<'s> {
         if self.get(key).is_some() { self.word(key, words) } else { Some(default) }
     }
 }
+
+/// The type with these fields; `None` if one of them is. All are read, so that every fault is recorded; a field may depend on those
+/// before it, as options.
+macro_rules! record {
+    ($($Type:ident)::+ { $($field:ident: $read:expr),* $(,)? }) => {{
+        $(let $field = $read;)*
+        (|| Some($($Type)::+ { $($field: $field?,)* }))()
+    }};
+}
+pub(super) use record;
+
+/// Largest count or life [cycles] that a scene may request: beyond it a typing error is more likely than intent.
+pub(super) const COUNT_LIMIT: i64 = 100_000_000;
+/// Most checkpoints of a life; each has a surrogate per output.
+pub(super) const CHECKPOINT_LIMIT: u32 = 100_000;
+/// Most values of all outputs at all checkpoints: with its stated error each takes 16 bytes of a worker's message of at most 4 MiB.
+pub const VALUE_LIMIT: usize = 200_000;

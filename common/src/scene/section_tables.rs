@@ -47,6 +47,20 @@ impl<'s> Section<'s> {
             .collect()
     }
 
+    /// What `read` makes of each row of a list of tables with unique names; a key that it does not ask for is a fault.
+    pub(super) fn each_row<T>(
+        &mut self,
+        key: &'static str,
+        mut read: impl FnMut(&'s str, &mut Section<'s>) -> T,
+    ) -> Vec<T> {
+        let read = |(name, mut row): (&'s str, Section<'s>)| {
+            let found = read(name, &mut row);
+            row.finish();
+            found
+        };
+        self.rows(key).into_iter().map(read).collect()
+    }
+
     /// The rows of a list of tables, each with its unique name, which becomes the last part of its path.
     pub fn rows(&mut self, key: &'static str) -> Vec<(&'s str, Section<'s>)> {
         let path = self.key(key);

@@ -32,17 +32,13 @@ enum ShapeWord {
     Plate,
 }
 
-/// Reads `shape = { type, points, section or thickness, material or density }`; outer none if it is faulty, inner none without it.
+/// Reads `shape = { type, points, section or thickness, material or density }`; none if it is faulty.
 pub(super) fn shape(
     row: &mut Section,
     points: &[Point],
     materials: &[MaterialRow],
-) -> Option<Option<MassProperties>> {
-    if row.get("shape").is_none() {
-        return Some(None);
-    }
-    let mut shape =
-        row.section("shape", "a table { type, points, section or thickness, material or density }")?;
+) -> Option<MassProperties> {
+    let mut shape = row.section_if_any("shape")?;
     let word = shape.word("type", &[("rod", ShapeWord::Rod), ("plate", ShapeWord::Plate)]);
     let corners = corners(&mut shape, points);
     let size = match word? {
@@ -61,7 +57,7 @@ pub(super) fn shape(
             if word == Some(ShapeWord::Rod) { "two points apart" } else { "three points that span an area" };
         shape.inconsistent("points", format!("have no extent: {needed} are needed"));
     }
-    found.map(Some)
+    found
 }
 
 /// The points named, in their order; without names the corners of the convex hull of all points.

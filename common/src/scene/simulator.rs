@@ -1,14 +1,25 @@
 //! Reads `[simulator]`: a study of an external simulator instead of a mechanism, a program on this machine or a model
 //! behind the UM-Bridge protocol. Its random variables are the inputs, its outputs and life are declared.
+//!
+//! Scenes whose simulator gives one cycle: the joints that wear, the outputs of the wear and those of the program, and the life. The bodies
+//! are those of the program, which the scene does not describe.
 
+use super::body_row::{BodyRow, MotionWord};
+use super::clearance::materials;
 use super::context::Range;
-use super::gives::gives;
-use super::limits::{CHECKPOINT_LIMIT, COUNT_LIMIT};
-use super::model::{Exchange, ExternalSimulator, FileExchange, Life, Program, SimulatorKind, UmBridgeModel};
+use super::elements::{OutputRow, typed_output, typed_words};
+use super::joints::{JointRow, worn_joint};
+use super::key_reading::Named;
+use super::key_table::Form;
+use super::load::Load;
+use super::model::{
+    CycleProgram, CycleTier, Exchange, ExternalSimulator, FileExchange, Gives, Life, Motion, Program,
+    SimulatorKind, UmBridgeModel,
+};
 use super::output::{Output, OutputKind};
-use super::outputs::OutputRow;
 use super::quantity::TIME;
-use super::section::Section;
+use super::section::{CHECKPOINT_LIMIT, COUNT_LIMIT, Section, record};
+use super::wear_model::{WearModel, wear_model};
 use std::path::{Component, Path};
 use toml::{Table, Value};
 
@@ -23,9 +34,21 @@ pub const REQUEST_FILE: &str = "request.json";
 pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>> {
     file.get("simulator")?;
     let Some(mut section) = file.section_if_any("simulator") else { return Some(None) };
-    let kind = match (section.get("program").is_some(), section.get("umbridge").is_some()) {
-        (true, false) => program(&mut section).map(SimulatorKind::Program),
-        (false, true) => umbridge(&mut section).map(SimulatorKind::UmBridge),
+    let read = record!(ExternalSimulator {
+        kind: kind(&mut section),
+        timeout: section.quantity_or("timeout", TIME, Range::Positive, TIMEOUT),
+        version: section.text_or("version", "a text, e.g. \"2024.1\"", "").map(str::to_owned),
+        gives: gives(&mut section),
+    });
+    section.finish();
+    Some(read)
+}
+
+/// Reads the program or the server, of which there is one.
+fn kind(section: &mut Section) -> Option<SimulatorKind> {
+    match (section.get("program").is_some(), section.get("umbridge").is_some()) {
+        (true, false) => program(section).map(SimulatorKind::Program),
+        (false, true) => umbridge(section).map(SimulatorKind::UmBridge),
         (true, true) => {
             section.inconsistent_table("has both a program and an umbridge server, expected one of them");
             None
@@ -36,13 +59,22 @@ pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>>
             section.missing("program", expected);
             None
         }
-    };
-    let timeout = section.quantity_or("timeout", TIME, Range::Positive, TIMEOUT);
-    let version = section.text_or("version", "a text, e.g. \"2024.1\"", "");
-    let gives = gives(&mut section);
-    section.finish();
-    let version = version.map(str::to_owned);
-    Some((|| Some(ExternalSimulator { kind: kind?, timeout: timeout?, version: version?, gives: gives? }))())
+    }
+}
+
+/// Reads what a simulator gives, of `[simulator]`; none if it is faulty.
+fn gives(section: &mut Section) -> Option<Gives> {
+    let is_cycle = section.word_or("gives", &[("life", false), ("cycle", true)], false)?;
+    if !is_cycle {
+        return Some(Gives::Life);
+    }
+    if section.get("umbridge").is_some() {
+        section.inconsistent("gives", "is \"cycle\", which a UM-Bridge server cannot give: use a program");
+        return None;
+    }
+    let tier = section.word("tier", &CycleTier::WORDS);
+    let journal = section.if_any("journal", |section, key| section.text(key, "a folder").map(str::to_owned));
+    Some(Gives::Cycle(CycleProgram { tier: tier?, journal: journal? }))
 }
 
 fn program(section: &mut Section) -> Option<Program> {
@@ -102,11 +134,9 @@ fn exchange(section: &mut Section) -> Option<Exchange> {
 }
 
 fn file_names(section: &mut Section, key: &'static str) -> Option<Vec<String>> {
-    if section.get(key).is_none() {
-        return Some(vec![]);
-    }
-    let names = section.texts(key, "a list of file names, e.g. [\"beam.inp\"]")?;
-    Some(names.into_iter().map(str::to_owned).collect())
+    let expected = "a list of file names, e.g. [\"beam.inp\"]";
+    let names = section.if_any(key, |section, key| section.texts(key, expected))?;
+    Some(names.into_iter().flatten().map(str::to_owned).collect())
 }
 
 /// True for a path that leads to a file below its folder.
@@ -134,7 +164,7 @@ fn umbridge(section: &mut Section) -> Option<UmBridgeModel> {
 }
 
 /// Reads `[life]` of a simulator: its checkpoints; a single one if there is no such table.
-pub(super) fn declared_life(file: &mut Section) -> Option<Life> {
+fn declared_life(file: &mut Section) -> Option<Life> {
     if file.get("life").is_none() {
         return Some(Life { period: 0.0, cycles: 1, checkpoint_every: 1, settle_cycles: 0, turn_of: None });
     }
@@ -150,27 +180,21 @@ pub(super) fn checkpoints(section: &mut Section) -> Option<Life> {
     let every = section.integer("checkpoint_every", 1..=COUNT_LIMIT, None);
     // Both fit: COUNT_LIMIT is below u32::MAX.
     let (cycles, checkpoint_every) = (cycles? as u32, every? as u32);
-    let allowed = if !cycles.is_multiple_of(checkpoint_every) {
-        format!("a multiple of checkpoint_every = {checkpoint_every}")
+    if !cycles.is_multiple_of(checkpoint_every) {
+        let allowed = format!("a multiple of checkpoint_every = {checkpoint_every}");
+        section.out_of_range("cycles", cycles.to_string(), allowed);
     } else if cycles / checkpoint_every > CHECKPOINT_LIMIT {
-        format!("at most {CHECKPOINT_LIMIT} checkpoints")
+        let allowed = format!("so long that cycles = {cycles} has at most {CHECKPOINT_LIMIT} checkpoints");
+        section.out_of_range("checkpoint_every", checkpoint_every.to_string(), allowed);
     } else {
         return Some(Life { period: 0.0, cycles, checkpoint_every, settle_cycles: 0, turn_of: None });
-    };
-    section.out_of_range("cycles", cycles.to_string(), allowed);
+    }
     None
 }
 
 /// Reads `[[outputs]]` of a simulator, each by `read`.
-pub(super) fn declared_outputs(
-    file: &mut Section,
-    read: impl Fn(&str, &mut Section) -> OutputRow,
-) -> Vec<OutputRow> {
-    let mut outputs = Vec::new();
-    for (name, mut row) in file.rows("outputs") {
-        outputs.push(read(name, &mut row));
-        row.finish();
-    }
+fn declared_outputs(file: &mut Section, read: impl Fn(&str, &mut Section) -> OutputRow) -> Vec<OutputRow> {
+    let outputs = file.each_row("outputs", read);
     if outputs.is_empty() {
         file.missing("outputs", "at least one output, e.g. [[outputs]] name = \"deflection\" unit = \"mm\"");
     }
@@ -178,7 +202,7 @@ pub(super) fn declared_outputs(
 }
 
 /// Reads an output over the `life` of a simulator, which may be faulty.
-pub(super) fn declared_output(name: &str, row: &mut Section, life: Option<&Life>) -> OutputRow {
+fn declared_output(name: &str, row: &mut Section, life: Option<&Life>) -> OutputRow {
     let unit = row.text_or("unit", "a unit, as it is to be shown", "");
     let values = match row.get("values") {
         None => Some(false),
@@ -224,4 +248,61 @@ pub(super) fn settle_folder(document: &mut Table, folder: Option<&Path>) -> bool
     }
     section.insert("folder".to_owned(), Value::String(whole.display().to_string()));
     true
+}
+
+/// The model that is simulated and its outputs, as far as they could be read.
+pub(super) struct Model {
+    pub(super) bodies: Vec<BodyRow>,
+    pub(super) joints: Vec<JointRow>,
+    pub(super) loads: Vec<Load>,
+    pub(super) gravity: Option<[f64; 2]>,
+    pub(super) outputs: Vec<OutputRow>,
+    pub(super) wear: Option<WearModel>,
+    pub(super) life: Option<Life>,
+}
+
+/// Reads what an external simulator returns; its inside is not described.
+pub(super) fn external(file: &mut Section) -> Model {
+    let life = declared_life(file);
+    let outputs = declared_outputs(file, |name, row| declared_output(name, row, life.as_ref()));
+    let (gravity, wear) = (Some([0.0; 2]), Some(WearModel::default()));
+    Model { bodies: vec![], joints: vec![], loads: vec![], gravity, outputs, wear, life }
+}
+
+/// Reads joints, outputs and life of a program that gives cycles, on the body that stands for the mechanism.
+pub(super) fn cycles(file: &mut Section) -> Model {
+    let materials = materials(file);
+    let joints = file.each_row("joints", |name, row| worn_joint(row, name, &materials));
+    if joints.is_empty() {
+        file.missing("joints", "at least one joint that wears, [[joints]]");
+    }
+    let life = life(file);
+    let outputs = outputs(file, &joints);
+    let (word, motion) = (Some(MotionWord::Fixed), Some(Motion::Fixed));
+    let body = BodyRow { name: "mechanism".to_owned(), word, motion, points: vec![] };
+    let wear = wear_model(file, joints.iter().filter_map(|row| row.joint.as_ref()));
+    Model { bodies: vec![body], joints, loads: vec![], gravity: Some([0.0; 2]), outputs, wear, life }
+}
+
+fn life(file: &mut Section) -> Option<Life> {
+    let mut section = file.section("life", "a table [life] with period, cycles and checkpoint_every")?;
+    let period = section.quantity("period", TIME, Range::Positive);
+    let life = checkpoints(&mut section);
+    section.finish();
+    Some(Life { period: period?, settle_cycles: 1, ..life? })
+}
+
+/// Reads `[[outputs]]`: rows with a `type` are outputs of the wear, the others those of the program.
+fn outputs(file: &mut Section, joints: &[JointRow]) -> Vec<OutputRow> {
+    let of_wear =
+        OutputKind::KINDS.iter().filter(|kind| kind.keys.iter().any(|key| key.form == Form::WornJoints));
+    let words: Vec<_> = of_wear.flat_map(typed_words).collect();
+    declared_outputs(file, |name, row| {
+        if row.peek("type").is_some() {
+            return typed_output(name, row, &words, Named { bodies: &[], joints });
+        }
+        let unit = row.text_or("unit", "a unit, as it is to be shown", "");
+        let kind = unit.map(|unit| OutputKind::External { unit: unit.to_owned(), single: false });
+        OutputRow::declared(name, kind.map(|kind| Output { name: name.to_owned(), kind }))
+    })
 }

@@ -7,15 +7,16 @@ use super::context::Overrides;
 use super::edit::rewritten;
 use super::extends::{flatten, read, unknown_scene};
 use super::faults::{Fault, FaultKind, Faults, in_unit};
+use super::input::InputFile;
 use super::layers::Layers;
 use super::location::Location;
-use super::magnitudes::magnitudes;
-use super::measured::MeasuredVariable;
 use super::model::Scene;
 use super::quantity::Quantity;
 use super::resolve::{Resolved, resolve};
+use super::section::Section;
 use super::simulator::settle_folder;
-use super::warnings::{Warning, warnings};
+use super::variables::MeasuredVariable;
+use super::warnings::{Warning, magnitudes, warnings};
 use crate::random::RandomVariable;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -306,8 +307,7 @@ impl SceneSource {
         let resolved = resolve(&self.origin, &self.document, overrides, false)?;
         let (variables, correlations) = (self.nominal.variables.clone(), self.nominal.correlations.clone());
         let conditions =
-            conditions(&self.origin, &self.document, overrides, &resolved.scene, &resolved.conditions)
-                .map_err(Faults)?;
+            conditions(&self.origin, &self.document, overrides, &resolved.scene, &resolved.conditions)?;
         Ok(Scene { variables, correlations, conditions, ..resolved.scene })
     }
 
@@ -339,4 +339,22 @@ pub fn digest(text: &str) -> u128 {
     const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
     const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
     text.bytes().fold(BASIS, |hash, byte| (hash ^ u128::from(byte)).wrapping_mul(PRIME))
+}
+
+/// The published results of a built-in scene by name, in SI units and cycles; empty if none are known.
+///
+/// They stand with their source in `common/scenes/NAME.reference.toml`.
+///
+/// # Errors
+/// Faults of that file.
+pub fn published_results(scene: &str) -> Result<BTreeMap<String, f64>, Faults> {
+    let Some(text) = builtin::reference(scene) else { return Ok(BTreeMap::new()) };
+    InputFile::parse(text, scene)?.read(|file| {
+        let published = file.section("published", "a table of results");
+        let results = published.iter().flat_map(Section::entries).filter_map(|(name, value)| {
+            let found = file.cx.value(&format!("published.{name}"), value, None)?;
+            Some((name.clone(), found.value))
+        });
+        results.collect()
+    })
 }

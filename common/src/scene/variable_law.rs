@@ -1,61 +1,40 @@
 //! Reads the distribution of a random variable: its word, and the keys that each distribution takes.
+//!
+//! Reads a tolerance fit of a random variable: `fit = "H7/e8"` at a nominal `diameter` gives the mean and standard
+//! deviation of a radial clearance, a single class such as `"H7"` those of the radius of a hole or a shaft.
 
-use super::context::{Context, Range};
+use super::context::Range;
 use super::faults::{FaultKind, in_first_unit};
-use super::fits::WrittenFit;
-use super::quantity::{Kind, NUMBER, Quantity};
+use super::quantity::{Kind, LENGTH, NUMBER, Quantity};
 use super::section::Section;
-use crate::random::{Distribution, Extreme, LawError};
+use crate::random::{Distribution, Extreme, Feature, Fit, LawError, ToleranceClass, ToleranceError};
 use std::collections::BTreeMap;
 use toml::Value;
 
 /// Default of the bounds of a truncated normal, in standard deviations from the mean.
 const TRUNCATION: f64 = 3.0;
 
-/// The words of `distribution`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum LawWord {
-    TruncatedNormal,
-    Normal,
-    Lognormal,
-    Uniform,
-    Gumbel(Extreme),
-    Weibull,
-    Exponential,
-    Beta,
-    Triangular,
-    Constant,
-}
-
-/// A distribution: its meaning and the keys that it takes besides `distribution`.
-type LawRow = (LawWord, &'static [&'static str]);
-
-/// Every distribution by its word; the first one is that of a variable without a word.
-const LAWS: [(&str, LawRow); 11] = [
-    ("truncated-normal", (LawWord::TruncatedNormal, &["mean", "std", "truncation", "lower", "upper"])),
-    ("normal", (LawWord::Normal, &["mean", "std"])),
-    ("lognormal", (LawWord::Lognormal, &["mean", "std"])),
-    ("uniform", (LawWord::Uniform, &["mean", "std", "lower", "upper"])),
-    ("gumbel", (LawWord::Gumbel(Extreme::Maxima), &["mean", "std"])),
-    ("gumbel-minima", (LawWord::Gumbel(Extreme::Minima), &["mean", "std"])),
-    ("weibull", (LawWord::Weibull, &["mean", "std"])),
-    ("exponential", (LawWord::Exponential, &["mean", "std", "lower"])),
-    ("beta", (LawWord::Beta, &["mean", "std", "lower", "upper"])),
-    ("triangular", (LawWord::Triangular, &["lower", "mode", "upper"])),
-    ("constant", (LawWord::Constant, &["mean"])),
+/// Every distribution by its word, with the keys that it takes besides `distribution`; the first one is that of a variable without a word.
+pub const LAWS: [(&str, &[&str]); 11] = [
+    ("truncated-normal", &["mean", "std", "truncation", "lower", "upper"]),
+    ("normal", &["mean", "std"]),
+    ("lognormal", &["mean", "std"]),
+    ("uniform", &["mean", "std", "lower", "upper"]),
+    ("gumbel", &["mean", "std"]),
+    ("gumbel-minima", &["mean", "std"]),
+    ("weibull", &["mean", "std"]),
+    ("exponential", &["mean", "std", "lower"]),
+    ("beta", &["mean", "std", "lower", "upper"]),
+    ("triangular", &["lower", "mode", "upper"]),
+    ("constant", &["mean"]),
 ];
 
 /// Word of the distribution of a variable that names none.
 pub const DEFAULT_LAW: &str = LAWS[0].0;
 
-/// Every distribution by its word, with the keys that it takes in a scene.
-pub fn laws() -> [(&'static str, &'static [&'static str]); LAWS.len()] {
-    LAWS.map(|(word, (_, keys))| (word, keys))
-}
-
 /// The distribution of a variable as written, its numbers not yet read.
 pub(super) struct WrittenLaw {
-    law: LawWord,
+    law: &'static str,
     truncation: f64,
     values: BTreeMap<&'static str, Value>,
     fit: Option<WrittenFit>,
@@ -64,13 +43,11 @@ pub(super) struct WrittenLaw {
 impl WrittenLaw {
     /// Reads the keys of a distribution; missing and contradictory ones are faults.
     pub(super) fn read(row: &mut Section) -> Option<Self> {
-        let (law, keys) = row.word_or("distribution", &LAWS, LAWS[0].1)?;
+        let (law, keys) = row.word_or("distribution", &LAWS.map(|law| (law.0, law)), LAWS[0])?;
         let values: BTreeMap<&str, Value> =
             keys.iter().filter_map(|key| Some((*key, row.get(key)?.clone()))).collect();
         let truncation = match law {
-            LawWord::TruncatedNormal => {
-                row.quantity_or("truncation", NUMBER, Range::Within(0.1, 10.0), TRUNCATION)
-            }
+            "truncated-normal" => row.quantity_or("truncation", NUMBER, Range::Within(0.1, 10.0), TRUNCATION),
             _ => Some(TRUNCATION),
         };
         // A fit gives mean and standard deviation.
@@ -94,10 +71,10 @@ impl WrittenLaw {
         }
         let bounded = self.has("lower") || self.has("upper");
         match self.law {
-            LawWord::Uniform if bounded && (fit || self.has("std") || self.has("mean")) => {
+            "uniform" if bounded && (fit || self.has("std") || self.has("mean")) => {
                 refuse("give either lower and upper, or std with the mean, not both");
             }
-            LawWord::Exponential if bounded && (fit || self.has("std")) => {
+            "exponential" if bounded && (fit || self.has("std")) => {
                 refuse(
                     "give either lower, where the distribution begins, or std, which begins at mean - std",
                 );
@@ -107,11 +84,11 @@ impl WrittenLaw {
         const STD: &str = "a quantity, or a share of the mean such as \"0.2 %\"";
         const BOUND: &str = "a bound of the distribution";
         let needed: &[(&str, &str)] = match self.law {
-            LawWord::Constant => &[],
-            LawWord::Triangular => &[("lower", BOUND), ("mode", "the likeliest value"), ("upper", BOUND)],
-            LawWord::Uniform if bounded => &[("lower", BOUND), ("upper", BOUND)],
-            LawWord::Exponential if bounded => &[],
-            LawWord::Beta => &[("std", STD), ("lower", BOUND), ("upper", BOUND)],
+            "constant" => &[],
+            "triangular" => &[("lower", BOUND), ("mode", "the likeliest value"), ("upper", BOUND)],
+            "uniform" if bounded => &[("lower", BOUND), ("upper", BOUND)],
+            "exponential" if bounded => &[],
+            "beta" => &[("std", STD), ("lower", BOUND), ("upper", BOUND)],
             _ => &[("std", STD)],
         };
         let given = |key: &str| self.has(key) || (fit && key == "std");
@@ -128,29 +105,27 @@ impl WrittenLaw {
 
     /// True if the mean is the value that the scene has without the variable.
     pub(super) fn takes_nominal(&self) -> bool {
-        let by_bounds =
-            self.law == LawWord::Triangular || (self.law == LawWord::Uniform && self.has("lower"));
+        let by_bounds = self.law == "triangular" || (self.law == "uniform" && self.has("lower"));
         !(self.has("mean") || self.fit.is_some() || by_bounds)
     }
 
-    /// The distribution, given the `nominal` value of the keys that the variable changes and the `path` of the variable.
+    /// The distribution, given the `nominal` value of the keys that the variable changes.
     pub(super) fn distribution(
         &self,
-        cx: &Context,
-        path: &str,
+        row: &Section,
         nominal: Quantity,
         changes: &[String],
     ) -> Option<Distribution> {
         let kind = nominal.kind();
         let value = |key: &str, default: f64| match self.values.get(key) {
-            Some(written) => cx.quantity(&format!("{path}.{key}"), written, kind, Range::Any),
+            Some(written) => row.as_quantity(key, written, kind, Range::Any),
             None => Some(default),
         };
         let (mean, std) = match &self.fit {
-            Some(fit) => fit.moments(cx, path, kind, changes)?,
+            Some(fit) => fit.moments(row, kind, changes)?,
             None => {
                 let mean = value("mean", nominal.value)?;
-                (mean, self.std(cx, path, mean, kind)?)
+                (mean, self.std(row, mean, kind)?)
             }
         };
         let reach = self.truncation * std;
@@ -158,37 +133,36 @@ impl WrittenLaw {
         let upper = value("upper", mean + reach);
         let (lower, upper) = (lower?, upper?);
         let made = match self.law {
-            LawWord::TruncatedNormal => Distribution::truncated_normal(mean, std, lower, upper),
-            LawWord::Normal => Distribution::normal(mean, std),
-            LawWord::Lognormal => Distribution::lognormal(mean, std),
-            LawWord::Uniform if self.has("lower") => Distribution::uniform(lower, upper),
-            LawWord::Uniform => Distribution::uniform_by_moments(mean, std),
-            LawWord::Gumbel(extreme) => Distribution::gumbel(mean, std, extreme),
-            LawWord::Weibull => Distribution::weibull(mean, std),
-            LawWord::Exponential if self.has("lower") => Distribution::exponential_from(lower, mean),
-            LawWord::Exponential => Distribution::exponential(mean, std),
-            LawWord::Beta => Distribution::beta(mean, std, lower, upper),
-            LawWord::Triangular => Distribution::triangular(lower, value("mode", mean)?, upper),
-            LawWord::Constant => Distribution::constant(mean),
+            "truncated-normal" => Distribution::truncated_normal(mean, std, lower, upper),
+            "normal" => Distribution::normal(mean, std),
+            "lognormal" => Distribution::lognormal(mean, std),
+            "uniform" if self.has("lower") => Distribution::uniform(lower, upper),
+            "uniform" => Distribution::uniform_by_moments(mean, std),
+            "gumbel" => Distribution::gumbel(mean, std, Extreme::Maxima),
+            "gumbel-minima" => Distribution::gumbel(mean, std, Extreme::Minima),
+            "weibull" => Distribution::weibull(mean, std),
+            "exponential" if self.has("lower") => Distribution::exponential_from(lower, mean),
+            "exponential" => Distribution::exponential(mean, std),
+            "beta" => Distribution::beta(mean, std, lower, upper),
+            "triangular" => Distribution::triangular(lower, value("mode", mean)?, upper),
+            _ => Distribution::constant(mean),
         };
-        made.map_err(|error| self.refuse(cx, path, error, kind)).ok()
+        made.map_err(|error| self.refuse(row, error, kind)).ok()
     }
 
     /// The standard deviation, a quantity or a share of the mean; 0 for a distribution without this key.
-    fn std(&self, cx: &Context, path: &str, mean: f64, kind: Kind) -> Option<f64> {
+    fn std(&self, row: &Section, mean: f64, kind: Kind) -> Option<f64> {
         let Some(written) = self.values.get("std") else { return Some(0.0) };
-        let std = cx.quantity_or_share(&format!("{path}.std"), written, kind, mean.abs())?;
+        let std = row.cx.quantity_or_share(&row.key("std"), written, kind, mean.abs())?;
         if std > 0.0 && std.is_finite() {
             return Some(std);
         }
-        let (value, allowed) =
-            (written.to_string(), "> 0; distribution = \"constant\" holds it fixed".to_owned());
-        cx.fault(format!("{path}.std"), FaultKind::OutOfRange { value, allowed });
+        row.out_of_range("std", written.to_string(), "> 0; distribution = \"constant\" holds it fixed");
         None
     }
 
     /// Records a parameter that the distribution does not allow, in the units of the scene.
-    fn refuse(&self, cx: &Context, path: &str, error: LawError, kind: Kind) {
+    fn refuse(&self, row: &Section, error: LawError, kind: Kind) {
         let shown = |value| in_first_unit(value, kind);
         match error {
             LawError::OutOfRange { parameter, value, above, below } => {
@@ -199,8 +173,7 @@ impl WrittenLaw {
                     (false, false) => "any finite number".to_owned(),
                 };
                 let written = self.values.get(parameter).map(Value::to_string);
-                let value = written.unwrap_or_else(|| shown(value));
-                cx.fault(format!("{path}.{parameter}"), FaultKind::OutOfRange { value, allowed });
+                row.out_of_range(parameter, written.unwrap_or_else(|| shown(value)), allowed);
             }
             LawError::NotEnclosed { parameter, value, lower, upper } => {
                 let message = format!(
@@ -210,8 +183,89 @@ impl WrittenLaw {
                     shown(value)
                 );
                 let written = [parameter, "lower", "upper"].into_iter().find(|key| self.has(key));
-                cx.inconsistent(written.map_or(path.to_owned(), |key| format!("{path}.{key}")), message);
+                match written {
+                    Some(key) => row.inconsistent(key, message),
+                    None => row.inconsistent_table(message),
+                }
             }
         }
     }
+}
+
+/// Default of the process capability C_p: the tolerance zone is 6 standard deviations wide [1].
+const CAPABILITY: f64 = 1.0;
+
+/// A fit as written.
+struct WrittenFit {
+    written: String,
+    /// Hole or shaft for a single class; none for a fit, which gives a clearance.
+    feature: Option<Feature>,
+    /// Mean of the radius or the radial clearance [m].
+    mean: f64,
+    /// Standard deviation of the radius or the radial clearance [m].
+    std: f64,
+}
+
+impl WrittenFit {
+    /// Reads `fit`, `diameter` and `capability`.
+    fn read(row: &mut Section) -> Option<Self> {
+        let written = row.text("fit", "a fit, e.g. \"H7/e8\"");
+        let diameter = row.quantity("diameter", LENGTH, Range::Positive);
+        let capability = row.quantity_or("capability", NUMBER, Range::Within(0.1, 10.0), CAPABILITY);
+        let (written, diameter, capability) = (written?, diameter?, capability?);
+        match moments(written, diameter, capability) {
+            Ok((feature, mean, std)) => Some(Self { written: written.to_owned(), feature, mean, std }),
+            Err(error) => {
+                let key = if matches!(error, ToleranceError::Diameter { .. }) { "diameter" } else { "fit" };
+                row.inconsistent(key, error.to_string());
+                None
+            }
+        }
+    }
+
+    /// Mean and standard deviation [m] for a variable that changes these keys, which must be lengths that the fit gives.
+    fn moments(&self, row: &Section, kind: Kind, changes: &[String]) -> Option<(f64, f64)> {
+        let value = format!("\"{}\"", self.written);
+        if kind.dimension != LENGTH.dimension {
+            row.fault("fit", FaultKind::WrongUnit { value, found: LENGTH.dimension, expected: kind });
+            return None;
+        }
+        for changed in changes {
+            let field = changed.rsplit('.').next().unwrap_or(changed);
+            let refused = match (field, self.feature) {
+                ("radial_clearance", Some(_)) => {
+                    "is the class of one part; a clearance needs both, e.g. \"H7/e8\""
+                }
+                ("bushing_radius" | "journal_radius", None) => {
+                    "gives a clearance; a radius needs the class of its part alone, e.g. \"H7\" or \"e8\""
+                }
+                ("bushing_radius", Some(Feature::Shaft)) => {
+                    "is the class of a shaft, a bushing is a hole, e.g. \"H7\""
+                }
+                ("journal_radius", Some(Feature::Hole)) => {
+                    "is the class of a hole, a journal is a shaft, e.g. \"e8\""
+                }
+                _ => continue,
+            };
+            row.inconsistent("fit", format!("{value} {refused}; the variable changes \"{changed}\""));
+            return None;
+        }
+        Some((self.mean, self.std))
+    }
+}
+
+/// Hole or shaft for a single class, and mean and standard deviation of its radius [m]; none and those of the radial
+/// clearance [m] for a fit.
+fn moments(
+    written: &str,
+    diameter: f64,
+    capability: f64,
+) -> Result<(Option<Feature>, f64, f64), ToleranceError> {
+    if written.contains('/') {
+        let (mean, std) = Fit::parse(written)?.clearance(diameter, capability)?;
+        return Ok((None, 0.5 * mean, 0.5 * std));
+    }
+    let class = ToleranceClass::parse(written)?;
+    let (mean, std) = class.moments(diameter, capability)?;
+    Ok((Some(class.feature), 0.5 * (diameter + mean), 0.5 * std))
 }

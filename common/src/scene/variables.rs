@@ -1,69 +1,16 @@
-//! Reads the random variables of a scene: first as written, then, when the nominal values of the keys that they change
-//! are known, as distributions.
+//! Reads the random variables of a scene, when the nominal values of the keys that they change are known.
+//!
+//! Reads the measured samples of a random variable: as an empirical distribution, or with `fit` as the distribution of a family that
+//! has the largest likelihood.
 
-use super::context::Context;
 use super::expression::read_unit;
-use super::faults::{FaultKind, in_first_unit};
-use super::measured::{MeasuredVariable, WrittenSamples, refuses_fit_without_samples};
+use super::faults::in_first_unit;
 use super::quantity::{Dimension, Quantity};
 use super::section::Section;
 use super::variable_law::WrittenLaw;
-use crate::random::RandomVariable;
+use crate::random::{Distribution, Family, FitError, RandomVariable};
 use std::collections::BTreeMap;
 use toml::Value;
-
-/// A row of `[[variables]]`, its numbers not yet read: their dimension is that of the keys that the variable changes.
-pub(super) struct VariableRow {
-    pub(super) name: String,
-    pub(super) changes: Vec<String>,
-    unit: Option<String>,
-    law: VariableLaw,
-}
-
-/// The distribution of a variable as written.
-enum VariableLaw {
-    /// By its word and parameters.
-    Parameters(WrittenLaw),
-    /// By measured samples.
-    Measured(WrittenSamples),
-}
-
-impl VariableLaw {
-    /// Reads the keys of a distribution.
-    fn read(row: &mut Section) -> Option<Self> {
-        if let Some(samples) = WrittenSamples::read(row) {
-            return samples.map(Self::Measured);
-        }
-        if refuses_fit_without_samples(row) {
-            row.give_up();
-            return None;
-        }
-        let law = WrittenLaw::read(row).map(Self::Parameters);
-        // A known key of every variable, absent here.
-        let _ = row.get("samples");
-        law
-    }
-
-    /// The first key that locates the variable, with its value as written.
-    fn located(&self) -> Option<(&'static str, Value)> {
-        match self {
-            Self::Parameters(law) => law.located().map(|(key, value)| (key, value.clone())),
-            Self::Measured(samples) => Some(("samples.1", samples.first()?)),
-        }
-    }
-
-    fn takes_nominal(&self) -> bool {
-        matches!(self, Self::Parameters(law) if law.takes_nominal())
-    }
-
-    /// Unit of the samples.
-    fn unit(&self) -> Option<&str> {
-        match self {
-            Self::Parameters(_) => None,
-            Self::Measured(samples) => samples.unit(),
-        }
-    }
-}
 
 /// Whether random variables have keys that they change.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,130 +23,226 @@ pub(super) enum Changes {
     None,
 }
 
-/// Reads `[[variables]]` as written; variables without keys that they change are inputs of an external simulator.
-pub(super) fn variable_rows(file: &mut Section, may_change: Changes) -> Vec<VariableRow> {
-    let mut rows = Vec::new();
-    for (name, mut row) in file.rows("variables") {
-        let is_input = match may_change {
+/// What the scene without its random variables consists of.
+#[derive(Clone, Copy)]
+pub(super) struct Changed<'a> {
+    /// What the variables may change.
+    pub(super) may: Changes,
+    /// Its quantities by the path of their key.
+    pub(super) seen: &'a BTreeMap<String, Quantity>,
+    /// True if it has a fault: a quantity may be unread only because of it.
+    pub(super) is_faulty: bool,
+}
+
+/// A random variable, and its measured samples if it has them.
+pub(super) type Variable = (RandomVariable, Option<MeasuredVariable>);
+
+/// Reads `[[variables]]`, after everything that a variable may change: name and variable, unless faulty. Variables without keys that they
+/// change are inputs of an external simulator.
+pub(super) fn variables<'s>(file: &mut Section<'s>, scene: Changed) -> Vec<(&'s str, Option<Variable>)> {
+    let mut owners: BTreeMap<String, &str> = BTreeMap::new();
+    file.each_row("variables", |name, row| {
+        let is_input = match scene.may {
             Changes::Required => false,
             Changes::Optional => row.get("changes").is_none(),
             Changes::None => true,
         };
-        let changes = if is_input { Some(vec![]) } else { changes(&mut row) };
-        let unit = row.get("unit").map(|_| row.text("unit", "a unit, e.g. \"mm\""));
-        let law = VariableLaw::read(&mut row);
-        row.finish();
-        rows.extend((|| {
-            let changes = changes?.into_iter().map(str::to_owned).collect();
-            let unit = unit.map(|unit| unit.map(str::to_owned)).map_or(Some(None), |unit| unit.map(Some))?;
-            Some(VariableRow { name: name.to_owned(), changes, unit, law: law? })
-        })());
-    }
-    rows
-}
-
-/// The keys that a variable changes.
-fn changes<'s>(row: &mut Section<'s>) -> Option<Vec<&'s str>> {
-    let changes = row.texts("changes", "a list of keys, e.g. [\"parameters.rod_length\"]");
-    if changes.as_ref().is_some_and(Vec::is_empty) {
-        row.inconsistent(
-            "changes",
-            "is empty: the variable would change nothing; give the keys that it sets",
-        );
-    }
-    changes.filter(|changes| !changes.is_empty())
-}
-
-/// Gives the variables their distributions, from the nominal values `seen` at the keys they change, and their measured samples if they
-/// have them.
-pub(super) fn variables(
-    cx: &Context,
-    rows: &[VariableRow],
-    seen: &BTreeMap<String, Quantity>,
-) -> Vec<(RandomVariable, Option<MeasuredVariable>)> {
-    let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
-    for row in rows {
-        for key in &row.changes {
-            if let Some(other) = owners.insert(key, &row.name) {
-                let place = format!("variables.{}.changes", row.name);
-                cx.inconsistent(place, format!("\"{key}\" is already changed by the variable \"{other}\""));
+        let changes = if is_input { Some(vec![]) } else { changes(row) };
+        for key in changes.iter().flatten() {
+            if let Some(other) = owners.insert(key.clone(), name) {
+                row.inconsistent(
+                    "changes",
+                    format!("\"{key}\" is already changed by the variable \"{other}\""),
+                );
             }
         }
-    }
-    rows.iter().filter_map(|row| variable(cx, row, seen)).collect()
+        (name, variable(name, row, changes, scene))
+    })
 }
 
-fn variable(
-    cx: &Context,
-    row: &VariableRow,
-    seen: &BTreeMap<String, Quantity>,
-) -> Option<(RandomVariable, Option<MeasuredVariable>)> {
-    let path = format!("variables.{}", row.name);
-    let nominal = nominal(cx, row, seen)?;
-    let (distribution, measured) = match &row.law {
-        VariableLaw::Parameters(law) => (law.distribution(cx, &path, nominal, &row.changes)?, None),
-        VariableLaw::Measured(samples) => {
-            let measured = samples.measured(cx, &path, nominal.kind())?;
-            (measured.distribution.clone(), Some(measured))
-        }
-    };
+fn variable(name: &str, row: &mut Section, changes: Option<Vec<String>>, scene: Changed) -> Option<Variable> {
+    let unit = row.if_any("unit", |row, key| row.text(key, "a unit, e.g. \"mm\""));
+    let law = law(row, changes.as_deref(), scene);
+    let ((nominal, distribution, measured), unit, changes) = (law?, unit?, changes?);
     let dimension = nominal.dimension;
-    let unit = match &row.unit {
+    let unit = match unit {
         Some(unit) => match read_unit(unit) {
-            Ok(found) if found.dimension == dimension => unit.clone(),
+            Ok(found) if found.dimension == dimension => unit.to_owned(),
             // A unit of the simulator, which is only displayed.
-            Err(_) if row.changes.is_empty() && dimension == Dimension::NONE => unit.clone(),
+            Err(_) if changes.is_empty() && dimension == Dimension::NONE => unit.to_owned(),
             found => {
-                let bare = row.changes.is_empty() && dimension == Dimension::NONE && found.is_ok();
+                let bare = changes.is_empty() && dimension == Dimension::NONE && found.is_ok();
                 let mean = distribution.mean();
                 let advice = if bare { format!("; write mean = \"{mean} {unit}\"") } else { String::new() };
-                cx.inconsistent(
-                    format!("{path}.unit"),
-                    format!("\"{unit}\" is not a unit of {dimension}{advice}"),
-                );
+                row.inconsistent("unit", format!("\"{unit}\" is not a unit of {dimension}{advice}"));
                 return None;
             }
         },
-        None => row.law.unit().map_or_else(|| dimension.si_unit(), str::to_owned),
+        None => {
+            let of_samples = row.peek("samples").and_then(|samples| samples.get("unit")?.as_str());
+            of_samples.map_or_else(|| dimension.si_unit(), str::to_owned)
+        }
     };
-    let variable =
-        RandomVariable { name: row.name.clone(), distribution, changes: row.changes.clone(), unit };
-    Some((variable, measured))
+    Some((RandomVariable { name: name.to_owned(), distribution, changes, unit }, measured))
 }
 
-/// The common value of all keys of the variable without it; the mean of a simulator's input, which has no keys.
-fn nominal(cx: &Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) -> Option<Quantity> {
-    let place = format!("variables.{}.changes", row.name);
-    if row.changes.is_empty() {
-        let Some((key, written)) = row.law.located() else {
-            let expected = "the mean of this input, a quantity or a plain number".to_owned();
-            cx.fault(format!("variables.{}.mean", row.name), FaultKind::Missing { expected });
+/// Reads the keys of a distribution: the value of the scene without the variable, the distribution, and its samples if it has them.
+fn law(
+    row: &mut Section,
+    changes: Option<&[String]>,
+    scene: Changed,
+) -> Option<(Quantity, Distribution, Option<MeasuredVariable>)> {
+    if row.peek("samples").is_some() {
+        let (nominal, measured) = measured(row, changes, scene)?;
+        return Some((nominal, measured.distribution.clone(), Some(measured)));
+    }
+    if refuses_fit_without_samples(row) {
+        row.give_up();
+        return None;
+    }
+    let law = WrittenLaw::read(row);
+    // A known key of every variable, absent here.
+    let _ = row.get("samples");
+    let (law, changes) = (law?, changes?);
+    let located = law.located().map(|(key, value)| (key, value.clone()));
+    let nominal = nominal(row, changes, scene, located, law.takes_nominal())?;
+    Some((nominal, law.distribution(row, nominal, changes)?, None))
+}
+
+/// The common value of all keys of the variable without it; the mean of a simulator's input, which has no keys: the `located` value as
+/// written, with its key.
+fn nominal(
+    row: &Section,
+    changes: &[String],
+    Changed { seen, is_faulty, .. }: Changed,
+    located: Option<(&str, Value)>,
+    takes_nominal: bool,
+) -> Option<Quantity> {
+    if changes.is_empty() {
+        let Some((key, written)) = located else {
+            row.missing("mean", "the mean of this input, a quantity or a plain number");
             return None;
         };
-        return cx.value(&format!("variables.{}.{key}", row.name), &written, None);
+        return row.cx.value(&row.key(key), &written, None);
     }
     let mut first: Option<Quantity> = None;
-    for key in &row.changes {
-        cx.reference(&place, "quantity", key, seen.keys().map(String::as_str))?;
+    for key in changes {
+        if is_faulty && !seen.contains_key(key) {
+            return None;
+        }
+        row.reference("changes", "quantity", key, seen.keys().map(String::as_str))?;
         let found = seen[key];
         match first {
             None => first = Some(found),
             Some(first) if first.dimension != found.dimension => {
                 let message = format!("\"{key}\" is {}, the others are {}", found.dimension, first.dimension);
-                cx.inconsistent(place, message);
+                row.inconsistent("changes", message);
                 return None;
             }
-            Some(first) if first.value != found.value && row.law.takes_nominal() => {
+            Some(first) if first.value != found.value && takes_nominal => {
                 let message = format!(
                     "the nominal values differ ({} and {}), so mean must be given",
                     in_first_unit(first.value, first.kind()),
                     in_first_unit(found.value, found.kind())
                 );
-                cx.inconsistent(place, message);
+                row.inconsistent("changes", message);
                 return None;
             }
             Some(_) => {}
         }
     }
     first
+}
+
+/// The keys that a variable changes.
+fn changes(row: &mut Section) -> Option<Vec<String>> {
+    let changes = row.texts("changes", "a list of keys, e.g. [\"parameters.rod_length\"]")?;
+    if changes.is_empty() {
+        let message = "is empty: the variable would change nothing; give the keys that it sets";
+        row.inconsistent("changes", message);
+        return None;
+    }
+    Some(changes.into_iter().map(str::to_owned).collect())
+}
+
+/// Measured values of a random variable, and the family that was fitted to them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredVariable {
+    /// Name of the variable.
+    pub name: String,
+    /// The values as measured `(n,)` [SI].
+    pub samples: Vec<f64>,
+    /// The family that was fitted; none for an empirical distribution.
+    pub family: Option<Family>,
+    /// The distribution of the variable.
+    pub distribution: Distribution,
+}
+
+/// Reads `samples` and `fit`: the value of the scene without the variable, and the samples with their distribution.
+fn measured(
+    row: &mut Section,
+    changes: Option<&[String]>,
+    scene: Changed,
+) -> Option<(Quantity, MeasuredVariable)> {
+    let list = row.get("samples")?;
+    let before = row.cx.fault_count();
+    for key in ["distribution", "mean", "std", "lower", "upper"] {
+        // Known where it is given, so that it has this fault only.
+        if row.peek(key).is_some() && row.get(key).is_some() {
+            row.inconsistent(key, "is that of the samples: give either samples or this key");
+        }
+    }
+    let words = Family::ALL.map(|family| (family.word(), family));
+    let family = row.if_any("fit", |row, key| row.choice(key, "a family of distributions", &words))?;
+    let changes = changes.filter(|_| row.cx.fault_count() == before)?;
+    let located = first(list).map(|value| ("samples.1", value));
+    let nominal = nominal(row, changes, scene, located, false)?;
+    let samples = row.quantities("samples", nominal.kind())?;
+    let made = match family {
+        None => Distribution::empirical(&samples),
+        Some(family) => family.fit(&samples),
+    };
+    let refused = |error| match error {
+        FitError::NotPositive { place } => {
+            let value = in_first_unit(samples[place], nominal.kind());
+            let allowed = "> 0 in this family; `fit = \"normal\"` takes all values";
+            row.out_of_range(&format!("samples.{}", place + 1), value, allowed);
+        }
+        FitError::Law(error) => row.inconsistent("fit", error.to_string()),
+        other => row.inconsistent("samples", other.to_string()),
+    };
+    let distribution = made.map_err(refused).ok()?;
+    let name = row.path.strip_prefix("variables.").unwrap_or(&row.path).to_owned();
+    Some((nominal, MeasuredVariable { name, samples, family, distribution }))
+}
+
+/// The first of a list of samples as written, which has the dimension of the variable.
+fn first(samples: &Value) -> Option<Value> {
+    match samples {
+        Value::Array(list) => list.first().cloned(),
+        Value::Table(table) => {
+            let number = match table.get("values")?.as_array()?.first()? {
+                Value::Integer(number) => *number as f64,
+                other => other.as_float()?,
+            };
+            let unit = table.get("unit").and_then(Value::as_str);
+            Some(unit.map_or(Value::Float(number), |unit| Value::String(format!("{number:?} {unit}"))))
+        }
+        _ => None,
+    }
+}
+
+/// Refuses `fit = "lognormal"` without samples; true if it did.
+fn refuses_fit_without_samples(row: &mut Section) -> bool {
+    let word = row.peek("fit").and_then(Value::as_str);
+    let Some(family) = Family::ALL.into_iter().find(|family| Some(family.word()) == word) else {
+        return false;
+    };
+    let word = family.word();
+    let message = format!(
+        "\"{word}\" is fitted to measured values: add samples = {{ csv = \"FILE\", column = \"NAME [UNIT]\" }}, or write \
+         distribution = \"{word}\" with mean and std"
+    );
+    row.inconsistent("fit", message);
+    true
 }

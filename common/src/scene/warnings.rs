@@ -1,6 +1,12 @@
 //! Warnings about a scene: what is valid but most likely not meant.
+//!
+//! Warnings about values whose magnitude no mechanism has, usually a wrong unit: masses and inertias against the size of a body,
+//! clearances against their hinge, elastic moduli, wear coefficients, speeds, gravity.
+//!
+//! The bounds leave out what any material or machine can have; a value beyond them is wrong by a factor of ten at least.
 
 use super::drive::{Curve, Drive, Over};
+use super::joint::{Clearance, GuideClearance, Joint, JointKind, Material};
 use super::load::Load;
 use super::model::{Body, Motion, Scene};
 use super::monotone::monotone_integral;
@@ -72,6 +78,149 @@ fn has_full_turns(motion: &Motion) -> bool {
     }
 }
 
+/// Largest radius of gyration of a body, in units of its largest distance from the centre of mass: a flywheel on a short crank.
+const LARGEST_GYRATION: f64 = 10.0;
+/// Density of a block around a body that is as heavy as the body [kg/m^3]: from a thin wire across it to twice that of gold.
+const DENSITIES: (f64, f64) = (1e-3, 5e4);
+/// Radial clearances of hinges are 0.01 to 2 % of the radius.
+const LARGEST_CLEARANCE: f64 = 0.2;
+/// Young's moduli from soft rubber to diamond [Pa].
+const MODULI: (f64, f64) = (1e5, 2e12);
+/// Wear coefficients per hardness, from films in oil to abrasion of plastics, 1e-2 mm^3/(N m) [1/Pa].
+const WEAR: (f64, f64) = (1e-21, 1e-11);
+/// Largest speed of a driven body [rad/s]: a dental turbine has 4e4.
+const LARGEST_SPEED: f64 = 1e5;
+/// Gravity on the moon and on Jupiter, a tenth and ten times [m/s^2].
+const GRAVITY: (f64, f64) = (0.1, 300.0);
+
+/// The warnings about a scene.
+pub(super) fn magnitudes(scene: &Scene) -> Vec<Warning> {
+    let mut found = Vec::new();
+    let mut warn = |key: String, message: String| found.push(Warning { key, message });
+    for (k, body) in scene.bodies.iter().enumerate() {
+        for (key, message) in of_body(scene, k, body) {
+            warn(format!("bodies.{}.{key}", body.name), message);
+        }
+    }
+    for joint in &scene.joints {
+        let found = match &joint.kind {
+            JointKind::Clearance(clearance) => of_hinge(clearance),
+            JointKind::Guide(GuideClearance { wear: Some(wear), .. }) => {
+                of_wear(wear.coefficient, "slider_wear_coefficient", wear.slider_coefficient)
+            }
+            _ => continue,
+        };
+        for (key, message) in found {
+            warn(format!("joints.{}.{key}", joint.name), message);
+        }
+    }
+    let [x, y] = scene.gravity;
+    let gravity = x.hypot(y);
+    if gravity > 0.0 && !within(gravity, GRAVITY) {
+        warn("gravity".to_owned(), format!("is {gravity:.3e} m/s^2; on earth it is 9.81 m/s^2"));
+    }
+    found
+}
+
+fn within(value: f64, (least, most): (f64, f64)) -> bool {
+    (least..=most).contains(&value)
+}
+
+fn of_body(scene: &Scene, k: usize, body: &Body) -> Vec<(&'static str, String)> {
+    let mut found = Vec::new();
+    match &body.motion {
+        Motion::Driven { drive: Drive::ConstantSpeed { speed, .. }, .. } if speed.abs() > LARGEST_SPEED => {
+            let turns = speed.abs() * 30.0 / std::f64::consts::PI;
+            found.push(("speed", format!("is {turns:.0} r/min, more than any machine has")));
+        }
+        Motion::Free { mass, inertia, centre_of_mass, .. } => {
+            if let Some(size) = size(scene, k, body, *centre_of_mass) {
+                let gyration = (inertia / mass).sqrt();
+                if gyration > LARGEST_GYRATION * size {
+                    let message = format!(
+                        "with the mass it gives a radius of gyration of {:.4} mm, but no point of the body is farther from its centre of \
+                         mass than {:.4} mm: check the units of inertia and mass",
+                        1e3 * gyration,
+                        1e3 * size
+                    );
+                    found.push(("inertia", message));
+                }
+                let density = mass / (2.0 * size).powi(3);
+                if !within(density, DENSITIES) {
+                    let message = format!(
+                        "is {:.3e} kg in a body of {:.4} mm: a block of that size would have {density:.1e} kg/m^3 (steel: 7850): check the \
+                         unit",
+                        mass,
+                        2e3 * size
+                    );
+                    found.push(("mass", message));
+                }
+            }
+        }
+        _ => {}
+    }
+    found
+}
+
+/// Largest distance of a point or joint of a link from its centre of mass [m]; none for sliders and bodies with a single joint, whose
+/// points do not show how large they are.
+fn size(scene: &Scene, k: usize, body: &Body, [a, b]: [f64; 2]) -> Option<f64> {
+    let of_body = |joint: &&Joint| [joint.journal.body, joint.bushing.body].contains(&k);
+    let slides = |joint: &Joint| matches!(joint.kind, JointKind::Prismatic { .. } | JointKind::Guide(_));
+    if scene.joints.iter().filter(of_body).count() < 2 || scene.joints.iter().filter(of_body).any(slides) {
+        return None;
+    }
+    let places = scene.joints.iter().flat_map(|joint| [&joint.journal, &joint.bushing]);
+    let joints = places.filter(|place| place.body == k).map(|place| place.position);
+    let points = body.points.iter().map(|point| point.position);
+    let size = points.chain(joints).map(|[x, y]| (x - a).hypot(y - b)).fold(0.0, f64::max);
+    (size > 0.0).then_some(size)
+}
+
+fn of_hinge(clearance: &Clearance) -> Vec<(&'static str, String)> {
+    let mut found = Vec::new();
+    let share = clearance.radial_clearance() / clearance.journal_radius;
+    if share > LARGEST_CLEARANCE {
+        let message = format!(
+            "leaves a radial clearance of {:.0} % of the journal radius; hinges have 0.01 to 2 %: check the units of the radii and the \
+             clearance",
+            100.0 * share
+        );
+        found.push(("journal_radius", message));
+    }
+    if clearance.width > 100.0 * clearance.journal_radius {
+        let ratio = clearance.width / clearance.journal_radius;
+        found.push(("width", format!("is {ratio:.0} times the journal radius: check the unit")));
+    }
+    for (key, Material { elastic_modulus, .. }) in
+        [("journal_material", clearance.journal_material), ("bushing_material", clearance.bushing_material)]
+    {
+        if !within(elastic_modulus, MODULI) {
+            let message = format!(
+                "has an elastic modulus of {elastic_modulus:.3e} Pa; steel has 2.06e11 Pa = 206 GPa, plastics have 1e8 to 1e10 Pa"
+            );
+            found.push((key, message));
+        }
+    }
+    let second = clearance.journal_wear_coefficient;
+    found.extend(of_wear(clearance.wear_coefficient, "journal_wear_coefficient", second));
+    found
+}
+
+/// Keys and warnings about the wear coefficients of two surfaces, the second of which has the key `second_key` if it is given [1/Pa].
+fn of_wear(first: f64, second_key: &'static str, second: Option<f64>) -> Vec<(&'static str, String)> {
+    let both = [("wear_coefficient", Some(first)), (second_key, second)];
+    let given = both.into_iter().filter_map(|(key, wear)| Some((key, wear?)));
+    let unusual = given.filter(|(_, wear)| *wear > 0.0 && !within(*wear, WEAR));
+    let message = |wear| {
+        format!(
+            "is {wear:.3e} 1/Pa = {:.3e} mm^3/(N m); lubricated steel has about 1e-17 to 1e-13 1/Pa: check the unit",
+            1e9 * wear
+        )
+    };
+    unusual.map(|(key, wear)| (key, message(wear))).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use crate::scene::SceneSource;
@@ -85,5 +234,35 @@ mod tests {
         let keys = |source: &SceneSource| source.warnings().into_iter().map(|w| w.key).collect::<Vec<_>>();
         assert_eq!(keys(&with_it), ["bodies.loose"]);
         assert!(keys(&four_bar).is_empty());
+    }
+
+    const FOUR_BAR: &str = include_str!("../../scenes/four-bar.toml");
+
+    #[test]
+    fn built_in_scenes_have_ordinary_magnitudes() {
+        for name in SceneSource::builtin_names() {
+            let source = SceneSource::builtin(name).unwrap();
+            assert_eq!(super::magnitudes(source.nominal()), [], "{name}");
+        }
+    }
+
+    #[test]
+    fn a_unit_that_is_wrong_by_a_thousand_is_pointed_out() {
+        for (from, to, key) in [
+            ("\"206 GPa\"", "\"2060 GPa\"", "journal_material"),
+            ("width = \"10 mm\"", "width = \"10 m\"", "width"),
+            ("coupler_mass = \"20 g\"", "coupler_mass = \"20 kg\"", "bodies.coupler.mass"),
+            ("coupler_mass = \"20 g\"", "coupler_mass = \"1e-8 g\"", "bodies.coupler.mass"),
+            ("\"coupler_mass * coupler_length^2 / 12\"", "\"3 kg m^2\"", "bodies.coupler.inertia"),
+            ("\"1e-13 1/Pa\"", "\"1e-7 1/Pa\"", "wear_coefficient"),
+            ("speed = \"900 r/min\"", "speed = \"9e6 r/min\"", "bodies.crank.speed"),
+            ("[scene]", "gravity = [\"0 m/s^2\", \"-9810 m/s^2\"]\n[scene]", "gravity"),
+        ] {
+            assert!(FOUR_BAR.contains(from), "{from}");
+            let source = SceneSource::parse(&FOUR_BAR.replace(from, to), "my.toml").unwrap();
+            let found = source.warnings();
+            let warning = found.iter().find(|warning| warning.key.ends_with(key));
+            assert!(warning.is_some(), "{to}: {found:?}");
+        }
     }
 }

@@ -1,61 +1,13 @@
 //! Choices of the wear model, read from `[wear]`: how a block of cycles wears, how the wear of a contact arc is distributed over the control
 //! points, and the curve through them.
 //!
-//! The table of [`WearModel`] gives its fields, its reader, the schema of scenes, the page about their language and the lines of `explain`.
+//! The schema of scenes and the page about their language follow from [`WearModel::KEYS`].
 
+use super::choice::choice;
 use super::joint::{ContactLaw, Joint, JointKind};
 use super::key_table::{Form, Key};
-use super::limits::COUNT_LIMIT;
-use super::section::Section;
+use super::section::{COUNT_LIMIT, Section, record};
 use serde::{Deserialize, Serialize};
-
-/// A choice of the wear model as scenes write it.
-trait Choice: Copy + Default + PartialEq {
-    /// How it is written.
-    const FORM: Form;
-
-    /// Reads it, if it is written; the default otherwise.
-    fn read(section: &mut Section, key: &'static str) -> Option<Self>;
-
-    /// What it is, in words.
-    fn in_words(self) -> String;
-}
-
-/// Declares a choice between words; the first one is the default.
-macro_rules! choice {
-    ($(#[doc = $about:literal])* pub enum $Choice:ident; $($(#[doc = $doc:literal])* $word:literal => $Variant:ident $sentence:literal)*) => {
-        $(#[doc = $about])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-        pub enum $Choice {
-            $($(#[doc = $doc])* $Variant,)*
-        }
-
-        impl $Choice {
-            /// Every choice by its word in a scene.
-            const WORDS: &'static [(&'static str, Self)] = &[$(($word, Self::$Variant)),*];
-        }
-
-        impl Default for $Choice {
-            fn default() -> Self {
-                Self::WORDS[0].1
-            }
-        }
-
-        impl Choice for $Choice {
-            const FORM: Form = Form::Word(&[$($word),*]);
-
-            fn read(section: &mut Section, key: &'static str) -> Option<Self> {
-                section.word_or(key, Self::WORDS, Self::default())
-            }
-
-            fn in_words(self) -> String {
-                match self {
-                    $(Self::$Variant => $sentence.to_owned(),)*
-                }
-            }
-        }
-    };
-}
 
 choice! {
     /// How the wear of a contact arc under `local-hertz` is distributed over the control points.
@@ -85,9 +37,8 @@ pub enum BlockStep {
     Explicit(u32),
 }
 
-impl Choice for BlockStep {
-    const FORM: Form = Form::Cycles;
-
+impl BlockStep {
+    /// Reads the length of a block, if it is written.
     fn read(section: &mut Section, key: &'static str) -> Option<Self> {
         if section.get(key).is_none() {
             return Some(BlockStep::Controlled);
@@ -95,60 +46,56 @@ impl Choice for BlockStep {
         // It fits: COUNT_LIMIT is below u32::MAX.
         section.integer(key, 1..=COUNT_LIMIT, None).map(|cycles| BlockStep::Explicit(cycles as u32))
     }
-
-    fn in_words(self) -> String {
-        match self {
-            BlockStep::Controlled => "the wear of a block is integrated with error control".to_owned(),
-            BlockStep::Explicit(cycles) => format!(
-                "one explicit Euler step wears a block of {cycles} cycles, without error control, as published"
-            ),
-        }
-    }
 }
 
-/// Declares the wear model from the table of its choices.
-macro_rules! choices {
-    ($(#[doc = $about:literal])* pub struct $Model:ident; $($(#[doc = $doc:literal])* $key:ident: $type:ty,)*) => {
-        $(#[doc = $about])*
-        #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-        #[serde(default)]
-        pub struct $Model {
-            $($(#[doc = $doc])* pub $key: $type,)*
-        }
-
-        impl $Model {
-            /// Its keys in a scene.
-            pub const KEYS: &'static [Key] =
-                &[$(Key { name: stringify!($key), form: <$type as Choice>::FORM, about: concat!($($doc),*) }),*];
-
-            /// Reads all keys of `[wear]`; none if one is faulty.
-            fn keys(section: &mut Section) -> Option<Self> {
-                $(let $key = <$type as Choice>::read(section, stringify!($key));)*
-                Some($Model { $($key: $key?,)* })
-            }
-
-            /// The choices that are not the default, in words.
-            pub fn chosen(&self) -> Vec<String> {
-                let mut chosen = vec![];
-                $(if self.$key != <$type>::default() {
-                    chosen.push(self.$key.in_words());
-                })*
-                chosen
-            }
-        }
-    };
-}
-
-choices! {
-    /// Choices of the wear model; the default is what this program recommends, the others are there to compute as published.
-    pub struct WearModel;
-    /// Length of the blocks that one explicit Euler step wears, each under the contact of the cycle before it, instead of the blocks of the
-    /// accuracy and their error control [cycles].
-    explicit_step: BlockStep,
+/// Choices of the wear model; the default is what this program recommends, the others are there to compute as published.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct WearModel {
+    /// How the wear advances over a block of cycles.
+    pub explicit_step: BlockStep,
     /// How the wear of a contact arc is distributed over the control points under `local-hertz`.
-    distribution: WearDistribution,
+    pub distribution: WearDistribution,
     /// The periodic cubic spline of the radii of a bore.
-    spline: BoreSpline,
+    pub spline: BoreSpline,
+}
+
+impl WearModel {
+    /// Its keys in a scene.
+    pub const KEYS: &'static [Key] = &[
+        Key {
+            name: "explicit_step",
+            form: Form::Cycles,
+            about: "Length of the blocks that one explicit Euler step wears, each under the contact of the cycle before it, instead \
+                    of the blocks of the accuracy and their error control [cycles].",
+        },
+        Key {
+            name: "distribution",
+            form: Form::Word(&["hat-shares", "points-inside"]),
+            about: "How the wear of a contact arc is distributed over the control points under `local-hertz`.",
+        },
+        Key {
+            name: "spline",
+            form: Form::Word(&["interpolating", "approximating"]),
+            about: "The periodic cubic spline of the radii of a bore.",
+        },
+    ];
+
+    /// The choices that are not the default, in words.
+    pub fn chosen(&self) -> Vec<String> {
+        let default = Self::default();
+        let mut chosen = vec![];
+        if let BlockStep::Explicit(cycles) = self.explicit_step {
+            let block = format!("one explicit Euler step wears a block of {cycles} cycles");
+            chosen.push(format!("{block}, without error control, as published"));
+        }
+        if self.distribution != default.distribution {
+            chosen.push(self.distribution.explanation().to_owned());
+        }
+        if self.spline != default.spline {
+            chosen.push(self.spline.explanation().to_owned());
+        }
+        chosen
+    }
 }
 
 /// Reads `[wear]` of a mechanism with these `joints`, as far as they could be read; none if it is faulty.
@@ -160,7 +107,11 @@ pub(super) fn wear_model<'a>(
         return Some(WearModel::default());
     }
     let mut section = file.section_if_any("wear")?;
-    let model = WearModel::keys(&mut section);
+    let model = record!(WearModel {
+        explicit_step: BlockStep::read(&mut section, "explicit_step"),
+        distribution: section.word_or("distribution", &WearDistribution::WORDS, WearDistribution::default()),
+        spline: section.word_or("spline", &BoreSpline::WORDS, BoreSpline::default()),
+    });
     section.finish();
     let WearModel { explicit_step, distribution, spline } = model?;
     if distribution == WearDistribution::PointsInside && explicit_step == BlockStep::Controlled {

@@ -3,8 +3,8 @@
 
 use common::scene::quantity::Kind;
 use common::scene::{
-    DEFAULT_LAW, ElementKind, ErrorMeasure, Form, ImpactMeasure, Key, Load, OutputKind, OutputUnit, Range,
-    laws,
+    DEFAULT_LAW, ElementKind, ErrorMeasure, Form, ImpactMeasure, Key, LAWS, Load, OutputKind, OutputUnit,
+    Range,
 };
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -170,7 +170,7 @@ fn required<T>(about: &str, kinds: &'static [ElementKind<T>]) -> Value {
 
 /// The keys of a random variable with each distribution; those with a standard deviation may have it from a fit.
 fn law() -> Value {
-    let all_of = laws().map(|(word, keys)| {
+    let all_of = LAWS.map(|(word, keys)| {
         let fit: &[&str] = if keys.contains(&"std") { &["fit", "diameter", "capability"] } else { &[] };
         let keys = [&["name", "distribution", "changes", "unit"], keys, fit].concat();
         json!({
@@ -383,7 +383,7 @@ fn the_schema_follows_from_the_tables() {
         ("law", law()),
         (
             "distribution",
-            json!({ "description": "Its distribution", "enum": laws().map(|(word, _)| word), "default": DEFAULT_LAW }),
+            json!({ "description": "Its distribution", "enum": LAWS.map(|(word, _)| word), "default": DEFAULT_LAW }),
         ),
     ];
     compare("../coordinator/schemas/scene.schema.json", |text| {

@@ -9,7 +9,7 @@
 use super::setting::{Allowed, Place, Setting, parse_all};
 use common::random::RandomVariable;
 use common::scene::expression::read_unit;
-use common::scene::{DEFAULT_LAW, Fault, Faults, SceneSource, laws};
+use common::scene::{DEFAULT_LAW, Fault, Faults, LAWS, SceneSource};
 use toml::{Table, Value};
 
 /// Keys of a tolerance fit that gives a variable its moments.
@@ -208,7 +208,7 @@ fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Val
         _ => {}
     }
     // Keys that another distribution does not take; an unknown one is a fault of the changed scene.
-    if let Some((_, taken)) = laws().iter().find(|(name, _)| *name == law).filter(|_| law != before) {
+    if let Some((_, taken)) = LAWS.iter().find(|(name, _)| *name == law).filter(|_| law != before) {
         let all = ["mean", "std", "truncation", "lower", "upper", "mode"];
         all.iter().filter(|key| !taken.contains(key)).for_each(|key| drop(row.remove(*key)));
     }

@@ -269,7 +269,7 @@ fn damping(damping: &ContactDamping) -> String {
         ContactDamping::None => "no contact damping".to_owned(),
         ContactDamping::HuntCrossley { factor } => format!("Hunt-Crossley damping {factor} s/m"),
         ContactDamping::Restitution { law, coefficient, .. } => {
-            format!("damping for a restitution of {coefficient} ({})", law.authors())
+            format!("damping for a restitution of {coefficient} ({})", law.explanation())
         }
     }
 }

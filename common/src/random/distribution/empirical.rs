@@ -11,13 +11,12 @@
 //!
 //! The quantiles are those of definition 7 of Hyndman and Fan, the default of R and NumPy, also where values are equal. Failures with
 //! probabilities below about 1 / n depend on values that were not measured: then a fitted family is needed. The scores hold the support
-//! fixed: see `tilted`, whose functions of x are weighted with the jumps as with the density.
+//! fixed: see `law::tilted`, whose functions of x are weighted with the jumps as with the density.
 //!
 //! # Source
 //! Hyndman, Fan (1996), Sample quantiles in statistical packages, The American Statistician 50, 361-365.
 
-use super::law::{FitError, Law, LawError, moments};
-use super::tilted::tilted;
+use super::law::{FitError, Law, LawError, moments, tilted};
 use crate::random::standard::Tail;
 use serde::{Deserialize, Serialize};
 

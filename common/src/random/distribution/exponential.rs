@@ -8,13 +8,12 @@
 //! | distribution function | F(x) = 1 - exp(-e) |
 //! | moments | mean = lower + std, variance = std^2; E[t^3] = 2 and E[t^4] = 9 of the standardised t = e - 1 |
 //!
-//! Its scores hold the lower bound fixed: see `tilted`.
+//! Its scores hold the lower bound fixed: see `law::tilted`.
 //!
 //! # Source
 //! Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, chapter 19.
 
-use super::law::{Law, LawError, REMOTE, between, moments};
-use super::tilted::tilted;
+use super::law::{Law, LawError, REMOTE, between, moments, tilted};
 use crate::random::standard::{Standard, Tail};
 use serde::{Deserialize, Serialize};
 

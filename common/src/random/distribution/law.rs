@@ -6,8 +6,7 @@
 //! # Source
 //! Devroye (1986), Non-Uniform Random Variate Generation, section II.2 (inversion).
 
-use crate::random::standard::Tail;
-use crate::random::standard_normal::{standard_normal_cdf, standard_normal_quantile};
+use crate::random::standard::{Tail, standard_normal_cdf, standard_normal_quantile};
 use thiserror::Error;
 
 /// Tail probability at which unbounded distributions are cut when a scene is checked: one point of a population of a
@@ -79,8 +78,8 @@ pub trait Law {
     /// Scores d ln f(x) / dp for the mean and the standard deviation `(2,)` [1/unit of the variable], bounds held fixed.
     ///
     /// For uniform, exponential and triangular distributions, whose bounds would move with the mean: the score of the
-    /// least change of the density, at fixed bounds, that moves the mean or the standard deviation alone (the module
-    /// `tilted` derives it). 0 for a constant.
+    /// least change of the density, at fixed bounds, that moves the mean or the standard deviation alone (`tilted`
+    /// derives it). 0 for a constant.
     fn scores(&self, x: f64) -> [f64; 2];
 
     /// [`Self::scores`] for many values: what does not depend on the value is computed once.
@@ -159,7 +158,7 @@ pub enum LawError {
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum FitError {
     /// Fewer values than the distribution needs.
-    #[error("{found} values, at least {least} are needed")]
+    #[error("has {found} values, at least {least} are needed")]
     TooFew {
         /// Number of values.
         found: usize,
@@ -167,7 +166,7 @@ pub enum FitError {
         least: usize,
     },
     /// All values are equal.
-    #[error("all values are equal")]
+    #[error("all values are equal: leave the variable out")]
     AllEqual,
     /// A value that is not positive in a family of positive values.
     #[error("value {} is not positive", place + 1)]
@@ -208,4 +207,32 @@ pub(super) fn moments(mean: f64, std: f64) -> Result<(f64, f64), LawError> {
 /// has the derivatives by q `(2,)`, `own` the rows dq/dmean, dq/dstd `(2, 2)`.
 pub(super) fn chain(by_own: [f64; 2], own: [[f64; 2]; 2]) -> [f64; 2] {
     [0, 1].map(|p| by_own[0] * own[0][p] + by_own[1] * own[1][p])
+}
+
+/// Scores of distributions whose support would move with their mean or standard deviation.
+///
+/// Where the support depends on a parameter (uniform, shifted exponential), the derivative of a probability has a
+/// term at the moving end, which no score function carries; where the density vanishes there (triangular), the score
+/// exists but has no variance. For these distributions the support is held fixed, and mean and standard deviation
+/// change by the least change of the density: of all densities with the new moments, the one nearest to f in the sense
+/// of Kullback and Leibler, f_new(x) ~ f(x) exp(c1 x + c2 x^2). To first order, with t = (x - mean) / std, skewness
+/// g = E[t^3], kurtosis k = E[t^4] and D = k - 1 - g^2:
+///
+/// ```text
+/// s_mean = ((k - 1) t - g (t^2 - 1)) / (D std),   s_std = 2 ((t^2 - 1) - g t) / (D std)   [1/unit of the variable]
+/// ```
+///
+/// They satisfy E[s] = 0, E[s_mean X] = 1, E[s_mean (X - mean)^2] = 0, E[s_std X] = 0, E[s_std (X - mean)^2] = 2 std,
+/// and are the ordinary scores if f is normal. Valid for any f with finite fourth moment and D > 0.
+///
+/// # Source
+/// Lemaitre, Sergienko, Arnaud, Bousquet, Gamboa, Iooss (2015), Density modification-based reliability sensitivity
+/// analysis, Journal of Statistical Computation and Simulation; the derivative at no change is derived here.
+///
+/// Combines t and t^2 - 1 at a point into the two scores, or their integrals over the density into dF/dmean and dF/dstd
+/// `(2,)` [1/unit of the variable]; `std` [unit of the variable].
+pub(super) fn tilted(linear: f64, quadratic: f64, std: f64, skewness: f64, kurtosis: f64) -> [f64; 2] {
+    let g = skewness;
+    let scale = 1.0 / ((kurtosis - 1.0 - g * g) * std);
+    [((kurtosis - 1.0) * linear - g * quadratic) * scale, 2.0 * (quadratic - g * linear) * scale]
 }

@@ -12,8 +12,7 @@
 //! Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, chapter 14.
 
 use super::law::{Law, LawError, between, chain};
-use crate::random::standard::{Standard, Tail};
-use crate::random::standard_normal::standard_normal_pdf;
+use crate::random::standard::{Standard, Tail, standard_normal_pdf};
 use serde::{Deserialize, Serialize};
 
 /// Lognormal distribution with the mean and standard deviation of the variable itself, not of its logarithm.

@@ -11,8 +11,7 @@
 //! Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, chapter 13.
 
 use super::law::{Law, LawError, moments};
-use crate::random::standard::{Standard, Tail};
-use crate::random::standard_normal::standard_normal_pdf;
+use crate::random::standard::{Standard, Tail, standard_normal_pdf};
 use serde::{Deserialize, Serialize};
 
 /// Normal distribution with a mean and a standard deviation.

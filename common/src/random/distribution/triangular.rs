@@ -8,14 +8,13 @@
 //! | distribution function | (x - a)^2 / ((b - a) (c - a)) for x <= c, 1 - (b - x)^2 / ((b - a) (b - c)) for x >= c |
 //! | mean, variance | (a + b + c) / 3, (a^2 + b^2 + c^2 - a b - a c - b c) / 18; E[t^4] = 12/5 of the standardised t |
 //!
-//! Its scores hold the bounds fixed: see `tilted`.
+//! Its scores hold the bounds fixed: see `law::tilted`.
 //!
 //! # Source
 //! Kotz, van Dorp (2004), Beyond Beta: Other Continuous Families of Distributions with Bounded Support and
 //! Applications, chapter 1.
 
-use super::law::{Law, LawError, between};
-use super::tilted::tilted;
+use super::law::{Law, LawError, between, tilted};
 use crate::random::standard::Tail;
 use serde::{Deserialize, Serialize};
 

@@ -13,9 +13,8 @@
 //! Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, section 13.10.1.
 
 use super::law::{Law, LawError, moments};
-use crate::random::standard::Tail;
-use crate::random::standard_normal::{
-    standard_normal_cdf, standard_normal_mass, standard_normal_pdf, standard_normal_quantile,
+use crate::random::standard::{
+    Tail, standard_normal_cdf, standard_normal_mass, standard_normal_pdf, standard_normal_quantile,
 };
 use serde::{Deserialize, Serialize};
 

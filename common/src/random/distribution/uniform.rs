@@ -8,13 +8,12 @@
 //! | distribution function | F(x) = (x - lower) / (upper - lower) |
 //! | mean, variance | (lower + upper) / 2, (upper - lower)^2 / 12; E[t^4] = 9/5 of the standardised t |
 //!
-//! Its scores hold the bounds fixed: see `tilted`.
+//! Its scores hold the bounds fixed: see `law::tilted`.
 //!
 //! # Source
 //! Johnson, Kotz, Balakrishnan (1995), Continuous Univariate Distributions, vol. 2, chapter 26.
 
-use super::law::{Law, LawError, between, moments};
-use super::tilted::tilted;
+use super::law::{Law, LawError, between, moments, tilted};
 use crate::random::standard::Tail;
 use serde::{Deserialize, Serialize};
 
