@@ -29,8 +29,6 @@ pub struct WearingJoint {
     pub distribution: WearDistribution,
     /// Width L of the bushing [m].
     pub width: f64,
-    /// Wall thickness of the bushing [m]; `None` if it cannot be worn through.
-    pub wall: Option<f64>,
     /// Ends of the joint: journal, bushing.
     pub ends: [End; 2],
 }
@@ -58,7 +56,6 @@ impl WearingJoint {
             wear_coefficients,
             distribution: wear.distribution,
             width: clearance.width,
-            wall: clearance.wall,
             ends,
         }
     }

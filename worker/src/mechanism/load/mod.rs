@@ -13,7 +13,8 @@ mod stops;
 
 pub use force::{LoadForce, NO_FRAME};
 
-use super::frame::{Frame, FrameIndices};
+use super::frame::Frame;
+use super::island_frames::IslandFrames;
 use crate::lanes::{Lanewise, Real};
 use actuators::{BodyTorque, Motor, PointForce};
 use common::scene::{Curve, Load};
@@ -94,7 +95,7 @@ island_loads!(
 
 impl IslandLoad {
     /// The load of a scene, with its frames from `frames`.
-    pub(crate) fn new(load: &Load, frames: &mut impl FrameIndices) -> Self {
+    pub(crate) fn new(load: &Load, frames: &mut IslandFrames) -> Self {
         match *load {
             Load::DirectionalSpring { ref at, ref anchor, direction, stiffness, free_length, .. } => {
                 let ends = [frames.end(at), frames.end(anchor)];
@@ -152,6 +153,6 @@ impl IslandLoad {
 }
 
 /// The factor of a drag, one without a curve.
-fn size_or_one(factor: Option<&Curve>, frames: &mut impl FrameIndices) -> Size {
+fn size_or_one(factor: Option<&Curve>, frames: &mut IslandFrames) -> Size {
     factor.map_or(Size::Constant(1.0), |factor| Size::new(factor, frames))
 }
