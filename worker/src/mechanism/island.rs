@@ -89,11 +89,6 @@ impl Island {
         }
     }
 
-    /// Error scales of positions and velocities `(n,)` each [m, rad; m/s, rad/s].
-    pub(super) fn scale(&self) -> (&[f64], &[f64]) {
-        (&self.scale_q, &self.scale_v)
-    }
-
     /// Number of coordinates n.
     pub fn coordinates(&self) -> usize {
         self.mass.len()

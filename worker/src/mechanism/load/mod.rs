@@ -19,7 +19,6 @@ use crate::lanes::{Lanewise, Real};
 use actuators::{BodyTorque, Motor, PointForce};
 use common::scene::{Curve, Load};
 use drag::{Drag, RotationalDrag};
-use force::LoadLaw;
 use size::Size;
 use springs::{DirectionalSpring, Spring, TorsionSpring};
 use stops::{AngleStop, LineStop};
@@ -39,20 +38,6 @@ macro_rules! island_loads {
             pub(crate) fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
                 match self {
                     $(IslandLoad::$kind(load) => load.force(t, frames)),+
-                }
-            }
-
-            /// The frames that the load couples.
-            pub(crate) fn frames(&self) -> Vec<usize> {
-                match self {
-                    $(IslandLoad::$kind(load) => load.frames()),+
-                }
-            }
-
-            /// Whether the load's work counts as input, as far as it is not dissipated: it has no potential.
-            pub(crate) fn drives(&self) -> bool {
-                match self {
-                    $(IslandLoad::$kind(_) => <$kind<R> as LoadLaw<R>>::DRIVES),+
                 }
             }
         }
@@ -94,6 +79,34 @@ island_loads!(
 );
 
 impl IslandLoad {
+    /// The frames that the load couples.
+    pub(crate) fn frames(&self) -> Vec<usize> {
+        match self {
+            Self::DirectionalSpring(DirectionalSpring { ends, .. })
+            | Self::Spring(Spring { ends, .. })
+            | Self::LineStop(LineStop { ends, .. }) => ends.map(|end| end.frame).to_vec(),
+            Self::TorsionSpring(TorsionSpring { frames, .. }) | Self::AngleStop(AngleStop { frames, .. }) => {
+                frames.to_vec()
+            }
+            Self::PointForce(PointForce { end, size, .. }) | Self::Drag(Drag { end, factor: size, .. }) => {
+                size.frames(end.frame)
+            }
+            Self::BodyTorque(BodyTorque { frame, size })
+            | Self::RotationalDrag(RotationalDrag { frame, factor: size, .. }) => size.frames(*frame),
+            Self::Motor(motor) => vec![motor.frame],
+        }
+    }
+
+    /// Whether the load's work counts as input, as far as it is not dissipated: it has no potential.
+    pub(crate) fn drives(&self) -> bool {
+        match self {
+            Self::DirectionalSpring(_) | Self::Spring(_) | Self::TorsionSpring(_) => false,
+            Self::LineStop(_) | Self::AngleStop(_) => false,
+            Self::PointForce(_) | Self::BodyTorque(_) | Self::Motor(_) => true,
+            Self::Drag(_) | Self::RotationalDrag(_) => true,
+        }
+    }
+
     /// The load of a scene, with its frames from `frames`.
     pub(crate) fn new(load: &Load, frames: &mut IslandFrames) -> Self {
         match *load {
