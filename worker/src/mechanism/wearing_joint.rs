@@ -90,7 +90,8 @@ impl WearingJoint {
     /// Wear rate of the joint with a bore like `profile`.
     fn rate_on(&self, profile: &Profile) -> WearRate {
         let WearingJoint { wear_coefficients, width, contact, distribution, .. } = self;
-        BoreWearRate::new(*wear_coefficients, *width, contact, profile).distributed(*distribution).into()
+        let rate = BoreWearRate::new(*wear_coefficients, *width, contact, profile);
+        WearRate::Bore(Box::new(rate.distributed(*distribution)))
     }
 
     /// Replaces the damping factor [s/m], as fixed at the last impact.
