@@ -142,7 +142,7 @@ impl OwnSimulators {
 
     /// The offer for a job, if its sample fits.
     fn offer(&self, job: &Job) -> Result<&Offer, String> {
-        let Subject::Simulator(wanted) = job.subject() else {
+        let Subject::Simulator(wanted) = &job.order.subject else {
             return Err("this worker evaluates its own simulators only, no scenes".to_owned());
         };
         let offer = self.offers.iter().find(|offer| offer.id == *wanted);
@@ -166,7 +166,7 @@ impl Offer {
         }
         let free = self.idle().pop();
         let mut slot = free.unwrap_or_else(|| self.opened.slot(self.made.fetch_add(1, Ordering::Relaxed)));
-        let evaluated = slot.evaluate(job.key().task, job.sample(), stop);
+        let evaluated = slot.evaluate(job.task.key.task, job.sample(), stop);
         self.idle().push(slot);
         evaluated.unwrap_or_else(|error| {
             if !matches!(error, SlotError::Stopped) {
@@ -187,9 +187,9 @@ impl Simulator for OwnSimulators {
             tracing::error!("an evaluation is refused: {reason}");
             SimulationFailure::SimulatorUnusable { reason }
         })?;
-        let of_coordinator = Arc::clone(self.stopped_jobs().entry(job.coordinator()).or_default());
+        let of_coordinator = Arc::clone(self.stopped_jobs().entry(job.coordinator).or_default());
         let stop = StopSignal::new([Arc::clone(&self.stopped), of_coordinator]);
-        offer.evaluate(job, &stop.needing(job.licensed().then_some(job.coordinator())))
+        offer.evaluate(job, &stop.needing(job.order.licensed.then_some(job.coordinator)))
     }
 
     /// Ends the programs that wait for samples.

@@ -50,7 +50,7 @@ impl Mechanism {
     }
 
     fn input(&self, job: &Job) -> Result<SimulationInput, SimulationFailure> {
-        let Subject::Scene(text) = job.subject() else {
+        let Subject::Scene(text) = &job.order.subject else {
             let reason = "this worker simulates mechanisms only".to_owned();
             return Err(SimulationFailure::SimulatorUnusable { reason });
         };
@@ -60,7 +60,7 @@ impl Mechanism {
                 .to_owned();
             return Err(SimulationFailure::NotModelled { what });
         }
-        let options = SimulateOptions { first_cycle: job.with_first_cycle() };
+        let options = SimulateOptions { first_cycle: job.task.with_first_cycle };
         Ok(SimulationInput { scene, accuracy: *job.accuracy(), options })
     }
 }

@@ -31,17 +31,17 @@ pub struct Arc {
     /// Journal radius R1 [m].
     journal_radius: f64,
     /// Eccentricity up to which the journal does not touch the bore [m].
-    reach: f64,
+    pub(super) reach: f64,
     /// Spacing s of the angles [rad].
-    spacing: f64,
+    pub(super) spacing: f64,
     /// c s^2, with the clearance c [m].
-    scale: f64,
+    pub(super) scale: f64,
     /// R - R'' s^2 / 12 at equal angles `(intervals,)` [m].
     radius: Vec<f64>,
     /// (1 + s^2 / 12) times the unit vectors at those angles `(intervals, 2)` [1].
     direction: Vec<[f64; 2]>,
     /// Segmentes of [`super::segment::SEGMENT`] intervals.
-    segmentes: Segmentes,
+    pub(super) segmentes: Segmentes,
 }
 
 /// A tabulated bore with a journal in it that is round or worn, or one pair per lane.
@@ -93,22 +93,6 @@ impl Arc {
         }
     }
 
-    /// Eccentricity up to which the journal does not touch the bore in any direction [m].
-    pub(super) fn reach(&self) -> f64 {
-        self.reach
-    }
-
-    /// The clearance times the square of the angle between the intervals [m]: eight times the penetration of an unworn bore whose arc
-    /// of contact is one interval long.
-    pub(super) fn scale(&self) -> f64 {
-        self.scale
-    }
-
-    /// Segmentes of its intervals.
-    pub(super) fn segmentes(&self) -> &Segmentes {
-        &self.segmentes
-    }
-
     /// Number of intervals around the bore.
     pub(crate) fn intervals(&self) -> usize {
         self.radius.len()
@@ -156,7 +140,7 @@ impl Arc {
     /// of their segment; at the two ends of an arc only the part with g > 0 counts.
     #[inline(always)]
     pub(crate) fn integrate(&self, e: [f64; 2]) -> Integrals {
-        self.integrate_units(e).scaled(self.spacing())
+        self.integrate_units(e).scaled(self.spacing)
     }
 
     /// Sums over the arc in contact at the eccentricity `e` [m], before they are multiplied by the spacing of the angles.
@@ -188,12 +172,6 @@ impl Arc {
         }
         self.add_segmentes(&mut sum, e, first, end);
         UnitIntegrals { sums: sum, extent: sum.d[0] + sum.d[2] }
-    }
-
-    /// Length of the intervals [rad].
-    #[inline(always)]
-    pub(super) fn spacing(&self) -> f64 {
-        self.spacing
     }
 
     /// Adds to `whole`, for intervals of length one, the intervals in contact from end to end at all eccentricities within `margin` of

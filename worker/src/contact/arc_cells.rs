@@ -13,7 +13,7 @@
 use super::arc::Arc;
 use super::cells::{CellContents, Cells, MOST, SIDE, change_of_gaps};
 use super::integrals::{Integrals, UnitIntegrals, weights_in_lanes};
-use crate::lanes::Real;
+use crate::lanes::{Lanewise, Real};
 use crate::plane::fused_dot;
 
 /// Number of intervals to look at above which cells are made smaller.
@@ -84,13 +84,13 @@ impl<R: Real> ArcCells<R> {
     /// True if a lane has too many intervals to look at.
     #[cfg(test)]
     pub(super) fn is_overfull(&self) -> bool {
-        self.cells.is_overfull()
+        self.cells.overfull
     }
 
     /// Forgets the cells of a lane, whose bore is `arc` from now on.
     pub(super) fn set(&mut self, lane: usize, arc: &Arc) {
-        self.contents.set_whole(lane, &Integrals::default());
-        let of_arc = (arc.reach(), [SIDE * arc.scale(); 2]);
+        Integrals::default().write_lane::<R>(lane, &mut self.contents.whole);
+        let of_arc = (arc.reach, [SIDE * arc.scale; 2]);
         self.cells.set(lane, of_arc, &mut OfArcs { arcs: &[], contents: &mut self.contents });
     }
 
@@ -104,10 +104,10 @@ impl<R: Real> ArcCells<R> {
             return UnitIntegrals::none(zero);
         }
         self.cells.find(e, touches, &mut OfArcs { arcs, contents: &mut self.contents });
-        let centre = self.cells.centre();
+        let centre = self.cells.centre;
         let x = [e[0] - centre[0], e[1] - centre[1]];
         let mut ends = UnitIntegrals::none(zero);
-        for k in 0..self.cells.used() {
+        for k in 0..self.cells.used {
             add_end::<R, SECOND>(&mut ends, &self.contents.ends[k], x);
         }
         let Integrals { v, p, d } = self.contents.whole;
@@ -125,28 +125,15 @@ impl<R: Real> ArcCells<R> {
             }
         }
         let mut all = UnitIntegrals { sums, extent: only(d[0] + d[2] + extent) };
-        if self.cells.is_overfull() {
+        if self.cells.overfull {
             for lane in 0..R::LANES {
                 let at = [e[0].lane(lane), e[1].lane(lane)];
                 if self.cells.is_lane_overfull(lane, at) {
-                    all.set_lane(lane, arcs[lane].integrate_units(at));
+                    arcs[lane].integrate_units(at).write_lane::<R>(lane, &mut all);
                 }
             }
         }
         all
-    }
-}
-
-impl<R: Real> ArcContents<R> {
-    #[inline(always)]
-    fn set_whole(&mut self, lane: usize, whole: &Integrals) {
-        self.whole.v.set_lane(lane, whole.v);
-        for k in 0..2 {
-            self.whole.p[k].set_lane(lane, whole.p[k]);
-        }
-        for k in 0..3 {
-            self.whole.d[k].set_lane(lane, whole.d[k]);
-        }
     }
 }
 
@@ -169,7 +156,7 @@ impl<R: Real> CellContents<R, 2> for OfArcs<'_, R> {
             }
             found += 1;
         });
-        self.contents.set_whole(lane, &whole);
+        whole.write_lane::<R>(lane, &mut self.contents.whole);
         found
     }
 

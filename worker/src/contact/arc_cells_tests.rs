@@ -64,12 +64,12 @@ fn cells_give_the_integrals_of_the_arc_whatever_cells_were_met_before() {
             let mut cells = ArcCells::new(&arc, 0.0);
             let arcs = [arc.clone()];
             for e in walk(&arc, step, &mut state) {
-                let found = cells.integrate::<true>(&arcs, e).scaled(arc.spacing());
-                let first = cells.integrate::<false>(&arcs, e).scaled(arc.spacing());
+                let found = cells.integrate::<true>(&arcs, e).scaled(arc.spacing);
+                let first = cells.integrate::<false>(&arcs, e).scaled(arc.spacing);
                 assert_eq!((first.v, first.p, first.d), (found.v, found.p, [0.0; 3]));
                 let exact = arc.integrate(e);
                 let mut fresh = ArcCells::new(&arc, 0.0);
-                let anew = fresh.integrate::<true>(&arcs, e).scaled(arc.spacing());
+                let anew = fresh.integrate::<true>(&arcs, e).scaled(arc.spacing);
                 let bits =
                     |of: &Integrals| [of.v, of.p[0], of.p[1], of.d[0], of.d[1], of.d[2]].map(f64::to_bits);
                 assert_eq!(bits(&found), bits(&anew), "{e:?}");
@@ -108,7 +108,7 @@ fn the_force_is_the_gradient_of_the_potential_across_cells() {
         let (t, length) = ([direction.cos(), direction.sin()], 4e-7);
         let mut at = |s: f64| {
             let e = [0, 1].map(|k| (reach + 1e-7) * u[k] + s * length * t[k]);
-            let found = cells.integrate::<true>(&arcs, e).scaled(arc.spacing());
+            let found = cells.integrate::<true>(&arcs, e).scaled(arc.spacing);
             (found.v, dot(found.p, t))
         };
         let steps = 4000;

@@ -21,7 +21,7 @@ impl Arc {
     /// Shows `visitor` the intervals that are in contact at the eccentricity `e` [m], in their order.
     #[inline(always)]
     pub(crate) fn visit(&self, e: [f64; 2], visitor: &mut impl ArcVisitor) {
-        let segmentes = self.segmentes();
+        let segmentes = &self.segmentes;
         // Intervals wholly in contact under way, across segmentes.
         let (mut from, mut to) = (0, 0);
         for g in 0..segmentes.groups.len() {

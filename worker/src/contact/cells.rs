@@ -51,14 +51,14 @@ pub struct Cells<R, const D: usize> {
     /// Centres of the cells of each size `(SIZES, D)`; infinite if there is no such cell.
     centres: [[R; D]; SIZES],
     /// Centre of the smallest cell `(D,)`, its size, and the largest of these numbers.
-    centre: [R; D],
+    pub(super) centre: [R; D],
     size: R,
     smallest: usize,
     /// Number of intervals to look at in each lane, `None` if even the smallest cell has too many; the largest number.
     counts: Vec<Option<usize>>,
-    used: usize,
+    pub(super) used: usize,
     /// True if a lane has too many.
-    overfull: bool,
+    pub(super) overfull: bool,
 }
 
 impl<R: Real, const D: usize> Cells<R, D> {
@@ -109,24 +109,6 @@ impl<R: Real, const D: usize> Cells<R, D> {
     #[inline(always)]
     pub(super) fn touches(&self, e: [R; 2]) -> R::Mask {
         self.reach.below(length(e))
-    }
-
-    /// Centres of the smallest cells `(D,)`.
-    #[inline(always)]
-    pub(super) fn centre(&self) -> [R; D] {
-        self.centre
-    }
-
-    /// Largest number of intervals to look at in a lane.
-    #[inline(always)]
-    pub(super) fn used(&self) -> usize {
-        self.used
-    }
-
-    /// True if a lane has too many intervals to look at.
-    #[inline(always)]
-    pub(super) fn is_overfull(&self) -> bool {
-        self.overfull
     }
 
     /// True if this lane has, and may touch at the eccentricity `e` [m].

@@ -36,11 +36,10 @@ use super::foundation_slopes::{FoundationLoad, Resultant, RotatedLoad};
 use super::integrals::RotatedIntegrals;
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::journal::{Journal, Surfaces, within_a_turn};
-use super::law::{Elastic, Law, Pressure};
+use super::law::Elastic;
 use super::modulus::Modulus;
 use super::rotated_arc::{Pair, RotatedArc};
-use super::stiffness::equivalent_penetration;
-use super::surface::Surface;
+use super::surface::{Surface, equivalent_penetration};
 use crate::bore::{Profile, Radius};
 use crate::lanes::{Real, direction_angle};
 use crate::plane::{dot, left, length};
@@ -61,7 +60,7 @@ pub struct Foundation<R = f64, A = Arc> {
     /// Modulus of the foundation.
     pub(super) modulus: Modulus<R>,
     /// The tabulated bore, with the journal if that wears, or one per lane.
-    pub(super) arc: A,
+    pub arc: A,
 }
 
 /// The law of one joint with a worn journal.
@@ -84,12 +83,6 @@ impl Foundation {
         }
     }
 
-    /// The tabulated bore.
-    #[inline(always)]
-    pub(crate) fn arc(&self) -> &Arc {
-        &self.arc
-    }
-
     /// Tabulates a changed profile.
     #[inline(always)]
     pub(crate) fn profile_changed(&mut self, profile: &Profile) {
@@ -98,14 +91,22 @@ impl Foundation {
 
     /// An unworn journal with `points` control points on this foundation.
     pub(crate) fn new_journal(&self, points: usize) -> Journal {
-        Journal::new(self.surface.journal_radius, points, Some(self.arc().intervals()))
+        Journal::new(self.surface.journal_radius, points, Some(self.arc.intervals()))
     }
 
     /// The law with this journal, which has a table of its depth if it belongs to a joint with this law.
     #[inline(always)]
     pub(crate) fn with_journal<'a>(&'a self, journal: &'a Journal) -> Option<FoundationWithJournal<'a>> {
-        let turned = RotatedArc { arc: self.arc(), journal: journal.table()? };
+        let turned = RotatedArc { arc: &self.arc, journal: journal.table.as_ref()? };
         Some(Foundation { surface: self.surface, modulus: self.modulus, arc: Pair { turned, journal } })
+    }
+
+    /// Energy, force and rate of the elastic part of the contact between these surfaces; all zero in free flight.
+    pub(super) fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic {
+        match surfaces.journal.and_then(|journal| self.with_journal(journal)) {
+            None => self.elastic_part(motion),
+            Some(pair) => pair.elastic_part(motion),
+        }
     }
 
     /// Elastic potential, force and stiffness at the eccentricity `e` [m] of a round journal.
@@ -126,12 +127,6 @@ impl FoundationWithJournal<'_> {
     pub(crate) fn half_arc(&self, e: [f64; 2], alpha: f64) -> f64 {
         let [xx, _, yy] = self.arc.turned.integrate::<false>(e, alpha).to_e.d;
         0.5 * (xx + yy)
-    }
-
-    /// The tabulated bore with the journal in it.
-    #[inline(always)]
-    pub(crate) fn rotated_arc(&self) -> RotatedArc<'_> {
-        self.arc.turned
     }
 }
 
@@ -281,35 +276,6 @@ impl<R: Real, A: Arcs<R>> Foundation<R, A> {
         }
         let size = length(e);
         R::select(size.zero().below(size), rate, length(w))
-    }
-}
-
-impl Law for Foundation {
-    fn new(surface: Surface, control_points: usize) -> Self {
-        Foundation::new(surface, control_points)
-    }
-
-    fn surface(&self) -> &Surface {
-        &self.surface
-    }
-
-    fn surface_mut(&mut self) -> &mut Surface {
-        &mut self.surface
-    }
-
-    fn profile_changed(&mut self, profile: &Profile) {
-        Foundation::profile_changed(self, profile);
-    }
-
-    fn pressure(&self) -> Pressure {
-        Pressure::Foundation
-    }
-
-    fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic {
-        match surfaces.journal.and_then(|journal| self.with_journal(journal)) {
-            None => self.elastic_part(motion),
-            Some(pair) => pair.elastic_part(motion),
-        }
     }
 }
 

@@ -38,7 +38,7 @@ fn equals_hertz_on_an_unworn_bore() {
                 let hertz = stiffness * libm::pow(delta, 1.5);
                 let off = (law.force::<false>(&motion).0.normal / hertz - 1.0).abs();
                 let half_angle = libm::acos(clearance / e);
-                let spanned = half_angle / TAU * law.arc().intervals() as f64;
+                let spanned = half_angle / TAU * law.arc.intervals() as f64;
                 let fitted = if delta < 0.1 * clearance { 4e-5 } else { 4e-4 };
                 let bound = fitted + 0.025 / (spanned * spanned * spanned);
                 assert!(off < bound, "clearance {clearance}, delta {delta}, angle {angle}: {off}");

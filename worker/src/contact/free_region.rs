@@ -79,7 +79,7 @@ impl<'a> FreeRegion<'a> {
         let worn = self
             .surfaces
             .journal
-            .map_or(0.0, |journal| journal.unworn() - journal.radius_at(within_a_turn(psi - self.turn)).r);
+            .map_or(0.0, |journal| journal.unworn - journal.radius_at(within_a_turn(psi - self.turn)).r);
         let gap = self.surfaces.bore.radius_at(psi).r + worn - self.journal_radius;
         gap.max(LEAST_GAP * self.journal_radius)
     }

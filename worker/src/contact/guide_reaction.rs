@@ -1,6 +1,6 @@
 //! What a guide with clearance does at one instant: forces on its faces, overlaps of its pads, energy. `mechanism/guide.rs` has its equations.
 
-use crate::lanes::Real;
+use crate::lanes::{Real, in_lane};
 
 /// Pads of a guide: halves of the two faces of its slider.
 pub const PADS: usize = 4;
@@ -30,6 +30,19 @@ pub struct GuideReaction<R = f64> {
     /// Power lost to friction and damping [W].
     pub lost: R,
 }
+
+in_lane!(GuideReaction {
+    normal,
+    friction,
+    penetration,
+    approach,
+    beyond,
+    moment,
+    rubbing,
+    position,
+    stored,
+    lost
+});
 
 impl GuideReaction {
     /// Sum of the sizes of the forces on the two faces [N].
@@ -62,21 +75,5 @@ impl<R: Real> GuideReaction<R> {
     pub(crate) fn deepest(&self) -> R {
         let [a, b, c, d] = self.penetration;
         a.larger(b).larger(c.larger(d))
-    }
-
-    /// What it does in one lane.
-    pub(crate) fn lane(&self, k: usize) -> GuideReaction {
-        GuideReaction {
-            normal: self.normal.map(|x| x.lane(k)),
-            friction: self.friction.map(|x| x.lane(k)),
-            penetration: self.penetration.map(|x| x.lane(k)),
-            approach: self.approach.map(|x| x.lane(k)),
-            beyond: self.beyond.lane(k),
-            moment: self.moment.map(|x| x.lane(k)),
-            rubbing: self.rubbing.map(|x| x.lane(k)),
-            position: self.position.lane(k),
-            stored: self.stored.lane(k),
-            lost: self.lost.lane(k),
-        }
     }
 }

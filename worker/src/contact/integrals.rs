@@ -7,7 +7,7 @@
 //! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
 
 use super::segment::Quadratic;
-use crate::lanes::Real;
+use crate::lanes::{Real, lanewise};
 use crate::plane::dot;
 
 /// Integrals over the arc in contact.
@@ -21,6 +21,8 @@ pub struct Integrals<R = f64> {
     pub d: [R; 3],
 }
 
+lanewise!(Integrals { v, p, d });
+
 /// Sums over intervals before they are multiplied by the spacing of the angles; V counts twice.
 #[derive(Debug, Clone, Copy)]
 pub struct UnitIntegrals<R = f64> {
@@ -30,25 +32,13 @@ pub struct UnitIntegrals<R = f64> {
     pub extent: R,
 }
 
+lanewise!(UnitIntegrals { sums, extent });
+
 impl<R: Real> UnitIntegrals<R> {
     /// Nothing in contact.
     #[inline(always)]
     pub(super) fn none(nothing: R) -> Self {
         UnitIntegrals { sums: Integrals { v: nothing, p: [nothing; 2], d: [nothing; 3] }, extent: nothing }
-    }
-
-    /// Replaces the integrals of a lane.
-    #[inline(always)]
-    pub(super) fn set_lane(&mut self, lane: usize, one: UnitIntegrals) {
-        let (to, from) = (&mut self.sums, one.sums);
-        to.v.set_lane(lane, from.v);
-        for k in 0..2 {
-            to.p[k].set_lane(lane, from.p[k]);
-        }
-        for k in 0..3 {
-            to.d[k].set_lane(lane, from.d[k]);
-        }
-        self.extent.set_lane(lane, one.extent);
     }
 
     /// The integrals for intervals of length `spacing` [rad].
@@ -79,6 +69,8 @@ pub struct RotatedIntegrals<R = f64> {
     pub tt: R,
 }
 
+lanewise!(RotatedIntegrals { to_e, t, et, tt });
+
 impl<R: Real> RotatedIntegrals<R> {
     /// Zero integrals: no interval in contact.
     #[inline(always)]
@@ -91,21 +83,6 @@ impl<R: Real> RotatedIntegrals<R> {
     pub(super) fn round(to_e: Integrals<R>) -> Self {
         let nothing = to_e.v.zero();
         RotatedIntegrals { to_e, t: nothing, et: [nothing; 2], tt: nothing }
-    }
-
-    /// Replaces the integrals of a lane.
-    #[inline(always)]
-    pub(super) fn set_lane(&mut self, lane: usize, one: &RotatedIntegrals) {
-        self.to_e.v.set_lane(lane, one.to_e.v);
-        self.t.set_lane(lane, one.t);
-        self.tt.set_lane(lane, one.tt);
-        for k in 0..2 {
-            self.to_e.p[k].set_lane(lane, one.to_e.p[k]);
-            self.et[k].set_lane(lane, one.et[k]);
-        }
-        for k in 0..3 {
-            self.to_e.d[k].set_lane(lane, one.to_e.d[k]);
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Motion of one joint with clearance, and the force it exerts; frame and signs as in the parent module.
 
-use crate::lanes::Real;
+use crate::lanes::{Real, in_lane};
 
 /// Motion of one joint, in the bushing's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +48,8 @@ pub struct ForceSlopes<R = f64> {
     /// journal is round, and its angle without effect.
     pub to_turn: Option<[R; 4]>,
 }
+
+in_lane!(JointForce { force, torque_journal, torque_bushing, normal, direction, penetration, sliding });
 
 impl<R: Real> JointForce<R> {
     /// No force; `like` sets the number of lanes.

@@ -22,11 +22,11 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Journal {
     /// Unworn radius R1 [m].
-    radius: f64,
+    pub(crate) unworn: f64,
     /// Depth h, as the radius of a profile whose unworn radius is zero.
-    worn: Profile,
+    pub(crate) worn: Profile,
     /// Depth at the angles of the elastic foundation, for a law that has one.
-    table: Option<JournalTable>,
+    pub(super) table: Option<JournalTable>,
 }
 
 /// The two surfaces of a joint.
@@ -49,7 +49,7 @@ impl Journal {
     /// foundation of as many.
     pub(super) fn new(radius: f64, points: usize, intervals: Option<usize>) -> Self {
         let table = intervals.map(|intervals| JournalTable::new(points, intervals));
-        Journal { radius, worn: Profile::round(0.0, points), table }
+        Journal { unworn: radius, worn: Profile::round(0.0, points), table }
     }
 
     /// Replaces the wear depths at the control points by `depth` `(points,)` [m].
@@ -63,22 +63,7 @@ impl Journal {
     /// Radius R_j and its derivatives at the angle `chi` [rad] in the frame of the journal's body.
     #[inline(always)]
     pub fn radius_at(&self, chi: f64) -> Radius {
-        worn_radius(self.radius, self.worn.radius_at(within_a_turn(chi)))
-    }
-
-    /// Unworn radius R1 [m].
-    pub(crate) fn unworn(&self) -> f64 {
-        self.radius
-    }
-
-    /// Depth h, as the radius of a profile whose unworn radius is zero.
-    pub(crate) fn worn(&self) -> &Profile {
-        &self.worn
-    }
-
-    /// Depth at the angles of the elastic foundation.
-    pub(super) fn table(&self) -> Option<&JournalTable> {
-        self.table.as_ref()
+        worn_radius(self.unworn, self.worn.radius_at(within_a_turn(chi)))
     }
 }
 

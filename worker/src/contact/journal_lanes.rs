@@ -36,7 +36,7 @@ impl<R: Real> JournalLanes<R> {
             cells: RefCell::new(RotatedCells::new(arc, radius)),
             pairs: vec![(arc.clone(), table.clone()); R::LANES],
             radius,
-            depths: Bores::new(journal.worn(), R::LANES),
+            depths: Bores::new(&journal.worn, R::LANES),
         }
     }
 
@@ -44,12 +44,12 @@ impl<R: Real> JournalLanes<R> {
     pub(super) fn set(&mut self, lane: usize, arc: &Arc, journal: &Journal, radius: f64) {
         let (to_arc, to_table) = &mut self.pairs[lane];
         to_arc.clone_from(arc);
-        if let Some(table) = journal.table() {
+        if let Some(table) = &journal.table {
             to_table.clone_from(table);
         }
         self.cells.get_mut().set(lane, arc);
         self.radius.set_lane(lane, radius);
-        self.depths.set(lane, journal.worn());
+        self.depths.set(lane, &journal.worn);
     }
 
     /// Leaves a lane idle: its bore takes no time until [`Self::set`] replaces it.

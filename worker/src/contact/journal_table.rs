@@ -36,16 +36,8 @@ pub struct JournalTable {
 #[derive(Debug, Clone, Copy)]
 pub struct Rotated {
     /// Table interval of the journal at the angle zero of the foundation, and the fraction there.
-    base: usize,
-    fraction: f64,
-}
-
-impl Rotated {
-    /// The interval and the fraction.
-    #[inline(always)]
-    pub(super) fn place(self) -> (usize, f64) {
-        (self.base, self.fraction)
-    }
+    pub(super) base: usize,
+    pub(super) fraction: f64,
 }
 
 /// Depth at neighbouring angles of the foundation, with its derivatives to the angle alpha of the journal.

@@ -42,13 +42,13 @@ impl<R: Real> ArcLanes<R> {
         ArcLanes {
             arcs: vec![arc.clone(); R::LANES],
             cells: RefCell::new(ArcCells::new(arc, like)),
-            spacing: like.like(arc.spacing()),
+            spacing: like.like(arc.spacing),
         }
     }
 
     /// Replaces the bore of a lane.
     fn set(&mut self, lane: usize, arc: Arc) {
-        self.spacing.set_lane(lane, arc.spacing());
+        self.spacing.set_lane(lane, arc.spacing);
         self.cells.get_mut().set(lane, &arc);
         self.arcs[lane] = arc;
     }
@@ -61,12 +61,12 @@ impl<R: Real> LawLanes<R> {
         let Surfaces { bore, journal } = surfaces;
         match contact {
             Contact::LocalHertz(_) => {
-                let journals = journal.map(|journal| Bores::new(journal.worn(), R::LANES));
+                let journals = journal.map(|journal| Bores::new(&journal.worn, R::LANES));
                 LawLanes::LocalHertz(LocalHertz { surface }, Bores::new(bore, R::LANES), journals)
             }
             Contact::Foundation(law) => {
                 let modulus = law.modulus.in_lanes(like);
-                match journal.and_then(|journal| Some((journal, journal.table()?))) {
+                match journal.and_then(|journal| Some((journal, journal.table.as_ref()?))) {
                     None => {
                         let arc = ArcLanes::new(&law.arc, like);
                         LawLanes::Foundation(Foundation { surface, modulus, arc })
@@ -143,7 +143,7 @@ impl<R: Real> LawLanes<R> {
             (LawLanes::LocalHertz(_, bores, journals), _) => {
                 bores.set(lane, surfaces.bore);
                 if let Some((journals, journal)) = journals.as_mut().zip(surfaces.journal) {
-                    journals.set(lane, journal.worn());
+                    journals.set(lane, &journal.worn);
                 }
             }
             (LawLanes::Foundation(to), Contact::Foundation(from)) => {

@@ -2,7 +2,7 @@
 //!
 //! delta = |e| + R1 - R(psi), F_el = K_n delta^1.5, F_N = F_el max(0, 1 + D delta_dot) along e, friction F_T
 //! = mu F_N tanh(v_t / v_0) along the tangent, with the eccentricity e and its direction psi [m, rad], the
-//! journal radius R1 and the worn bore R(psi) [m], the Hertz stiffness K_n [N/m^1.5] (see `stiffness.rs`),
+//! journal radius R1 and the worn bore R(psi) [m], the Hertz stiffness K_n [N/m^1.5] (see `surface.rs`),
 //! the damping factor D [s/m], the friction coefficient mu [1] and its regularisation speed v_0 [m/s].
 //!
 //! A worn journal (`journal.rs`) of radius R_j(chi), chi = psi - alpha, takes the place of R1 throughout; its
@@ -19,7 +19,7 @@
 
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::journal::Surfaces;
-use super::law::{Elastic, Law, Pressure};
+use super::law::Elastic;
 use super::surface::Surface;
 use crate::bore::Radius;
 use crate::lanes::{Real, direction_angle};
@@ -268,24 +268,9 @@ impl<R: Real> LocalHertz<R> {
     }
 }
 
-impl Law for LocalHertz {
-    fn new(surface: Surface, _control_points: usize) -> Self {
-        LocalHertz { surface }
-    }
-
-    fn surface(&self) -> &Surface {
-        &self.surface
-    }
-
-    fn surface_mut(&mut self) -> &mut Surface {
-        &mut self.surface
-    }
-
-    fn pressure(&self) -> Pressure {
-        Pressure::UniformOverArc
-    }
-
-    fn elastic(&self, Surfaces { bore, journal }: Surfaces, motion: &JointMotion) -> Elastic {
+impl LocalHertz {
+    /// Energy, force and rate of the elastic part of the contact between these surfaces; all zero in free flight.
+    pub(super) fn elastic(&self, Surfaces { bore, journal }: Surfaces, motion: &JointMotion) -> Elastic {
         let e = motion.e;
         let psi = libm::atan2(e[1], e[0]);
         let radius = journal.map_or(self.surface.journal_radius, |j| j.radius_at(psi - motion.turn).r);

@@ -6,7 +6,7 @@
 //! centre; the opposite force acts on the bushing at its centre; friction adds the torques.
 //!
 //! Each law has a file, which defines its elastic force F_el [N], its penetration delta [m] and the rate of
-//! that, delta_dot [m/s]; `contact_laws!` below lists the laws. All laws share
+//! that, delta_dot [m/s]; [`Contact`] lists the laws. All laws share
 //! - the normal force F_N = F_el max(0, 1 + D delta_dot), damping factor D [s/m]; zero in free flight (delta
 //!   <= 0);
 //! - the friction force F_T = mu F_N tanh(v_t / v_0), friction coefficient mu [1], sliding speed v_t [m/s] of
@@ -37,7 +37,6 @@ mod arc_cells;
 mod arc_cells_tests;
 mod arc_visitor;
 mod cells;
-mod coulomb;
 mod damping;
 mod energy;
 mod foundation;
@@ -65,14 +64,12 @@ mod rotated_cells_tests;
 mod rotated_segment;
 mod rotated_sums;
 mod segment;
-mod stiffness;
 mod surface;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use arc::Arc;
 pub(crate) use arc_visitor::ArcVisitor;
-pub(crate) use coulomb::coulomb;
 pub use damping::Restitution;
 pub(crate) use damping::initial as initial_damping;
 pub use foundation::Foundation;
@@ -87,66 +84,55 @@ pub use law_lanes::LawLanes;
 pub use local_hertz::{LocalHertz, PolarEccentricity, Walls};
 pub(crate) use pad::{PadForce, pad_force};
 pub(crate) use rotated_arc::SegmentParts;
-pub(crate) use stiffness::equivalent_penetration;
-pub use stiffness::hertz_stiffness;
-pub use surface::Surface;
+pub use surface::{Surface, hertz_stiffness};
+pub(crate) use surface::{coulomb, equivalent_penetration};
 
 use crate::bore::Profile;
 use common::scene::{Clearance, ContactLaw};
-use law::{Elastic, Law};
+use law::Elastic;
 
-/// Declares [`Contact`] with one variant per contact law, named as in [`ContactLaw`].
-macro_rules! contact_laws {
-    ($($law:ident),+) => {
-        /// The contact law of one joint.
-        #[derive(Debug, Clone, PartialEq)]
-        pub enum Contact {
-            $(#[doc = concat!("See [`ContactLaw::", stringify!($law), "`].")] $law($law)),+
-        }
-
-        impl Contact {
-            /// The contact law `law` on an unworn bore with `control_points` control points.
-            pub(crate) fn with_surface(law: ContactLaw, surface: Surface, control_points: usize) -> Self {
-                match law {
-                    $(ContactLaw::$law => Contact::$law(Law::new(surface, control_points))),+
-                }
-            }
-
-            /// This law in its joint, on an unworn bore with `control_points` control points.
-            pub(crate) fn with_points(&self, control_points: usize) -> Self {
-                match self {
-                    $(Contact::$law(law) => Contact::$law(Law::new(*law.surface(), control_points))),+
-                }
-            }
-        }
-
-        /// Evaluates an expression with the law that a contact holds.
-        macro_rules! with_law {
-            ($contact:expr, $bound:ident => $value:expr) => {
-                match $contact {
-                    $(Contact::$law($bound) => $value),+
-                }
-            };
-        }
-    };
+/// The contact law of one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Contact {
+    /// See [`ContactLaw::LocalHertz`].
+    LocalHertz(LocalHertz),
+    /// See [`ContactLaw::Foundation`].
+    Foundation(Foundation),
 }
-
-contact_laws!(LocalHertz, Foundation);
 
 impl Contact {
     /// The contact law of a checked joint, on an unworn bore.
     pub fn new(joint: &Clearance) -> Self {
-        Self::with_surface(joint.contact_law, Surface::new(joint), joint.control_points.number())
+        let surface = Surface::new(joint);
+        match joint.contact_law {
+            ContactLaw::LocalHertz => Contact::LocalHertz(LocalHertz { surface }),
+            ContactLaw::Foundation => {
+                Contact::Foundation(Foundation::new(surface, joint.control_points.number()))
+            }
+        }
+    }
+
+    /// This law in its joint, on an unworn bore with `control_points` control points.
+    pub(crate) fn with_points(&self, control_points: usize) -> Self {
+        match self {
+            Contact::LocalHertz(law) => Contact::LocalHertz(*law),
+            Contact::Foundation(law) => Contact::Foundation(Foundation::new(law.surface, control_points)),
+        }
     }
 
     /// Constants of the joint.
     pub fn surface(&self) -> &Surface {
-        with_law!(self, law => law.surface())
+        match self {
+            Contact::LocalHertz(law) => &law.surface,
+            Contact::Foundation(law) => &law.surface,
+        }
     }
 
-    /// Adopts a changed profile of the bore.
+    /// Adopts a changed profile of the bore; the local law reads the profile directly.
     pub fn profile_changed(&mut self, profile: &Profile) {
-        with_law!(self, law => law.profile_changed(profile));
+        if let Contact::Foundation(law) = self {
+            law.profile_changed(profile);
+        }
     }
 
     /// An unworn journal with `points` control points in a joint with this law.
@@ -164,16 +150,25 @@ impl Contact {
 
     /// Distribution of the contact pressure, which decides where the bore wears.
     pub(crate) fn pressure(&self) -> Pressure {
-        with_law!(self, law => law.pressure())
+        match self {
+            Contact::LocalHertz(_) => Pressure::UniformOverArc,
+            Contact::Foundation(_) => Pressure::Foundation,
+        }
     }
 
     /// Replaces the damping factor [s/m], as fixed at the last impact.
     pub(crate) fn set_damping(&mut self, damping: f64) {
-        with_law!(self, law => law.surface_mut()).damping = damping;
+        match self {
+            Contact::LocalHertz(law) => law.surface.damping = damping,
+            Contact::Foundation(law) => law.surface.damping = damping,
+        }
     }
 
-    /// Energy, force and rate of the elastic part of the contact.
+    /// Energy, force and rate of the elastic part of the contact; all zero in free flight.
     fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic {
-        with_law!(self, law => law.elastic(surfaces, motion))
+        match self {
+            Contact::LocalHertz(law) => law.elastic(surfaces, motion),
+            Contact::Foundation(law) => law.elastic(surfaces, motion),
+        }
     }
 }

@@ -13,7 +13,7 @@
 //! force. The force is then K_n delta^1.5 within 3.5e-5 for x < 0.1 and within 3.5e-4 for x < 1000.
 //!
 //! # Source
-//! Derived and fitted here, from Hertz's law (`stiffness.rs`) and the Winkler foundation (Johnson 1985,
+//! Derived and fitted here, from Hertz's law (`surface.rs`) and the Winkler foundation (Johnson 1985,
 //! Contact Mechanics, chapter 4).
 
 use crate::lanes::{Real, lanewise};

@@ -96,7 +96,7 @@ impl RotatedArc<'_> {
         }
         let sum = sums.map(|of| of.iter().sum::<f64>());
         let to_e = Integrals { v: sum[0], p: [sum[1], sum[2]], d: [sum[3], sum[4], sum[5]] };
-        let spacing = self.arc.spacing();
+        let spacing = self.arc.spacing;
         RotatedIntegrals {
             to_e: UnitIntegrals { sums: to_e, extent: to_e.d[0] + to_e.d[2] }.scaled(spacing),
             t: sum[6] * spacing,
@@ -108,13 +108,13 @@ impl RotatedArc<'_> {
     /// Number of groups of segmentes that may touch.
     #[inline(always)]
     fn groups(&self, e: [f64; 2]) -> usize {
-        if length(e) <= self.arc.reach() { 0 } else { self.arc.segmentes().groups.len() }
+        if length(e) <= self.arc.reach { 0 } else { self.arc.segmentes.groups.len() }
     }
 
     /// The segmentes of group `g` that may touch within `margin` of `e` [m], one bit each.
     #[inline(always)]
     pub(super) fn touching(&self, e: [f64; 2], at: Rotated, g: usize, margin: f64) -> u32 {
-        let segmentes = self.arc.segmentes();
+        let segmentes = &self.arc.segmentes;
         let mut least = [0.0; GROUP];
         let rest = GROUP.min(segmentes.each.len() - g * GROUP);
         for i in 0..rest {
@@ -129,7 +129,7 @@ impl RotatedArc<'_> {
     pub(super) fn next_segment(&self, g: usize, any: &mut u32) -> (usize, &Segment) {
         let s = g * GROUP + any.trailing_zeros() as usize;
         *any &= *any - 1;
-        (s, &self.arc.segmentes().each[s])
+        (s, &self.arc.segmentes.each[s])
     }
 
     /// Gaps at the angles of segment `s`; beyond its end they are not positive.
@@ -164,7 +164,7 @@ impl RotatedArc<'_> {
 
     /// Penetration in free flight, not above zero [m].
     pub(super) fn free_penetration(&self, e: [f64; 2], alpha: f64) -> f64 {
-        let beyond = length(e) - self.arc.reach();
+        let beyond = length(e) - self.arc.reach;
         if beyond <= 0.0 { beyond } else { self.gap_along(e, alpha).min(0.0) }
     }
 
@@ -227,7 +227,8 @@ impl RotatedArc<'_> {
     /// Table interval of the journal turned by `alpha` [rad] at the first angle of the bore's table, and the fraction there.
     #[inline(always)]
     pub(crate) fn place(&self, alpha: f64) -> (usize, f64) {
-        self.journal.turned(alpha).place()
+        let Rotated { base, fraction } = self.journal.turned(alpha);
+        (base, fraction)
     }
 }
 

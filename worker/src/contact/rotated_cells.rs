@@ -20,7 +20,7 @@ use super::rotated_arc::RotatedArc;
 use super::rotated_segment::RotatedSegment;
 use super::rotated_sums::{RotatedEnd, Whole};
 use super::segment::SEGMENT;
-use crate::lanes::Real;
+use crate::lanes::{Lanewise, Real};
 use std::f64::consts::TAU;
 
 /// Number of intervals to look at above which cells are made smaller: more than with a round journal, since cells are left more often and
@@ -74,18 +74,18 @@ impl<R: Real> RotatedCells<R> {
     /// True if a lane has too many intervals to look at.
     #[cfg(test)]
     pub(super) fn is_overfull(&self) -> bool {
-        self.cells.is_overfull()
+        self.cells.overfull
     }
 
     /// Forgets the cells of a lane, whose bore is `arc` from now on and whose journal is another one.
     pub(super) fn set(&mut self, lane: usize, arc: &Arc) {
-        self.contents.set_whole(lane, &Whole::default());
+        Whole::default().write_lane::<R>(lane, &mut self.contents.whole);
         self.contents.segmentes[lane].clear();
-        self.contents.segmentes[lane].resize(arc.segmentes().each.len(), RotatedSegment::NONE);
-        self.spacing.set_lane(lane, arc.spacing());
+        self.contents.segmentes[lane].resize(arc.segmentes.each.len(), RotatedSegment::NONE);
+        self.spacing.set_lane(lane, arc.spacing);
         self.slope.set_lane(lane, -(arc.intervals() as f64) / TAU);
-        let side = SIDE * arc.scale();
-        let of_arc = (arc.reach(), [side, side, 1.0]);
+        let side = SIDE * arc.scale;
+        let of_arc = (arc.reach, [side, side, 1.0]);
         self.cells.set(lane, of_arc, &mut OfPairs { pairs: &[], contents: &mut self.contents });
     }
 
@@ -107,11 +107,11 @@ impl<R: Real> RotatedCells<R> {
         let place = alpha * self.slope - 0.5;
         let contents = &mut OfPairs { pairs, contents: &mut self.contents };
         self.cells.find([e[0], e[1], place], touches, contents);
-        let centre = self.cells.centre();
+        let centre = self.cells.centre;
         let x = [e[0] - centre[0], e[1] - centre[1]];
         let f = place - centre[2].round() + 0.5;
         let mut sums = self.contents.whole.at::<SECOND>(x, f);
-        for k in 0..self.cells.used() {
+        for k in 0..self.cells.used {
             sums.add_end::<SECOND>(&self.contents.ends[k], x, f);
         }
         let (to_alpha, slope) = (self.slope * self.spacing, self.slope);
@@ -131,32 +131,17 @@ impl<R: Real> RotatedCells<R> {
             et: [only(sums.et[0] * to_alpha), only(sums.et[1] * to_alpha)],
             tt: only(sums.tt * to_alpha * slope),
         };
-        if self.cells.is_overfull() {
+        if self.cells.overfull {
             for lane in 0..R::LANES {
                 let at = [e[0].lane(lane), e[1].lane(lane)];
                 if self.cells.is_lane_overfull(lane, at) {
                     let (arc, journal) = &pairs[lane];
-                    all.set_lane(lane, &RotatedArc { arc, journal }.integrate::<true>(at, alpha.lane(lane)));
+                    let one = RotatedArc { arc, journal }.integrate::<true>(at, alpha.lane(lane));
+                    one.write_lane::<R>(lane, &mut all);
                 }
             }
         }
         all
-    }
-}
-
-impl<R: Real> RotatedContents<R> {
-    #[inline(always)]
-    fn set_whole(&mut self, lane: usize, whole: &Whole<f64>) {
-        for k in 0..3 {
-            self.whole.d[k].set_lane(lane, whole.d[k]);
-        }
-        for k in 0..4 {
-            self.whole.p[0][k].set_lane(lane, whole.p[0][k]);
-            self.whole.p[1][k].set_lane(lane, whole.p[1][k]);
-        }
-        for k in 0..7 {
-            self.whole.c[k].set_lane(lane, whole.c[k]);
-        }
     }
 }
 
@@ -177,7 +162,7 @@ impl<R: Real> CellContents<R, 3> for OfPairs<'_, R> {
         let at = journal.in_interval(base);
         let mut whole = Whole::default();
         let mut found = 0;
-        for g in 0..arc.segmentes().groups.len() {
+        for g in 0..arc.segmentes.groups.len() {
             let mut any = turned.touching(centre, at, g, margin);
             while any != 0 {
                 let (s, of_bore) = turned.next_segment(g, &mut any);
@@ -202,7 +187,7 @@ impl<R: Real> CellContents<R, 3> for OfPairs<'_, R> {
                 }
             }
         }
-        self.contents.set_whole(lane, &whole);
+        whole.write_lane::<R>(lane, &mut self.contents.whole);
         found
     }
 

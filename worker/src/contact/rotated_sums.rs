@@ -15,7 +15,7 @@
 
 use super::integrals::{Integrals, UnitIntegrals, weights_in_lanes};
 use super::rotated_segment::{RotatedSegment, SUMS};
-use crate::lanes::Real;
+use crate::lanes::{Real, lanewise};
 use crate::plane::fused_dot;
 
 /// An interval about the end of an arc; in lanes where there is none it touches nothing.
@@ -56,7 +56,7 @@ impl<R: Real> RotatedEnd<R> {
 
 /// Sums of intervals of length one in contact all over a cell.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Whole<R> {
+pub struct Whole<R = f64> {
     /// D, entries xx, xy, yy [1].
     pub d: [R; 3],
     /// Coefficients of both components of P `(2, 4)` [m].
@@ -65,7 +65,9 @@ pub struct Whole<R> {
     pub c: [R; 7],
 }
 
-impl Whole<f64> {
+lanewise!(Whole { d, p, c });
+
+impl Whole {
     /// Adds these sums of a segment at the eccentricity `x`, counted from its own [m].
     #[inline(always)]
     pub(super) fn add_moved(&mut self, of: &[f64; SUMS], x: [f64; 2]) {

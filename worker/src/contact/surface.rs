@@ -1,19 +1,18 @@
 //! Constants of one joint that all contact laws share, with the friction and film laws that follow from them.
 //!
 //! Friction F_T = mu F_N tanh(v_t / v_0), with the friction coefficient mu [1], the normal force F_N [N], the
-//! sliding speed v_t and the regularisation speed v_0 [m/s] (`coulomb.rs`); film force -c_f w through the centres,
+//! sliding speed v_t and the regularisation speed v_0 [m/s]; film force -c_f w through the centres,
 //! with the film damping c_f [N s/m] and the relative velocity w of the centres [m/s].
 //!
 //! # Source
 //! Coulomb's law regularised as by Andersson, Soderberg, Bjorklund (2007), Tribology International 40,
 //! 580-587.
 
-use super::coulomb::coulomb;
 use super::damping::{self, Restitution};
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
-use super::stiffness::hertz_stiffness;
-use crate::lanes::{Real, lanewise};
-use common::scene::Clearance;
+use crate::lanes::{Real, cube_root, lanewise, tanh};
+use common::scene::{Clearance, Material};
+use std::f64::consts::PI;
 
 /// Constants of one joint that all contact laws share.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,4 +101,35 @@ impl<R: Real> Surface<R> {
             slopes.rows[k][2 + k] -= self.film;
         }
     }
+}
+
+/// F_T / F_N at the sliding speed `v` [m/s], for the coefficient `mu` and the inverse `per_speed` of the regularisation speed [s/m], and its derivative
+/// to v [s/m].
+#[inline(always)]
+pub(crate) fn coulomb<R: Real>(mu: R, per_speed: R, v: R) -> (R, R) {
+    let th = tanh(v * per_speed);
+    (mu * th, mu * th.like(1.0).minus_product(th, th) * per_speed)
+}
+
+/// K_n = 4 / (3 pi (h_1 + h_2)) sqrt(R1 R2 / (R2 - R1)) [N/m^1.5], h_l = (1 - nu_l^2) / (pi E_l).
+///
+/// Poisson's ratio nu_l [1] and Young's modulus E_l [Pa] of journal and bushing; radii R2 > R1 > 0 [m] of the
+/// unworn joint, as checked when the scene is read.
+/// Equal to (4/3) E* sqrt(R1 R2 / (R2 - R1)) with the effective modulus E* [Pa].
+///
+/// # Source
+/// Goldsmith (1960), Impact, as used by Lankarani, Nikravesh (1990), J. Mech. Design 112, 369-376.
+pub fn hertz_stiffness(joint: &Clearance) -> f64 {
+    let compliance = |m: &Material| (1.0 - m.poisson_ratio * m.poisson_ratio) / (PI * m.elastic_modulus);
+    let (r1, r2) = (joint.journal_radius, joint.bushing_radius);
+    let h = compliance(&joint.journal_material) + compliance(&joint.bushing_material);
+    4.0 / (3.0 * PI * h) * (r1 * r2 / (r2 - r1)).sqrt()
+}
+
+/// Penetration at which F = K_n delta^1.5 gives the force `force` [N] for the stiffness `stiffness` [N/m^1.5]
+/// [m].
+#[inline(always)]
+pub(crate) fn equivalent_penetration<R: Real>(force: R, stiffness: R) -> R {
+    let root = cube_root(force / stiffness);
+    root * root
 }

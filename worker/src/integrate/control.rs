@@ -34,7 +34,7 @@ pub struct StepControl<R = f64> {
     pub step: R,
 }
 
-lanewise!(StepControl { tolerance, largest, smallest, bound, step });
+lanewise!(numbers StepControl { tolerance, largest, smallest, bound, step });
 
 /// First step after a start or a jump of the system, as a share of the largest step [1].
 const FIRST_STEP: f64 = 1e-2;
@@ -52,17 +52,6 @@ impl StepControl {
 }
 
 impl<R: Real> StepControl<R> {
-    /// Bounds and next step of one lane.
-    pub(crate) fn lane(&self, k: usize) -> StepControl {
-        StepControl {
-            tolerance: self.tolerance.lane(k),
-            largest: self.largest.lane(k),
-            smallest: self.smallest.lane(k),
-            bound: self.bound.lane(k),
-            step: self.step.lane(k),
-        }
-    }
-
     /// The step to try [s] if the time `left` [s] remains in the span.
     #[inline(always)]
     pub(crate) fn next(&self, left: R) -> R {

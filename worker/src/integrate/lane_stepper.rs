@@ -8,7 +8,7 @@ use super::{
     Closed, Dynamics, IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, StepDecisions,
     step_ratio,
 };
-use crate::lanes::{Lanewise, Real};
+use crate::lanes::{InLane, Lanewise, Real, read_lane};
 use std::ops::Range;
 
 /// Dynamics with what error control needs: scales and constraints.
@@ -115,7 +115,7 @@ impl<R: Real> LaneStepper<R> {
 
     /// Leaves a lane idle, and returns its progress.
     pub(crate) fn stop(&mut self, lane: usize) -> SpanProgress {
-        let progress = self.progress.lane(lane);
+        let progress = self.progress.in_lane(lane);
         SpanProgress { end: progress.time, ..progress }.write_lane::<R>(lane, &mut self.progress);
         for flag in [&mut self.busy, &mut self.fresh, &mut self.stopped] {
             flag.set_lane(lane, 0.0);
@@ -234,7 +234,7 @@ impl<R: Real> LaneStepper<R> {
         if self.stopped.lane(lane) == 0.0 {
             return None;
         }
-        let progress = self.progress.lane(lane);
+        let progress = self.progress.in_lane(lane);
         let entered = if self.fresh.lane(lane) == 1.0 { self.check(lane, deepest) } else { Ok(()) };
         let ended = entered.and_then(|()| {
             if progress.is_complete() {
@@ -282,36 +282,19 @@ impl<R: Real> LaneStepper<R> {
 
     /// Reads the state `(n,)` of a lane.
     pub(crate) fn read_state(&self, lane: usize, q: &mut [f64], v: &mut [f64]) {
-        q.iter_mut().zip(&self.q).for_each(|(to, from)| *to = from.lane(lane));
-        v.iter_mut().zip(&self.v).for_each(|(to, from)| *to = from.lane(lane));
-    }
-
-    /// Reads the generalised forces `(n,)` of a lane from the linearisation of this round.
-    pub(crate) fn read_force(&self, lane: usize, to: &mut Linearised) {
-        to.f.iter_mut().zip(&self.at.f).for_each(|(to, from)| *to = from.lane(lane));
+        read_lane(&self.q, lane, q);
+        read_lane(&self.v, lane, v);
     }
 
     /// Reads forces, eccentricities and joint states of a lane from the linearisation of this round, without the matrices.
     pub(crate) fn read_forces(&self, lane: usize, to: &mut Linearised) {
-        self.read_force(lane, to);
-        for (to, from) in to.joints.iter_mut().zip(&self.at.joints) {
-            to.force = from.force.map(|x| x.lane(lane));
-            to.torque_journal = from.torque_journal.lane(lane);
-            to.torque_bushing = from.torque_bushing.lane(lane);
-            to.normal = from.normal.lane(lane);
-            to.direction = from.direction.map(|x| x.lane(lane));
-            to.penetration = from.penetration.lane(lane);
-            to.sliding = from.sliding.lane(lane);
-        }
-        for (to, from) in to.friction.iter_mut().zip(&self.at.friction) {
-            *to = from.map(|x| x.lane(lane));
-        }
-        to.guides.iter_mut().zip(&self.at.guides).for_each(|(to, from)| *to = from.lane(lane));
-        to.lambda.iter_mut().zip(&self.at.lambda).for_each(|(to, from)| *to = from.lane(lane));
-        to.e.iter_mut().zip(&self.at.e).for_each(|(to, from)| *to = from.map(|x| x.lane(lane)));
-        to.turns.iter_mut().zip(&self.at.turns).for_each(|(to, from)| *to = from.lane(lane));
-        for (to, from) in to.prescribed.iter_mut().zip(&self.at.prescribed) {
-            *to = from.map(|x| x.lane(lane));
-        }
+        read_lane(&self.at.f, lane, &mut to.f);
+        read_lane(&self.at.joints, lane, &mut to.joints);
+        read_lane(&self.at.friction, lane, &mut to.friction);
+        read_lane(&self.at.guides, lane, &mut to.guides);
+        read_lane(&self.at.lambda, lane, &mut to.lambda);
+        read_lane(&self.at.e, lane, &mut to.e);
+        read_lane(&self.at.turns, lane, &mut to.turns);
+        read_lane(&self.at.prescribed, lane, &mut to.prescribed);
     }
 }

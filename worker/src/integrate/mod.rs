@@ -196,7 +196,12 @@ impl<R: Real> Linearised<R> {
             joints: vec![JointForce::none(zero); joints],
             e: vec![[zero; 2]; joints],
             turns: vec![zero; joints],
-            ..Self::empty()
+            guides: vec![],
+            lambda: vec![],
+            friction: vec![],
+            prescribed: vec![],
+            independent: None,
+            balanced: None,
         }
     }
 
@@ -204,25 +209,5 @@ impl<R: Real> Linearised<R> {
     pub(crate) fn penetrations(&self) -> impl Iterator<Item = R> + '_ {
         let joints = self.joints.iter().map(|joint| joint.penetration);
         joints.chain(self.guides.iter().map(GuideReaction::deepest))
-    }
-
-    /// Without degrees of freedom or joints.
-    pub(crate) fn empty() -> Self {
-        Linearised {
-            f: vec![],
-            band: Band::default(),
-            k: vec![],
-            d: vec![],
-            ft: vec![],
-            joints: vec![],
-            guides: vec![],
-            e: vec![],
-            turns: vec![],
-            lambda: vec![],
-            friction: vec![],
-            prescribed: vec![],
-            independent: None,
-            balanced: None,
-        }
     }
 }

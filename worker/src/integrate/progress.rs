@@ -134,7 +134,7 @@ pub struct SpanProgress<R = f64> {
     pub drift: R,
 }
 
-lanewise!(SpanProgress { time, end, control, steps, rejected, forces, drift });
+lanewise!(numbers SpanProgress { time, end, control, steps, rejected, forces, drift });
 
 /// Decision about a step just tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -216,19 +216,6 @@ impl SpanProgress {
 }
 
 impl<R: Real> SpanProgress<R> {
-    /// Progress of one lane.
-    pub(crate) fn lane(&self, k: usize) -> SpanProgress {
-        SpanProgress {
-            time: self.time.lane(k),
-            end: self.end.lane(k),
-            control: self.control.lane(k),
-            steps: self.steps.lane(k),
-            rejected: self.rejected.lane(k),
-            forces: self.forces.lane(k),
-            drift: self.drift.lane(k),
-        }
-    }
-
     /// Length of the step to try [s].
     #[inline(always)]
     pub(crate) fn next_step(&self) -> R {

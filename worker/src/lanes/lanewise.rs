@@ -71,8 +71,51 @@ impl<T: Lanewise> Lanewise for Option<T> {
     }
 }
 
-/// Implements [`Lanewise`] for a struct, field by field.
+/// Numbers, lane by lane.
+pub trait InLane {
+    /// The same in one lane.
+    type One;
+    /// The numbers in lane `k`.
+    fn in_lane(&self, k: usize) -> Self::One;
+}
+
+impl<R: Real> InLane for R {
+    type One = f64;
+    fn in_lane(&self, k: usize) -> f64 {
+        self.lane(k)
+    }
+}
+
+impl<T: InLane, const N: usize> InLane for [T; N] {
+    type One = [T::One; N];
+    fn in_lane(&self, k: usize) -> Self::One {
+        std::array::from_fn(|i| self[i].in_lane(k))
+    }
+}
+
+/// Implements [`InLane`] for a struct, field by field.
+macro_rules! in_lane {
+    ($name:ident { $($field:ident),+ $(,)? }) => {
+        impl<R: $crate::lanes::Real> $crate::lanes::InLane for $name<R> {
+            type One = $name;
+            fn in_lane(&self, k: usize) -> $name {
+                $name { $($field: self.$field.in_lane(k)),+ }
+            }
+        }
+    };
+}
+
+/// Reads the numbers of a lane into those of one system, of the same length.
+pub(crate) fn read_lane<T: InLane>(from: &[T], lane: usize, to: &mut [T::One]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to = from.in_lane(lane));
+}
+
+/// Implements [`Lanewise`] for a struct, field by field; for one of `numbers` alone also [`InLane`].
 macro_rules! lanewise {
+    (numbers $name:ident { $($field:ident),+ $(,)? }) => {
+        $crate::lanes::lanewise!($name { $($field),+ });
+        $crate::lanes::in_lane!($name { $($field),+ });
+    };
     ($name:ident { $($field:ident),+ $(,)? }) => {
         impl $crate::lanes::Lanewise for $name {
             type Lanes<R: $crate::lanes::Real> = $name<R>;
@@ -89,4 +132,4 @@ macro_rules! lanewise {
     };
 }
 
-pub(crate) use lanewise;
+pub(crate) use {in_lane, lanewise};

@@ -122,13 +122,12 @@ fn follow(
         let far = closure.largest(&predicted);
         let mut trial = &*q + &predicted;
         let mut culprit = None;
-        let mut fits = far <= LONGEST * closure.size();
+        let mut fits = far <= LONGEST * closure.size;
         if fits {
             match closure.close(t + ahead, &mut trial, iterations) {
                 Ok(()) => {
                     let correction = closure.largest(&(&trial - &*q - &predicted));
-                    fits = correction
-                        <= (CORRECTION_OF_MOTION * far).max(CORRECTION_OF_SIZE * closure.size())
+                    fits = correction <= (CORRECTION_OF_MOTION * far).max(CORRECTION_OF_SIZE * closure.size)
                         && closure.orientation(t + ahead, &trial) == orientation;
                 }
                 Err(open) => (fits, culprit) = (false, Some(open.joint)),
@@ -140,7 +139,7 @@ fn follow(
             stretch = (2.0 * ahead).min(to - from);
         } else {
             stretch = 0.5 * ahead;
-            if stretch < SHORTEST * closure.period() {
+            if stretch < SHORTEST * closure.scene.life.period {
                 let joint = culprit.unwrap_or_else(|| closure.weakest_joint(t, q));
                 return Err(Stop { time: t, joint });
             }

@@ -68,8 +68,9 @@ impl<'c> ChangePoints<'c> {
     pub(super) fn ahead(&self, time: f64, q: &DVector<f64>) -> Option<Stop> {
         let (joint, share) = self.closure.independence(time, q);
         let mut beyond = q.clone();
-        let closes = self.closure.close(time + BEYOND * self.closure.period(), &mut beyond, &mut 0).is_ok();
-        let is_near = self.closure.largest(&(&beyond - q)) < NEARBY * self.closure.size();
+        let closes =
+            self.closure.close(time + BEYOND * self.closure.scene.life.period, &mut beyond, &mut 0).is_ok();
+        let is_near = self.closure.largest(&(&beyond - q)) < NEARBY * self.closure.size;
         (share < SOUGHT && closes && is_near).then_some(Stop { time, joint })
     }
 

@@ -49,9 +49,10 @@ pub struct Closure<'a> {
     pub(super) row: Vec<usize>,
     pub(super) n: usize,
     pub(super) m: usize,
-    size: f64,
+    /// Size of the mechanism [m]; see [`extent`].
+    pub(super) size: f64,
     /// Length of each coordinate: one of a length [1], that by which an angle is a length [m] `(n,)`.
-    unit: Vec<f64>,
+    pub(super) unit: Vec<f64>,
 }
 
 /// Gaps of all joints with their derivatives, all as lengths.
@@ -91,16 +92,6 @@ impl<'a> Closure<'a> {
         Closure { scene, prescribed, first, constraints, inputs, row, n, m, size, unit }
     }
 
-    /// Size of the mechanism [m]; see [`extent`].
-    pub(crate) fn size(&self) -> f64 {
-        self.size
-    }
-
-    /// Duration of a cycle [s].
-    pub(crate) fn period(&self) -> f64 {
-        self.scene.life.period
-    }
-
     /// Coordinates of the scene's approximate start.
     pub(crate) fn start(&self) -> DVector<f64> {
         let mut q = DVector::zeros(self.n);
@@ -116,7 +107,8 @@ impl<'a> Closure<'a> {
         q
     }
 
-    fn frame(&self, body: usize, t: f64, q: &DVector<f64>) -> Frame {
+    /// Frame of a body of the scene at rest, at time `t` [s] and coordinates `q`.
+    pub(super) fn frame(&self, body: usize, t: f64, q: &DVector<f64>) -> Frame {
         match (self.first[body], &self.prescribed[body]) {
             (Some(k), _) => Frame::free(&[q[k], q[k + 1], q[k + 2]], &[0.0; 3]),
             (None, Some(p)) => p.frame(t),
@@ -162,11 +154,6 @@ impl<'a> Closure<'a> {
             }
         }
         gaps
-    }
-
-    /// Length of coordinate `k`: one of a length [1], that by which an angle is a length [m].
-    pub(super) fn unit(&self, k: usize) -> f64 {
-        self.unit[k]
     }
 
     /// From lengths to coordinates.
@@ -264,14 +251,7 @@ impl<'a> Closure<'a> {
         if self.n == 0 || self.m < self.n {
             return None;
         }
-        let qr = jacobian.qr();
-        let r = qr.r();
-        let pivots = r.diagonal().abs();
-        if pivots.min() < DETERMINED * pivots.max() {
-            return None;
-        }
-        let a = -r.solve_upper_triangular(&(qr.q().transpose() * second))?;
-        Some(self.to_coordinates(a))
+        Some(self.to_coordinates(-determined(jacobian, second)?))
     }
 
     /// Multipliers lambda `(m,)` of the closures that balance a generalised force `gradient` `(n,)` at time `t` [s] with the drives held:
@@ -287,14 +267,7 @@ impl<'a> Closure<'a> {
             return None;
         }
         let jacobian = self.gaps(t, q).jacobian;
-        let qr = jacobian.transpose().qr();
-        let r = qr.r();
-        let pivots = r.diagonal().abs();
-        if pivots.min() < DETERMINED * pivots.max() {
-            return None;
-        }
-        let scaled = self.to_coordinates(gradient.clone());
-        let mut lambda = r.solve_upper_triangular(&(qr.q().transpose() * scaled))?;
+        let mut lambda = determined(jacobian.transpose(), self.to_coordinates(gradient.clone()))?;
         for (c, &row) in self.constraints.iter().zip(&self.row) {
             for r in (0..c.rows()).filter(|&r| c.is_angle(r)) {
                 lambda[row + r] *= self.size;
@@ -321,15 +294,21 @@ impl<'a> Closure<'a> {
         DVector::from_vec(x.iter().flatten().flatten().copied().collect())
     }
 
-    /// Frame of a body of the scene at rest, at time `t` [s] and coordinates `q`.
-    pub(crate) fn placed(&self, body: usize, t: f64, q: &DVector<f64>) -> Frame {
-        self.frame(body, t, q)
-    }
-
     /// Coordinates of each free body, by body of the scene.
     pub(crate) fn split(&self, x: &DVector<f64>) -> Vec<Option<[f64; 3]>> {
         self.first.iter().map(|first| first.map(|k| [x[k], x[k + 1], x[k + 2]])).collect()
     }
+}
+
+/// Solution of `a x = b`; `None` if it is not determined.
+fn determined(a: DMatrix<f64>, b: DVector<f64>) -> Option<DVector<f64>> {
+    let qr = a.qr();
+    let r = qr.r();
+    let pivots = r.diagonal().abs();
+    if pivots.min() < DETERMINED * pivots.max() {
+        return None;
+    }
+    r.solve_upper_triangular(&(qr.q().transpose() * b))
 }
 
 /// Least-norm, least-squares solution of `a x = b`: by the normal equations of the rows if these are

@@ -16,7 +16,7 @@
 use super::constraint::Constraint;
 use super::frame::Frame;
 use super::island::Island;
-use super::joint::joint_motion;
+use super::joint::PairMotion;
 use super::piecewise_cubic::Jet;
 use super::placed::Placed;
 use crate::plane::fused_cross as cross;
@@ -27,7 +27,7 @@ impl Island {
     pub(crate) fn relative_velocity(&self, joint: usize, t: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
         let [i, j] = self.joints[joint].ends;
         let frame = |index: usize| self.frame_at(index, t, q, v);
-        joint_motion(&frame(i.frame), i.arm, &frame(j.frame), j.arm).w
+        PairMotion::new([i, j], &frame(i.frame), &frame(j.frame)).motion.w
     }
 
     /// Effective mass of a joint with clearance along `direction`, a unit vector in the bushing's frame `(2,)`, in the state (`t`, `q`,

@@ -89,7 +89,7 @@ impl Elimination {
     /// This elimination in every lane; `like` sets the number of lanes.
     pub(crate) fn in_lanes<R: Real>(&self, like: R) -> Elimination<R> {
         let constraints = self.constraints.iter().map(|c| c.in_lanes(like)).collect();
-        let root = self.factors.roots().iter().map(|root| root.in_lanes(like)).collect();
+        let root = self.factors.root.iter().map(|root| root.in_lanes(like)).collect();
         let inputs = self.inputs.iter().map(|(joint, input)| (*joint, vec![input[0].clone(); R::LANES]));
         Elimination { inputs: inputs.collect(), ..Elimination::with_roots(constraints, root, like) }
     }
@@ -145,10 +145,7 @@ impl<R: Real> Elimination<R> {
             let c = &mut self.constraints[*joint];
             let angle = frames[c.ends[1].frame].angle;
             for (lane, input) in inputs.iter().enumerate() {
-                let jet = input.jet(t.lane(lane), angle.lane(lane));
-                for k in 0..4 {
-                    c.input[k].set_lane(lane, jet[k]);
-                }
+                input.jet(t.lane(lane), angle.lane(lane)).write_lane::<R>(lane, &mut c.input);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Loads between prescribed bodies alone: they act on no free body, but the drives carry them.
 
-use super::frame::{Frame, FrameIndices};
+use super::frame::Frame;
 use super::island_frames::IslandFrames;
 use super::load::IslandLoad;
 use super::prescribed::Prescribed;

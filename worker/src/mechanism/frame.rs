@@ -3,7 +3,6 @@
 use super::piecewise_cubic::Jet;
 use crate::lanes::{Real, lanewise, sincos};
 use crate::plane::{turned, turned_back};
-use common::scene::Attachment;
 
 /// Position and motion of a body's reference point (the centre of mass of a free body).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -74,11 +73,3 @@ pub struct End<R = f64> {
 }
 
 lanewise!(End { frame, arm });
-
-/// Indices of the frames of an island, by the scene's bodies.
-pub trait FrameIndices {
-    /// Index of the frame of a body of the scene.
-    fn frame(&mut self, body: usize) -> usize;
-    /// End of a joint or load at a point of a body of the scene.
-    fn end(&mut self, at: &Attachment) -> End;
-}

@@ -63,7 +63,7 @@ fn influence(scene: &Scene, closure: &Closure, pose: &Pose, sought: &Coordinate)
     let gradient = match *sought {
         Coordinate::Angle(body) => closure.gradient(body, [0.0, 0.0, 1.0]),
         Coordinate::Position(at, along) => {
-            let arm = closure.placed(at.body, t, &q).turn(scene.arm(&at));
+            let arm = closure.frame(at.body, t, &q).turn(scene.arm(&at));
             closure.gradient(at.body, [along[0], along[1], dot(along, left(arm))])
         }
     };
@@ -74,13 +74,13 @@ fn influence(scene: &Scene, closure: &Closure, pose: &Pose, sought: &Coordinate)
         match &joint.kind {
             JointKind::Clearance(_) => {
                 let [journal, bushing] =
-                    [joint.journal.body, joint.bushing.body].map(|body| closure.placed(body, t, &q));
+                    [joint.journal.body, joint.bushing.body].map(|body| closure.frame(body, t, &q));
                 let along = bushing.turn_back([of_joint[0], of_joint[1]]);
                 found.joints.push((index, along, journal.angle - bushing.angle));
             }
             JointKind::Guide(guide) if guide.wear_coefficients() != [0.0; 2] => {
                 let [slider, rail] = [&joint.journal, &joint.bushing].map(|at| {
-                    let frame = closure.placed(at.body, t, &q);
+                    let frame = closure.frame(at.body, t, &q);
                     (frame, frame.point(scene.arm(at)))
                 });
                 let (sin, cos) = libm::sincos(guide.axis);

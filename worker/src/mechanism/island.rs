@@ -7,7 +7,8 @@ use super::elimination::Elimination;
 use super::extent::least_arm;
 use super::forces::{Acting, JointSpace};
 use super::frame::Frame;
-use super::joint::joint_motion;
+use super::island_frames::IslandFrames;
+use super::joint::PairMotion;
 use super::load::{IslandLoad, NO_FRAME};
 use super::passage::Passage;
 use super::piecewise_cubic::Jet;
@@ -63,48 +64,29 @@ pub struct Island {
     pub(super) space: JointSpace<f64>,
 }
 
-/// Constituents of an island; see the fields of [`Island`].
-pub(super) struct Parts {
-    pub(super) bodies: Vec<usize>,
-    pub(super) touched: Vec<usize>,
-    pub(super) joints: Vec<WearingJoint>,
-    pub(super) guides: Vec<WearingGuide>,
-    pub(super) ideal: Elimination,
-    pub(super) passage: Option<Box<Passage>>,
-    pub(super) prescribed: Vec<Prescribed>,
-    pub(super) loads: Vec<IslandLoad>,
-    pub(super) mass: Vec<f64>,
-    pub(super) weight: Vec<f64>,
-}
-
 impl Island {
-    /// The island of these parts, its scales not set yet.
-    pub(super) fn new(parts: Parts) -> Self {
-        let Parts { bodies, touched, joints, guides, ideal, passage, prescribed, loads, mass, weight } =
-            parts;
+    /// The island of these frames with these joints and guides with clearance, without masses, loads and ideal joints; its scales are not
+    /// set yet.
+    pub(super) fn new(frames: &IslandFrames, joints: Vec<WearingJoint>, guides: Vec<WearingGuide>) -> Self {
+        let (bodies, touched) = (frames.bodies().to_vec(), frames.touched().to_vec());
         Island {
             frames: vec![Frame::default(); bodies.len() + touched.len()],
             jets: vec![Jet::default(); touched.len()],
             space: JointSpace::new(&joints, 0.0),
-            scale_q: vec![1.0; mass.len()],
-            scale_v: vec![1.0; mass.len()],
+            scale_q: vec![],
+            scale_v: vec![],
             size: 0.0,
             bodies,
             touched,
             joints,
             guides,
-            ideal,
-            passage,
-            prescribed,
-            loads,
-            mass,
-            weight,
+            ideal: Elimination::new(vec![], &[]),
+            passage: None,
+            prescribed: frames.prescribed(),
+            loads: vec![],
+            mass: vec![],
+            weight: vec![],
         }
-    }
-
-    /// Error scales of positions and velocities `(n,)` each [m, rad; m/s, rad/s].
-    pub(super) fn scale(&self) -> (&[f64], &[f64]) {
-        (&self.scale_q, &self.scale_v)
     }
 
     /// Number of coordinates n.
@@ -217,11 +199,9 @@ impl Island {
             let stiffest = largest(self.guides.iter().map(|guide| guide.flat.stiffness()));
             frequency = frequency.max((stiffest / lightest).sqrt());
         }
-        for (slot, arm) in arm.iter().enumerate() {
-            for (k, divisor) in [1.0, 1.0, *arm].into_iter().enumerate() {
-                self.scale_q[3 * slot + k] = position / divisor;
-                self.scale_v[3 * slot + k] = position * frequency / divisor;
-            }
+        for divisor in arm.into_iter().flat_map(|arm| [1.0, 1.0, arm]) {
+            self.scale_q.push(position / divisor);
+            self.scale_v.push(position * frequency / divisor);
         }
         self
     }
@@ -288,7 +268,7 @@ impl Island {
     /// Motion of a joint with clearance, at the state last set.
     pub(crate) fn joint_motion(&self, joint: usize) -> JointMotion {
         let [i, j] = self.joints[joint].ends;
-        joint_motion(&self.frames[i.frame], i.arm, &self.frames[j.frame], j.arm)
+        PairMotion::new([i, j], &self.frames[i.frame], &self.frames[j.frame]).motion
     }
 
     /// Largest penetration in the range of the contact laws, of the joints with clearance and then of the guides [m].

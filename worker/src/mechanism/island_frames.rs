@@ -1,7 +1,7 @@
 //! Indices of the frames of one island: its free bodies, then the prescribed bodies that its joints and loads
 //! touch.
 
-use super::frame::{End, FrameIndices};
+use super::frame::End;
 use super::prescribed::Prescribed;
 use common::scene::{Attachment, Scene};
 
@@ -20,6 +20,11 @@ impl<'a> IslandFrames<'a> {
         IslandFrames { scene, free: bodies.len(), frames: bodies }
     }
 
+    /// Free bodies.
+    pub(super) fn bodies(&self) -> &[usize] {
+        &self.frames[..self.free]
+    }
+
     /// Prescribed bodies that have a frame.
     pub(crate) fn touched(&self) -> &[usize] {
         &self.frames[self.free..]
@@ -29,17 +34,17 @@ impl<'a> IslandFrames<'a> {
     pub(crate) fn prescribed(&self) -> Vec<Prescribed> {
         self.touched().iter().filter_map(|&b| Prescribed::from_body(&self.scene.bodies[b])).collect()
     }
-}
 
-impl FrameIndices for IslandFrames<'_> {
-    fn frame(&mut self, body: usize) -> usize {
+    /// Index of the frame of a body of the scene.
+    pub(super) fn frame(&mut self, body: usize) -> usize {
         self.frames.iter().position(|&b| b == body).unwrap_or_else(|| {
             self.frames.push(body);
             self.frames.len() - 1
         })
     }
 
-    fn end(&mut self, at: &Attachment) -> End {
+    /// End of a joint or load at a point of a body of the scene.
+    pub(super) fn end(&mut self, at: &Attachment) -> End {
         End { frame: self.frame(at.body), arm: self.scene.arm(at) }
     }
 }

@@ -146,8 +146,7 @@ impl Stepped for Island {
     #[inline(always)]
     fn begun(&mut self, before: &Linearised, h: f64, t: f64, q: &[f64], v: &[f64]) -> f64 {
         self.set_state(t, q, v);
-        let (_, scale_v) = self.scale();
-        begun(&self.guides, &self.frames, &before.guides, h, &self.mass, |k| 1.0 / scale_v[k])
+        begun(&self.guides, &self.frames, &before.guides, h, &self.mass, |k| 1.0 / self.scale_v[k])
     }
 
     fn close(&mut self, t: f64, q: &mut [f64], v: &mut [f64]) -> Option<f64> {
@@ -187,7 +186,7 @@ impl Stepped for Island {
     }
 
     fn scales(&self) -> (&[f64], &[f64]) {
-        self.scale()
+        (&self.scale_q, &self.scale_v)
     }
 
     fn on_accepted(&mut self, _q: &[f64], _v: &[f64], at: &Linearised) {

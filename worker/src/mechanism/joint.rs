@@ -91,21 +91,6 @@ fn separation<R: Real>(fi: &Frame<R>, ai: [R; 2], fj: &Frame<R>, aj: [R; 2]) -> 
     (e, w)
 }
 
-/// Motion of a joint with its journal at `arm_i` of the body in frame `fi` and its bushing at `arm_j` of that
-/// in `fj`, in the bushing's frame.
-#[inline(always)]
-pub(crate) fn joint_motion<R: Real>(
-    fi: &Frame<R>,
-    arm_i: [R; 2],
-    fj: &Frame<R>,
-    arm_j: [R; 2],
-) -> JointMotion<R> {
-    let (e, w) = separation(fi, fi.turn(arm_i), fj, fj.turn(arm_j));
-    let (omega_journal, omega_bushing) = (fi.omega, fj.omega);
-    let turn = fi.angle - fj.angle;
-    JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal, omega_bushing, turn }
-}
-
 /// A joint with clearance as a source of force in an island, or one per lane.
 pub trait Touching<R> {
     /// Ends of the joint: journal, bushing.

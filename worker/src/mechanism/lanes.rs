@@ -118,7 +118,7 @@ impl<R: Real> IslandLanes<R> {
             frames: vec![frame; island.bodies.len() + island.prescribed.len()],
             jets: vec![[zero; 4]; island.prescribed.len()],
             space: JointSpace::default(),
-            no_linearisation: Linearised::empty(),
+            no_linearisation: Linearised::new(like, Band::default(), 0),
             band: island.band(),
         };
         (0..R::LANES).for_each(|lane| lanes.set(lane, island));
@@ -155,8 +155,8 @@ impl<R: Real> IslandLanes<R> {
         for (to, from) in [(&mut self.mass, &island.mass), (&mut self.weight, &island.weight)] {
             to.iter_mut().zip(from).for_each(|(to, from)| from.write_lane::<R>(lane, to));
         }
-        let (scale_q, scale_v) = island.scale();
-        for ((inverse_q, inverse_v), (q, v)) in self.inverse.iter_mut().zip(scale_q.iter().zip(scale_v)) {
+        let scales = island.scale_q.iter().zip(&island.scale_v);
+        for ((inverse_q, inverse_v), (q, v)) in self.inverse.iter_mut().zip(scales) {
             inverse_q.set_lane(lane, 1.0 / q);
             inverse_v.set_lane(lane, 1.0 / v);
         }
@@ -222,10 +222,7 @@ impl<R: Real> IslandLanes<R> {
                 *jet = [start.plus_product(speed, t), speed, t.zero(), t.zero()];
             } else {
                 for (lane, motion) in motion.motions.iter().enumerate() {
-                    let at = motion.jet(t.lane(lane));
-                    for k in 0..4 {
-                        jet[k].set_lane(lane, at[k]);
-                    }
+                    motion.jet(t.lane(lane)).write_lane::<R>(lane, jet);
                 }
             }
             self.frames[self.bodies + k] = Frame::turning(motion.position, jet);

@@ -27,7 +27,7 @@ pub struct OrthonormalRows<R = f64> {
     /// R', lower triangular, with the inverses of its diagonal on it `(m, m)`.
     r: Vec<R>,
     /// Square roots of the masses, and their inverses `(n,)` each.
-    root: Vec<R>,
+    pub(super) root: Vec<R>,
     inverse_root: Vec<R>,
     /// One where no row was nearly dependent on those before it when they were orthonormalised last, else zero.
     pub(super) apart: R,
@@ -47,11 +47,6 @@ impl<R: Real> OrthonormalRows<R> {
             root,
             apart: like.like(1.0),
         }
-    }
-
-    /// Square roots of the masses `(n,)`.
-    pub(super) fn roots(&self) -> &[R] {
-        &self.root
     }
 
     /// Writes the masses of `from` into lane `lane`.

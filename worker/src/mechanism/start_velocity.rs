@@ -94,7 +94,7 @@ impl Closure<'_> {
         let heaviest = largest(starts.iter().map(|start| start.inertia[0]));
         let mut weight = vec![1.0; self.n];
         for StartBody { first, turned, inertia: [mass, inertia], .. } in starts {
-            let unit = self.unit(first + 2);
+            let unit = self.unit[first + 2];
             let [x, y, angle] = [0, 1, 2].map(|k| to_motion.column(first + k).clone_owned());
             to_motion.set_column(first + 2, &(angle * unit + x * turned[0] + y * turned[1]));
             let [of_velocity, of_speed] = [mass / heaviest, inertia / heaviest].map(f64::sqrt);

@@ -3,8 +3,7 @@
 use super::constraint::{Constraint, first_rows};
 use super::coupling::JointInput;
 use super::elimination::Elimination;
-use super::frame::FrameIndices;
-use super::island::{Island, Parts};
+use super::island::Island;
 use super::island_frames::IslandFrames;
 use super::load::IslandLoad;
 use super::passage::Passage;
@@ -69,18 +68,7 @@ pub fn island_of_program(scene: &Scene) -> Island {
             joints.push(WearingJoint::new(index, &joint.name, (clearance, &scene.wear), ends));
         }
     }
-    Island::new(Parts {
-        bodies: vec![],
-        touched: frames.touched().to_vec(),
-        joints,
-        guides: vec![],
-        ideal: Elimination::new(vec![], &[]),
-        passage: None,
-        prescribed: frames.prescribed(),
-        loads: vec![],
-        mass: vec![],
-        weight: vec![],
-    })
+    Island::new(&frames, joints, vec![])
 }
 
 /// The island of the free bodies `bodies` of a scene.
@@ -116,7 +104,6 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
             weight.extend([m * scene.gravity[0], m * scene.gravity[1], 0.0]);
         }
     }
-    let (touched, prescribed) = (frames.touched().to_vec(), frames.prescribed());
     let stiff = !(joints.is_empty() && guides.is_empty());
     let inputs: Vec<(usize, JointInput)> = constraints
         .iter()
@@ -128,9 +115,8 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
         Some(passage) if passage.is_large => Elimination::without_factors(constraints),
         _ => Elimination::new(constraints, &mass).with_inputs(inputs),
     };
-    let parts = Parts { bodies, touched, joints, guides, ideal, passage, prescribed, loads, mass, weight };
-    let island = Island::new(parts);
-    island.scaled(scene)
+    let island = Island::new(&frames, joints, guides);
+    Island { ideal, passage, loads, mass, weight, ..island }.scaled(scene)
 }
 
 /// Rows of ideal joints from which an island that may pass singular positions takes explicit steps only, whose cost grows linearly with its

@@ -29,8 +29,6 @@ pub struct WearingJoint {
     pub distribution: WearDistribution,
     /// Width L of the bushing [m].
     pub width: f64,
-    /// Wall thickness of the bushing [m]; `None` if it cannot be worn through.
-    pub wall: Option<f64>,
     /// Ends of the joint: journal, bushing.
     pub ends: [End; 2],
 }
@@ -58,7 +56,6 @@ impl WearingJoint {
             wear_coefficients,
             distribution: wear.distribution,
             width: clearance.width,
-            wall: clearance.wall,
             ends,
         }
     }
@@ -93,7 +90,8 @@ impl WearingJoint {
     /// Wear rate of the joint with a bore like `profile`.
     fn rate_on(&self, profile: &Profile) -> WearRate {
         let WearingJoint { wear_coefficients, width, contact, distribution, .. } = self;
-        BoreWearRate::new(*wear_coefficients, *width, contact, profile).distributed(*distribution).into()
+        let rate = BoreWearRate::new(*wear_coefficients, *width, contact, profile);
+        WearRate::Bore(Box::new(rate.distributed(*distribution)))
     }
 
     /// Replaces the damping factor [s/m], as fixed at the last impact.

@@ -1,75 +1,18 @@
 //! Largest difference of two bodies' angles or angular velocities over a cycle.
 
+use super::BodyTrack;
 use super::trace::{Piece, Spread};
-use super::{BodyTrack, MotionOutput, RecordedCycle, RecordingRequest};
-use common::scene::SignedBody;
 
-/// A quantity of a track in the intervals between its times.
-trait Quantity {
-    /// The quantity in interval `k`.
-    fn piece(track: &BodyTrack, k: usize) -> Piece;
-    /// Bounds of the same.
-    fn spread(track: &BodyTrack, k: usize) -> Spread;
+/// In interval `k` of a track, the angular velocity [rad/s] if `SPEED`, else the angle [rad].
+#[inline]
+fn piece<const SPEED: bool>(track: &BodyTrack, k: usize) -> Piece {
+    if SPEED { track.omega_in(k) } else { track.angle_in(k) }
 }
 
-/// The angle [rad].
-struct AngleOfTrack;
-
-/// The angular velocity [rad/s].
-struct Speed;
-
-impl Quantity for AngleOfTrack {
-    #[inline]
-    fn piece(track: &BodyTrack, k: usize) -> Piece {
-        track.angle_in(k)
-    }
-    #[inline]
-    fn spread(track: &BodyTrack, k: usize) -> Spread {
-        track.angle_spread(k)
-    }
-}
-
-impl Quantity for Speed {
-    #[inline]
-    fn piece(track: &BodyTrack, k: usize) -> Piece {
-        track.omega_in(k)
-    }
-    #[inline]
-    fn spread(track: &BodyTrack, k: usize) -> Spread {
-        track.omega_spread(k)
-    }
-}
-
-/// The outputs `angle-difference` [rad] and `angular-velocity-difference` [rad/s].
-pub struct AngleDifference<'a> {
-    /// The largest difference of these two signed tracks.
-    largest: fn((&BodyTrack, f64), (&BodyTrack, f64)) -> f64,
-    a: &'a SignedBody,
-    b: &'a SignedBody,
-}
-
-impl<'a> AngleDifference<'a> {
-    /// Difference of the angles of two bodies.
-    pub(crate) fn of_angles(a: &'a SignedBody, b: &'a SignedBody) -> Self {
-        AngleDifference { largest: largest_difference::<AngleOfTrack>, a, b }
-    }
-
-    /// Difference of the angular velocities of two bodies.
-    pub(crate) fn of_speeds(a: &'a SignedBody, b: &'a SignedBody) -> Self {
-        AngleDifference { largest: largest_difference::<Speed>, a, b }
-    }
-}
-
-impl MotionOutput for AngleDifference<'_> {
-    fn request(&self, request: &mut RecordingRequest) {
-        request.bodies.extend([self.a.body, self.b.body]);
-    }
-
-    fn value(&self, cycle: &RecordedCycle) -> f64 {
-        let signed = [self.a, self.b].map(|body| (cycle.body(body.body), body.sign));
-        let [(a, sign_a), (b, sign_b)] = &signed;
-        (self.largest)((a, *sign_a), (b, *sign_b))
-    }
+/// Bounds of the same.
+#[inline]
+fn spread<const SPEED: bool>(track: &BodyTrack, k: usize) -> Spread {
+    if SPEED { track.omega_spread(k) } else { track.angle_spread(k) }
 }
 
 /// One of the two tracks while they are compared.
@@ -85,8 +28,8 @@ struct SignedTrack<'a> {
 }
 
 impl<'a> SignedTrack<'a> {
-    fn new<Q: Quantity>((track, sign): (&'a BodyTrack, f64)) -> Self {
-        SignedTrack { track, sign, interval: 0, spread: Q::spread(track, 0), piece: None }
+    fn new<const SPEED: bool>((track, sign): (&'a BodyTrack, f64)) -> Self {
+        SignedTrack { track, sign, interval: 0, spread: spread::<SPEED>(track, 0), piece: None }
     }
 
     /// Start and end of the present interval [s].
@@ -101,9 +44,9 @@ impl<'a> SignedTrack<'a> {
 
     /// Value and slope at the times `t0`, the present one, and `t1` [s], which is the present one from now on.
     #[inline]
-    fn at_both<Q: Quantity>(&mut self, t0: f64, t1: f64) -> [(f64, f64); 2] {
+    fn at_both<const SPEED: bool>(&mut self, t0: f64, t1: f64) -> [(f64, f64); 2] {
         let (piece, now) = self.piece.unwrap_or_else(|| {
-            let piece = Q::piece(self.track, self.interval);
+            let piece = piece::<SPEED>(self.track, self.interval);
             (piece, piece.at(t0))
         });
         let then = piece.at(t1);
@@ -113,23 +56,24 @@ impl<'a> SignedTrack<'a> {
 
     /// Goes on to the next interval. False if there is none.
     #[inline]
-    fn go_on<Q: Quantity>(&mut self) -> bool {
+    fn go_on<const SPEED: bool>(&mut self) -> bool {
         self.interval += 1;
         let any = self.interval + 1 < self.track.time.len();
         if any {
-            (self.spread, self.piece) = (Q::spread(self.track, self.interval), None);
+            (self.spread, self.piece) = (spread::<SPEED>(self.track, self.interval), None);
         }
         any
     }
 }
 
+/// The outputs `angular-velocity-difference` [rad/s] (`SPEED`) and `angle-difference` [rad]:
 /// max over t of |s_a x_a(t) - s_b x_b(t)| for a quantity x of two tracks over the same span of time, each given with its sign.
 ///
 /// The two tracks have times of their own; between two neighbouring times of either, both are cubics. Their difference is a
 /// cubic too, and its extremum is found exactly: a vibration sampled a few times a period keeps its peak. Where bounds of both cubics say
 /// that their difference is smaller than the largest one so far, it is not computed.
-fn largest_difference<Q: Quantity>(a: (&BodyTrack, f64), b: (&BodyTrack, f64)) -> f64 {
-    let (mut a, mut b) = (SignedTrack::new::<Q>(a), SignedTrack::new::<Q>(b));
+pub(super) fn largest_difference<const SPEED: bool>(a: (&BodyTrack, f64), b: (&BodyTrack, f64)) -> f64 {
+    let (mut a, mut b) = (SignedTrack::new::<SPEED>(a), SignedTrack::new::<SPEED>(b));
     let (sign_a, sign_b) = (a.sign, b.sign);
     let difference =
         |(x, dx): (f64, f64), (y, dy): (f64, f64)| (sign_a * x - sign_b * y, sign_a * dx - sign_b * dy);
@@ -142,7 +86,7 @@ fn largest_difference<Q: Quantity>(a: (&BodyTrack, f64), b: (&BodyTrack, f64)) -
             if middle + a.spread.reach + b.spread.reach < largest {
                 (a.piece, b.piece) = (None, None);
             } else {
-                let ([a0, a1], [b0, b1]) = (a.at_both::<Q>(t0, t1), b.at_both::<Q>(t0, t1));
+                let ([a0, a1], [b0, b1]) = (a.at_both::<SPEED>(t0, t1), b.at_both::<SPEED>(t0, t1));
                 let ((y0, d0), (y1, d1)) = (difference(a0, b0), difference(a1, b1));
                 largest = largest.max(y0.abs()).max(y1.abs());
                 if d0 * d1 < 0.0 {
@@ -151,7 +95,7 @@ fn largest_difference<Q: Quantity>(a: (&BodyTrack, f64), b: (&BodyTrack, f64)) -
             }
             t0 = t1;
         }
-        if a.end() <= t1 && !a.go_on::<Q>() || b.end() <= t1 && !b.go_on::<Q>() {
+        if a.end() <= t1 && !a.go_on::<SPEED>() || b.end() <= t1 && !b.go_on::<SPEED>() {
             return largest;
         }
     }
@@ -176,7 +120,7 @@ mod tests {
     fn track(times: &[f64], f: impl Fn(f64) -> (f64, f64)) -> BodyTrack {
         let mut track = BodyTrack::default();
         for &t in times {
-            track.push(t, 0.0, f(t).0, f(t).1);
+            track.push(t, [0.0, f(t).0, f(t).1]);
         }
         track
     }
@@ -190,9 +134,9 @@ mod tests {
             (x.sin(), std::f64::consts::TAU * x.cos())
         });
         let still = track(&[0.0, 3.3, 10.0], |_| (0.25, 0.0));
-        let peak = largest_difference::<Speed>((&wave, 1.0), (&still, 1.0));
+        let peak = largest_difference::<true>((&wave, 1.0), (&still, 1.0));
         assert!((peak - 1.25).abs() < 2e-3, "{peak}");
-        let peak = largest_difference::<Speed>((&wave, 1.0), (&still, -1.0));
+        let peak = largest_difference::<true>((&wave, 1.0), (&still, -1.0));
         assert!((peak - 1.25).abs() < 2e-3, "{peak}");
     }
 
@@ -206,9 +150,9 @@ mod tests {
         let (mut a, mut b) = (BodyTrack::default(), BodyTrack::default());
         for k in 0..400 {
             let (omega, alpha) = wild(k, 0.1);
-            a.push(0.37 * f64::from(k), 0.1 * omega, omega, alpha);
+            a.push(0.37 * f64::from(k), [0.1 * omega, omega, alpha]);
             let (omega, alpha) = wild(k, 0.9);
-            b.push(0.37 * f64::from(k), 0.3 * omega, 0.5 * omega, alpha);
+            b.push(0.37 * f64::from(k), [0.3 * omega, 0.5 * omega, alpha]);
         }
         let (mut speeds, mut angles) = (0.0_f64, 0.0_f64);
         for k in 0..399 {
@@ -224,8 +168,8 @@ mod tests {
             }
         }
         let found = [
-            largest_difference::<Speed>((&a, 1.0), (&b, 1.0)),
-            largest_difference::<AngleOfTrack>((&a, 1.0), (&b, 1.0)),
+            largest_difference::<true>((&a, 1.0), (&b, 1.0)),
+            largest_difference::<false>((&a, 1.0), (&b, 1.0)),
         ];
         for (found, grid) in found.into_iter().zip([speeds, angles]) {
             assert!(found >= grid && found < 1.01 * grid, "{found} {grid}");

@@ -4,56 +4,29 @@
 //! the deviation is theta - Theta - 2 pi n, where the whole number n makes it smallest at the start of the cycle.
 
 use super::deviation::Deviation;
-use super::wanted::{Wanted, argument_body};
-use super::{BodyTrack, MotionOutput, RecordedCycle, RecordingRequest};
-use common::scene::{Curve, ErrorMeasure};
+use super::trace::interval_at;
+use super::wanted::Wanted;
+use super::{BodyTrack, RecordedCycle};
+use common::scene::Curve;
 use std::f64::consts::TAU;
 
-/// The output `angle-error` [rad].
-pub struct AngleError<'a> {
-    /// Body of the scene.
-    pub body: usize,
-    /// Wanted angle; without it the ideal mechanism is the reference.
-    pub wanted: Option<&'a Curve>,
-    /// Measure of the error over the cycle.
-    pub measure: ErrorMeasure,
-}
-
-impl MotionOutput for AngleError<'_> {
-    fn request(&self, request: &mut RecordingRequest) {
-        request.bodies.push(self.body);
-        match self.wanted {
-            None => request.ideal_bodies.push(self.body),
-            Some(curve) => request.bodies.extend(argument_body(curve)),
+/// The deviation of the output `angle-error` [rad] for a body of the scene; without a `wanted` angle the ideal mechanism is the
+/// reference.
+pub(super) fn angle_error(body: usize, wanted: Option<&Curve>, cycle: &RecordedCycle) -> Deviation {
+    let track = cycle.body(body);
+    match wanted {
+        Some(curve) => {
+            let mut wanted = Wanted::new(curve, cycle);
+            from_reference(&track, |t| wanted.at(t))
         }
-    }
-
-    fn value(&self, cycle: &RecordedCycle) -> f64 {
-        let track = cycle.body(self.body);
-        let deviation = match self.wanted {
-            Some(curve) => {
-                let mut wanted = Wanted::new(curve, cycle);
-                from_reference(&track, |t| wanted.at(t))
-            }
-            None => cycle.ideal_angle(self.body).map(|ideal| from_ideal(&track, ideal)).unwrap_or_default(),
-        };
-        deviation.measure(self.measure)
-    }
-
-    fn is_extreme(&self) -> bool {
-        self.measure == ErrorMeasure::Largest
+        None => cycle.ideal_angle(body).map(|ideal| from_ideal(&track, ideal)).unwrap_or_default(),
     }
 }
 
 /// Deviation of an angle from an ideal one, whose track covers the same span of time.
 fn from_ideal(track: &BodyTrack, ideal: &BodyTrack) -> Deviation {
     let mut j = 0;
-    from_reference(track, |t| {
-        while j + 2 < ideal.time.len() && ideal.time[j + 1] < t {
-            j += 1;
-        }
-        ideal.angle_in(j).at(t).0
-    })
+    from_reference(track, |t| ideal.angle_in(interval_at(&ideal.time, &mut j, t)).at(t).0)
 }
 
 /// Deviation of an angle from a reference [rad] over time [s], which is read at times that do not decrease.
@@ -68,13 +41,14 @@ fn from_reference(track: &BodyTrack, mut reference: impl FnMut(f64) -> f64) -> D
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::scene::ErrorMeasure;
 
     #[test]
     fn whole_turns_do_not_count_and_a_wave_does() {
         let mut track = BodyTrack::default();
         for k in 0..=200 {
             let t = f64::from(k) / 200.0;
-            track.push(t, 20.0 + 0.02 * (TAU * t).sin(), 0.02 * TAU * (TAU * t).cos(), 0.0);
+            track.push(t, [20.0 + 0.02 * (TAU * t).sin(), 0.02 * TAU * (TAU * t).cos(), 0.0]);
         }
         let still = from_reference(&track, |_| 20.0 - 3.0 * TAU);
         assert!((still.measure(ErrorMeasure::Largest) - 0.02).abs() < 1e-9);

@@ -14,67 +14,36 @@
 //! # Source
 //! Displacement by clearances from virtual work: Innocenti (2002), J. Mech. Design 124, 52-57. Derived here for worn bores.
 
-use super::sought_backlash::SoughtBacklash;
-use super::{MotionOutput, RecordedCycle, RecordingRequest, Sampling};
+use super::{RecordedCycle, SoughtBacklash};
 use crate::contact::FreeRegion;
-use crate::mechanism::{Coordinate, Influence, WearingGuide, WearingJoint};
-use common::scene::{Attachment, HeldInput};
+use crate::mechanism::{Influence, WearingGuide, WearingJoint};
 
 /// The outputs `backlash` [rad] and `position-backlash` [m].
-pub struct Backlash {
-    sought: SoughtBacklash,
-}
-
-impl Backlash {
-    /// Of the angle of a free body.
-    pub(super) fn of_angle(body: usize, held: Option<HeldInput>) -> Self {
-        Backlash { sought: SoughtBacklash { coordinate: Coordinate::Angle(body), held } }
-    }
-
-    /// Of a place on a free body along the direction at this angle from the x axis [rad].
-    pub(super) fn of_place(at: Attachment, direction: f64, held: Option<HeldInput>) -> Self {
-        let (sin, cos) = libm::sincos(direction);
-        Backlash { sought: SoughtBacklash { coordinate: Coordinate::Position(at, [cos, sin]), held } }
-    }
-}
-
-impl MotionOutput for Backlash {
-    fn request(&self, request: &mut RecordingRequest) {
-        request.backlashes.push(self.sought);
-    }
-
-    fn value(&self, cycle: &RecordedCycle) -> f64 {
-        let joints: Vec<&WearingJoint> =
-            cycle.islands.iter().flat_map(|(island, _)| &island.joints).collect();
-        let guides: Vec<&WearingGuide> =
-            cycle.islands.iter().flat_map(|(island, _)| &island.guides).collect();
-        let mut regions: Vec<Option<FreeRegion>> = joints.iter().map(|joint| round_journal(joint)).collect();
-        let mut in_pose = |influence: &Influence| {
-            let play = influence.joints.iter().map(|(scene_joint, lambda, turn)| {
-                let Some(k) = joints.iter().position(|joint| joint.scene_joint == *scene_joint) else {
-                    return 0.0;
-                };
-                // A worn journal leaves another region at every angle.
-                regions[k].get_or_insert_with(|| free_region(joints[k], *turn));
-                let region = &mut regions[k];
-                let width = region.as_ref().map_or(0.0, |region| region.width(*lambda));
-                if joints[k].journal.is_some() {
-                    *region = None;
-                }
-                width
-            });
-            let of_worn_guides = influence.worn_guides.iter().map(|(scene_joint, lambda, s)| {
-                let guide = guides.iter().find(|guide| guide.flat.scene_joint == *scene_joint);
-                guide.and_then(|guide| guide.play(*lambda, *s)).unwrap_or(0.0)
-            });
-            play.sum::<f64>() + influence.guides + of_worn_guides.sum::<f64>()
-        };
-        cycle.ideal.influences(&self.sought).iter().map(&mut in_pose).fold(0.0, f64::max)
-    }
-
-    fn sampling(&self) -> Sampling {
-        Sampling::Events
-    }
+pub(super) fn backlash(sought: &SoughtBacklash, cycle: &RecordedCycle) -> f64 {
+    let joints: Vec<&WearingJoint> = cycle.islands.iter().flat_map(|(island, _)| &island.joints).collect();
+    let guides: Vec<&WearingGuide> = cycle.islands.iter().flat_map(|(island, _)| &island.guides).collect();
+    let mut regions: Vec<Option<FreeRegion>> = joints.iter().map(|joint| round_journal(joint)).collect();
+    let mut in_pose = |influence: &Influence| {
+        let play = influence.joints.iter().map(|(scene_joint, lambda, turn)| {
+            let Some(k) = joints.iter().position(|joint| joint.scene_joint == *scene_joint) else {
+                return 0.0;
+            };
+            // A worn journal leaves another region at every angle.
+            regions[k].get_or_insert_with(|| free_region(joints[k], *turn));
+            let region = &mut regions[k];
+            let width = region.as_ref().map_or(0.0, |region| region.width(*lambda));
+            if joints[k].journal.is_some() {
+                *region = None;
+            }
+            width
+        });
+        let of_worn_guides = influence.worn_guides.iter().map(|(scene_joint, lambda, s)| {
+            let guide = guides.iter().find(|guide| guide.flat.scene_joint == *scene_joint);
+            guide.and_then(|guide| guide.play(*lambda, *s)).unwrap_or(0.0)
+        });
+        play.sum::<f64>() + influence.guides + of_worn_guides.sum::<f64>()
+    };
+    cycle.ideal.influences(sought).iter().map(&mut in_pose).fold(0.0, f64::max)
 }
 
 /// The free region of a joint whose journal stays round, else `None`.

@@ -3,7 +3,7 @@
 use super::Recorder;
 use super::recorder::LastContacts;
 use crate::integrate::Linearised;
-use crate::lanes::{Lanewise, Real};
+use crate::lanes::{InLane, Lanewise, Real};
 use crate::wear::{ContactInstant, ContactSample, Interval, WearHistory};
 
 /// One joint with clearance per lane.
@@ -46,7 +46,7 @@ impl<R: Real> ContactLanes<R> {
     pub(crate) fn load(&mut self, lane: usize, recorder: &Recorder, start: f64) {
         let histories = recorder.histories.iter().filter_map(WearHistory::bore);
         for (to, from) in self.joints.iter_mut().zip(histories) {
-            from.interval().write_lane::<R>(lane, &mut to.interval);
+            from.interval.write_lane::<R>(lane, &mut to.interval);
         }
         let (mut time, mut half) = (start, 0.0);
         if let Some(last) = &recorder.last {
@@ -87,12 +87,12 @@ impl<R: Real> ContactLanes<R> {
     pub(crate) fn unload(&mut self, lane: usize, recorder: &mut Recorder) {
         let histories = recorder.histories.iter_mut().filter_map(WearHistory::bore_mut);
         for (from, to) in self.joints.iter().zip(histories) {
-            to.set_interval(from.interval.lane(lane));
+            to.interval = from.interval.in_lane(lane);
         }
         recorder.last = Some(LastContacts {
             time: self.time.lane(lane),
             half: self.half.lane(lane),
-            contacts: self.joints.iter().map(|joint| joint.last.lane(lane)).collect(),
+            contacts: self.joints.iter().map(|joint| joint.last.in_lane(lane)).collect(),
             // Islands with guides that wear are never in lanes.
             sliders: vec![],
         });

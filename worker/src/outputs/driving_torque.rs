@@ -10,50 +10,34 @@
 //! # Source
 //! Balance of angular momentum about a fixed axis: Goldstein, Poole, Safko, Classical Mechanics (2002), chapter 5.
 
-use super::moment_track::MomentTrack;
-use super::{MotionOutput, RecordedCycle, RecordingRequest, Sampling, sample_times};
+use super::{MomentTrack, RecordedCycle, sample_times};
 use crate::mechanism::{ExternalLoads, Prescribed};
 use common::scene::Motion;
 
-/// The output `driving-torque` [N m].
-pub struct DrivingTorque {
-    /// The driven body of the scene.
-    pub body: usize,
-}
-
-impl MotionOutput for DrivingTorque {
-    fn request(&self, request: &mut RecordingRequest) {
-        request.driven.push(self.body);
-    }
-
-    fn value(&self, cycle: &RecordedCycle) -> f64 {
-        let scene = cycle.scene;
-        let body = &scene.bodies[self.body];
-        let Some(motion) = Prescribed::from_body(body) else { return 0.0 };
-        let outer = ExternalLoads::new(scene, self.body);
-        let inertia = match &body.motion {
-            Motion::Driven { inertia, .. } => *inertia,
-            _ => None,
-        };
-        let own = |t: f64| {
-            let inertial = inertia.map_or(0.0, |driven| {
-                let [x, y] = driven.centre_of_mass;
-                let inertial = (driven.inertia + driven.mass * (x * x + y * y)) * motion.jet(t)[2];
-                if [x, y] == [0.0; 2] || scene.gravity == [0.0; 2] {
-                    return inertial;
-                }
-                let centre = motion.frame(t).turn([x, y]);
-                let weight = driven.mass * (centre[0] * scene.gravity[1] - centre[1] * scene.gravity[0]);
-                inertial - weight
-            });
-            inertial - outer.moment(t)
-        };
-        largest_torque(&cycle.moments(self.body), &sample_times(scene), own)
-    }
-
-    fn sampling(&self) -> Sampling {
-        Sampling::Steps
-    }
+/// The output `driving-torque` [N m] of a driven body of the scene.
+pub(super) fn driving_torque(body: usize, cycle: &RecordedCycle) -> f64 {
+    let scene = cycle.scene;
+    let driven = &scene.bodies[body];
+    let Some(motion) = Prescribed::from_body(driven) else { return 0.0 };
+    let outer = ExternalLoads::new(scene, body);
+    let inertia = match &driven.motion {
+        Motion::Driven { inertia, .. } => *inertia,
+        _ => None,
+    };
+    let own = |t: f64| {
+        let inertial = inertia.map_or(0.0, |driven| {
+            let [x, y] = driven.centre_of_mass;
+            let inertial = (driven.inertia + driven.mass * (x * x + y * y)) * motion.jet(t)[2];
+            if [x, y] == [0.0; 2] || scene.gravity == [0.0; 2] {
+                return inertial;
+            }
+            let centre = motion.frame(t).turn([x, y]);
+            let weight = driven.mass * (centre[0] * scene.gravity[1] - centre[1] * scene.gravity[0]);
+            inertial - weight
+        });
+        inertial - outer.moment(t)
+    };
+    largest_torque(&cycle.moments(body), &sample_times(scene), own)
 }
 
 /// max over t of |own(t) - sum of the moments|, where `own` [N m] is the torque that the body needs without them. Evaluated at the
@@ -76,7 +60,7 @@ mod tests {
     fn moments_of_two_islands_add_up_at_the_times_of_both() {
         let track = |times: &[f64], f: fn(f64) -> f64| MomentTrack {
             time: times.to_vec(),
-            moment: times.iter().map(|&t| f(t)).collect(),
+            values: [times.iter().map(|&t| f(t)).collect()],
         };
         let (a, b) = (track(&[0.0, 0.5, 1.0], |t| 2.0 * t), track(&[0.0, 0.3, 1.0], |t| 1.0 - t));
         // -(2 t + 1 - t) + 0.5 has its largest size at t = 1: 1.5.

@@ -1,6 +1,14 @@
-//! What every output that follows from the motion of a cycle provides.
+//! The outputs that follow from the motion of a cycle: what each needs recorded, its value, and how it reads values between two time steps.
 
-use super::{RecordedCycle, RecordingRequest};
+use super::angle_difference::largest_difference;
+use super::angle_error::angle_error;
+use super::backlash::backlash;
+use super::driving_torque::driving_torque;
+use super::position_error::position_error;
+use super::recording_request::{RecordingRequest, SoughtBacklash};
+use super::wanted::argument_body;
+use super::{BodyTrack, RecordedCycle};
+use common::scene::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
 
 /// How an output reads the motion between two time steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,6 +22,27 @@ pub enum Sampling {
 }
 
 impl Sampling {
+    /// How an output of this kind reads the motion. What another program measures has no peaks between the steps of this one.
+    pub(crate) fn of_output(kind: &OutputKind) -> Self {
+        match kind {
+            OutputKind::AngularVelocityDifference { .. }
+            | OutputKind::AngleDifference { .. }
+            | OutputKind::PositionError { .. }
+            | OutputKind::AngleError { .. } => Sampling::Cubic,
+            OutputKind::PeakJointForce { .. }
+            | OutputKind::Acceleration { .. }
+            | OutputKind::AngularAcceleration { .. }
+            | OutputKind::DrivingTorque { .. } => Sampling::Steps,
+            OutputKind::Impacts { .. }
+            | OutputKind::ImpactEnergy { .. }
+            | OutputKind::Backlash { .. }
+            | OutputKind::PositionBacklash { .. }
+            | OutputKind::LargestWear { .. }
+            | OutputKind::Wear { .. }
+            | OutputKind::External { .. } => Sampling::Events,
+        }
+    }
+
     /// Largest share of the amplitude of a vibration by which its peak can be missed [1]: x^4 / 384 on a cubic, x^2 / 8 at the
     /// ends of the steps, where `phase` x is the angle of the vibration per time step [rad]. Valid for x below about 1.
     ///
@@ -28,21 +57,88 @@ impl Sampling {
     }
 }
 
-/// An output that follows from the recorded motion of one cycle.
-pub trait MotionOutput {
-    /// Adds what the output needs recorded.
-    fn request(&self, request: &mut RecordingRequest);
-
-    /// Value over the recorded cycle, in the SI unit of the output.
-    fn value(&self, cycle: &RecordedCycle) -> f64;
-
-    /// How the output reads the motion between two time steps.
-    fn sampling(&self) -> Sampling {
-        Sampling::Cubic
+/// True if the value of an output of the motion is that of an instant or of single events, and not a mean over the cycle.
+pub(crate) fn is_extreme(kind: &OutputKind) -> bool {
+    match kind {
+        OutputKind::LargestWear { .. } | OutputKind::Wear { .. } | OutputKind::External { .. } => false,
+        OutputKind::PositionError { measure, .. } | OutputKind::AngleError { measure, .. } => {
+            *measure == ErrorMeasure::Largest
+        }
+        _ => true,
     }
+}
 
-    /// True if the value is that of an instant or of single events, and not a mean over the cycle.
-    fn is_extreme(&self) -> bool {
-        true
+/// What these outputs need recorded of the motion.
+pub(crate) fn recording_request(outputs: &[Output]) -> RecordingRequest {
+    let mut request = RecordingRequest::default();
+    for output in outputs {
+        match &output.kind {
+            OutputKind::LargestWear { .. } | OutputKind::Wear { .. } | OutputKind::External { .. } => {}
+            OutputKind::AngularVelocityDifference { a, b } | OutputKind::AngleDifference { a, b } => {
+                request.bodies.extend([a.body, b.body]);
+            }
+            OutputKind::PeakJointForce { .. } => request.peak_forces = true,
+            OutputKind::PositionError { at, wanted, .. } => {
+                request.points.push(*at);
+                if wanted.iter().all(Option::is_none) {
+                    request.ideal_points.push(*at);
+                }
+                request.bodies.extend(wanted.iter().flatten().filter_map(argument_body));
+            }
+            OutputKind::AngleError { body, wanted, .. } => {
+                request.bodies.push(*body);
+                match wanted {
+                    None => request.ideal_bodies.push(*body),
+                    Some(curve) => request.bodies.extend(argument_body(curve)),
+                }
+            }
+            OutputKind::Acceleration { at } => request.accelerations.push(*at),
+            OutputKind::AngularAcceleration { body } => request.angular_accelerations.push(*body),
+            OutputKind::Impacts { .. } | OutputKind::ImpactEnergy { .. } => request.impacts = true,
+            OutputKind::DrivingTorque { body } => request.driven.push(*body),
+            OutputKind::Backlash { body, held } => {
+                request.backlashes.push(SoughtBacklash::of_angle(*body, *held));
+            }
+            OutputKind::PositionBacklash { at, direction, held } => {
+                request.backlashes.push(SoughtBacklash::of_place(*at, *direction, *held));
+            }
+        }
+    }
+    request
+}
+
+/// Value of an output over the recorded cycle, in its SI unit; zero if it does not follow from the motion.
+pub(crate) fn motion_value(kind: &OutputKind, cycle: &RecordedCycle) -> f64 {
+    let difference =
+        |largest: fn((&BodyTrack, f64), (&BodyTrack, f64)) -> f64, a: &SignedBody, b: &SignedBody| {
+            largest((&cycle.body(a.body), a.sign), (&cycle.body(b.body), b.sign))
+        };
+    match kind {
+        OutputKind::LargestWear { .. } | OutputKind::Wear { .. } | OutputKind::External { .. } => 0.0,
+        OutputKind::AngularVelocityDifference { a, b } => difference(largest_difference::<true>, a, b),
+        OutputKind::AngleDifference { a, b } => difference(largest_difference::<false>, a, b),
+        OutputKind::PeakJointForce { joints } => {
+            joints.iter().filter_map(|&joint| cycle.peak_force(joint)).fold(0.0, f64::max)
+        }
+        OutputKind::PositionError { at, wanted, measure } => {
+            position_error(at, wanted, cycle).measure(*measure)
+        }
+        OutputKind::AngleError { body, wanted, measure } => {
+            angle_error(*body, wanted.as_ref(), cycle).measure(*measure)
+        }
+        OutputKind::Acceleration { at } => cycle.peak_acceleration(at).unwrap_or(0.0),
+        OutputKind::AngularAcceleration { body } => cycle.peak_angular_acceleration(*body).unwrap_or(0.0),
+        OutputKind::Impacts { joints } => cycle.impacts(joints).map(|count| f64::from(count.number)).sum(),
+        OutputKind::ImpactEnergy { joints, measure: ImpactMeasure::Total } => {
+            cycle.impacts(joints).map(|count| count.energy).sum()
+        }
+        OutputKind::ImpactEnergy { joints, measure: ImpactMeasure::Largest } => {
+            cycle.impacts(joints).map(|count| count.hardest).fold(0.0, f64::max)
+        }
+        OutputKind::DrivingTorque { body } => driving_torque(*body, cycle),
+        OutputKind::Backlash { body, held } => backlash(&SoughtBacklash::of_angle(*body, *held), cycle),
+        OutputKind::PositionBacklash { at, direction, held } => {
+            backlash(&SoughtBacklash::of_place(*at, *direction, *held), cycle)
+        }
     }
 }

@@ -4,65 +4,35 @@
 //! deviation is sqrt((x - X)^2 + (y - Y)^2); of one wanted coordinate alone it is the difference in that coordinate.
 
 use super::deviation::Deviation;
-use super::wanted::{Wanted, argument_body};
-use super::{MotionOutput, PointTrack, RecordedCycle, RecordingRequest};
-use common::scene::{Attachment, Curve, ErrorMeasure};
+use super::trace::interval_at;
+use super::wanted::Wanted;
+use super::{PointTrack, RecordedCycle};
+use common::scene::{Attachment, Curve};
 
-/// The output `position-error` [m].
-pub struct PositionError<'a> {
-    /// Point of a body of the scene.
-    pub at: &'a Attachment,
-    /// Wanted coordinates x, y; without any the ideal mechanism is the reference.
-    pub wanted: &'a [Option<Curve>; 2],
-    /// Measure of the error over the cycle.
-    pub measure: ErrorMeasure,
-}
-
-impl MotionOutput for PositionError<'_> {
-    fn request(&self, request: &mut RecordingRequest) {
-        request.points.push(*self.at);
-        if self.wanted.iter().all(Option::is_none) {
-            request.ideal_points.push(*self.at);
-        }
-        request.bodies.extend(self.wanted.iter().flatten().filter_map(argument_body));
+/// The deviation of the output `position-error` [m] for a point of a body of the scene; without any `wanted` coordinates x, y the
+/// ideal mechanism is the reference.
+pub(super) fn position_error(
+    at: &Attachment,
+    wanted: &[Option<Curve>; 2],
+    cycle: &RecordedCycle,
+) -> Deviation {
+    let Some(path) = cycle.path(at) else { return Deviation::default() };
+    if wanted.iter().all(Option::is_none) {
+        return cycle.ideal_path(at).map(|ideal| from_ideal(path, ideal)).unwrap_or_default();
     }
-
-    fn value(&self, cycle: &RecordedCycle) -> f64 {
-        let Some(path) = cycle.path(self.at) else { return 0.0 };
-        let deviation = if self.wanted.iter().all(Option::is_none) {
-            cycle.ideal_path(self.at).map(|ideal| from_ideal(path, ideal)).unwrap_or_default()
-        } else {
-            self.deviation_from_wanted(path, cycle)
-        };
-        deviation.measure(self.measure)
-    }
-
-    fn is_extreme(&self) -> bool {
-        self.measure == ErrorMeasure::Largest
-    }
-}
-
-impl PositionError<'_> {
-    /// Deviation of a path from the wanted coordinates.
-    fn deviation_from_wanted(&self, path: &PointTrack, cycle: &RecordedCycle) -> Deviation {
-        let [mut x, mut y] =
-            self.wanted.each_ref().map(|c| c.as_ref().map(|curve| Wanted::new(curve, cycle)));
-        Deviation::over(path.times(), |k, t| {
-            let at = path.position_in(k, t);
-            let off = |wanted: &mut Option<Wanted>, is: f64| wanted.as_mut().map_or(0.0, |w| is - w.at(t));
-            libm::hypot(off(&mut x, at[0]), off(&mut y, at[1]))
-        })
-    }
+    let [mut x, mut y] = wanted.each_ref().map(|c| c.as_ref().map(|curve| Wanted::new(curve, cycle)));
+    Deviation::over(&path.time, |k, t| {
+        let at = path.position_in(k, t);
+        let off = |wanted: &mut Option<Wanted>, is: f64| wanted.as_mut().map_or(0.0, |w| is - w.at(t));
+        libm::hypot(off(&mut x, at[0]), off(&mut y, at[1]))
+    })
 }
 
 /// Deviation of a path from an ideal one, whose track covers the same span of time.
 fn from_ideal(path: &PointTrack, ideal: &PointTrack) -> Deviation {
     let mut j = 0;
-    Deviation::over(path.times(), |k, t| {
-        while j + 2 < ideal.times().len() && ideal.times()[j + 1] < t {
-            j += 1;
-        }
-        let (a, b) = (path.position_in(k, t), ideal.position_in(j, t));
+    Deviation::over(&path.time, |k, t| {
+        let (a, b) = (path.position_in(k, t), ideal.position_in(interval_at(&ideal.time, &mut j, t), t));
         libm::hypot(a[0] - b[0], a[1] - b[1])
     })
 }
@@ -70,6 +40,7 @@ fn from_ideal(path: &PointTrack, ideal: &PointTrack) -> Deviation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::scene::ErrorMeasure;
 
     #[test]
     fn the_distance_between_a_circle_and_a_shifted_one_is_the_shift() {
@@ -79,7 +50,7 @@ mod tests {
                 let t = k as f64 / n as f64;
                 let ((s, c), tau) = ((std::f64::consts::TAU * t).sin_cos(), std::f64::consts::TAU);
                 let bump = wobble * (tau * t).sin();
-                track.push(t, [c + shift + bump, s], [-tau * s + wobble * tau * c, tau * c]);
+                track.push(t, [c + shift + bump, s, -tau * s + wobble * tau * c, tau * c]);
             }
             track
         };

@@ -1,9 +1,7 @@
 //! The recorded motion of one cycle, as the outputs read it.
 
-use super::impact_count::ImpactCount;
-use super::moment_track::MomentTrack;
-use super::sought_backlash::SoughtBacklash;
-use super::{BodyTrack, PointTrack, Recorder};
+use super::peaks::ImpactCount;
+use super::{BodyTrack, MomentTrack, PointTrack, Recorder, SoughtBacklash};
 use crate::mechanism::{Influence, Island, Prescribed};
 use common::scene::{Attachment, Scene};
 use std::borrow::Cow;
@@ -55,7 +53,7 @@ impl<'a> RecordedCycle<'a> {
         if let Some(motion) = Prescribed::from_body(&self.scene.bodies[body]) {
             for t in sample_times(self.scene) {
                 let [angle, omega, alpha, _] = motion.jet(t);
-                track.push(t, angle, omega, alpha);
+                track.push(t, [angle, omega, alpha]);
             }
         }
         Cow::Owned(track)
@@ -78,17 +76,20 @@ impl<'a> RecordedCycle<'a> {
 
     /// Largest acceleration of a point over the cycle, if it was recorded [m/s^2].
     pub(crate) fn peak_acceleration(&self, point: &Attachment) -> Option<f64> {
-        self.islands.iter().find_map(|(_, recorder)| recorder.peak_acceleration(point))
+        self.islands.iter().find_map(|(_, recorder)| recorder.peaks.acceleration(point))
     }
 
     /// Largest angular acceleration of a body over the cycle, if it was recorded [rad/s^2].
     pub(crate) fn peak_angular_acceleration(&self, body: usize) -> Option<f64> {
-        self.islands.iter().find_map(|(_, recorder)| recorder.peak_angular_acceleration(body))
+        self.islands.iter().find_map(|(_, recorder)| recorder.peaks.angular_acceleration(body))
     }
 
-    /// Impacts of a joint of the scene over the cycle, if they were recorded.
-    pub(crate) fn impacts(&self, joint: usize) -> Option<ImpactCount> {
-        self.islands.iter().find_map(|(island, recorder)| recorder.impacts(island, joint))
+    /// Impacts of each of these joints of the scene over the cycle, as far as they were recorded.
+    pub(crate) fn impacts(&self, joints: &[usize]) -> impl Iterator<Item = ImpactCount> {
+        let of_joint = |joint: &usize| {
+            self.islands.iter().find_map(|(island, recorder)| recorder.peaks.impacts(island, *joint))
+        };
+        joints.iter().filter_map(of_joint)
     }
 
     /// Moments of the islands on a driven body of the scene.

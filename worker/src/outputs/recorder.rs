@@ -1,10 +1,8 @@
 //! Recording of one island over a cycle: contact histories for the wear, what the outputs request, and everything if the
 //! cycle is displayed.
 
-use super::impact_count::ImpactCount;
-use super::moment_track::MomentTrack;
 use super::peaks::{Largest, Peaks};
-use super::{BodyTrack, FullRecording, LaneRows, PointTrack, RecordingRequest};
+use super::{BodyTrack, FullRecording, LaneRows, MomentTrack, PointTrack, RecordingRequest};
 use crate::contact::GuideReaction;
 use crate::integrate::{Dynamics, Linearised, StateObserver};
 use crate::lanes::Real;
@@ -43,7 +41,7 @@ pub struct Recorder {
     /// Requested driven bodies: index into the prescribed bodies that the island touches, moment on them.
     moments: Vec<(usize, MomentTrack)>,
     /// Largest accelerations and impacts so far.
-    peaks: Peaks,
+    pub(super) peaks: Peaks,
     /// Largest force so far of each joint, those with clearance first, if requested [N].
     peak_forces: Option<Vec<Largest>>,
     /// End of the start of a cycle [s].
@@ -106,21 +104,6 @@ impl Recorder {
         all.zip(peaks).find(|(scene_joint, _)| *scene_joint == joint).map(|(_, peak)| peak.whole)
     }
 
-    /// Largest acceleration of a point over the cycle, if it is on this island and requested [m/s^2].
-    pub(crate) fn peak_acceleration(&self, at: &Attachment) -> Option<f64> {
-        self.peaks.acceleration(at)
-    }
-
-    /// Largest angular acceleration of a body of the scene over the cycle, if it is in this island and requested [rad/s^2].
-    pub(crate) fn peak_angular_acceleration(&self, body: usize) -> Option<f64> {
-        self.peaks.angular_acceleration(body)
-    }
-
-    /// Impacts of a joint of the scene over the cycle, if it is in this island and they are requested.
-    pub(crate) fn impacts(&self, island: &Island, joint: usize) -> Option<ImpactCount> {
-        self.peaks.impacts(island, joint)
-    }
-
     /// Removes the recording, for a new cycle.
     pub(crate) fn clear(&mut self) {
         self.histories.iter_mut().for_each(WearHistory::clear);
@@ -156,9 +139,7 @@ impl Recorder {
         self.histories.iter_mut().for_each(WearHistory::close_interval);
         self.full.iter_mut().for_each(FullRecording::finish);
     }
-}
 
-impl Recorder {
     /// True if the motion of a state at this time [s] was the last one recorded: the second half of a cycle begins at the end of the first,
     /// and that instant is observed twice.
     pub(crate) fn has_recorded(&self, t: f64) -> bool {
@@ -181,15 +162,16 @@ impl Recorder {
         self.traced.iter_mut().for_each(|traced| traced.push((t, contacts(at).collect())));
         for (slot, inertia, track) in &mut self.bodies {
             let k = 3 * *slot + 2;
-            track.push(t, q[k], v[k], at.f[k] / *inertia);
+            track.push(t, [q[k], v[k], at.f[k] / *inertia]);
         }
         for (_, End { frame, arm }, track) in &mut self.points {
             let k = 3 * *frame..3 * *frame + 3;
             let frame = Frame::free(&q[k.clone()], &v[k]);
-            track.push(t, frame.point(*arm), frame.velocity(*arm));
+            let ([x, y], [vx, vy]) = (frame.point(*arm), frame.velocity(*arm));
+            track.push(t, [x, y, vx, vy]);
         }
         for (touched, track) in &mut self.moments {
-            track.push(t, at.prescribed[*touched][2]);
+            track.push(t, [at.prescribed[*touched][2]]);
         }
         if let Some(peaks) = &mut self.peak_forces {
             let contacts = at.joints.iter().map(|j| libm::hypot(j.force[0], j.force[1]));
@@ -218,7 +200,7 @@ impl Recorder {
                 rows.each_new(|row, t| {
                     let [angle, omega, moment] = rows.coordinate(row, 3 * *slot + 2);
                     if recorded != Some(t) {
-                        track.push(t, angle, omega, moment / *inertia);
+                        track.push(t, [angle, omega, moment / *inertia]);
                     }
                 });
             }

@@ -32,7 +32,7 @@ fn contacts_in_a_lane_are_those_of_one_recorder() {
         // The state is linearised again after a refused step.
         for _ in 0..=k % 2 {
             lanes.record(t, &at, &mut |joint, _, sample| {
-                in_lane.histories[joint].bore_mut().expect("a bore").add(sample);
+                in_lane.histories[joint].bore_mut().expect("a bore").samples.push(sample);
             });
         }
         if k == 200 {
@@ -46,6 +46,6 @@ fn contacts_in_a_lane_are_those_of_one_recorder() {
     in_lane.finish();
     assert_eq!(alone.histories, in_lane.histories);
     let history = alone.histories[0].bore().expect("a bore");
-    assert!(history.samples().len() > 20, "{}", history.samples().len());
+    assert!(history.samples.len() > 20, "{}", history.samples.len());
     assert!((history.work() / trapezoid - 1.0).abs() < 1e-12, "{} {trapezoid}", history.work());
 }

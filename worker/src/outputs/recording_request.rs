@@ -1,7 +1,29 @@
 //! What to record of the motion of a cycle.
 
-use super::sought_backlash::SoughtBacklash;
-use common::scene::Attachment;
+use crate::mechanism::Coordinate;
+use common::scene::{Attachment, HeldInput};
+
+/// A backlash that an output asks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SoughtBacklash {
+    /// Coordinate that is moved.
+    pub coordinate: Coordinate,
+    /// Where the drives are held; `None` for all positions of a cycle.
+    pub held: Option<HeldInput>,
+}
+
+impl SoughtBacklash {
+    /// Of the angle of a free body.
+    pub(super) fn of_angle(body: usize, held: Option<HeldInput>) -> Self {
+        SoughtBacklash { coordinate: Coordinate::Angle(body), held }
+    }
+
+    /// Of a place on a free body along the direction at this angle from the x axis [rad].
+    pub(super) fn of_place(at: Attachment, direction: f64, held: Option<HeldInput>) -> Self {
+        let (sin, cos) = libm::sincos(direction);
+        SoughtBacklash { coordinate: Coordinate::Position(at, [cos, sin]), held }
+    }
+}
 
 /// Quantities to record over every measured cycle.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,4 +1,5 @@
-//! Angle of a body over a cycle, at the times of the integrator, with interpolation between them; largest force of a joint.
+//! Angle of a body, path of a point and moment on a driven body over a cycle, at the times of the integrator, with interpolation
+//! between them; largest force of a joint.
 //!
 //! # Source
 //! Cubic Hermite interpolation: de Boor, A Practical Guide to Splines (1978), chapter IV.
@@ -9,53 +10,88 @@ use crate::interpolate::Cubic;
 /// the secant where it peaks, below this value up to x = 2.2, and x / sin x where it is steepest, below it up to x = 1.5.
 const LARGEST_SLOPE: f64 = 1.5;
 
-/// Number of the first `times` `(n,)` [s] that are not after `time` and may be removed: two are left.
-pub(super) fn before(times: &[f64], time: f64) -> usize {
-    times.partition_point(|&t| t <= time).min(times.len().saturating_sub(2))
+/// Interval of increasing `times` `(n,)` that contains `time` [s], from interval `k` on, which it replaces.
+pub(super) fn interval_at(times: &[f64], k: &mut usize, time: f64) -> usize {
+    while *k + 2 < times.len() && times[*k + 1] < time {
+        *k += 1;
+    }
+    *k
 }
 
-/// Angle of one body with its first two rates, at increasing times.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct BodyTrack {
+/// Quantities at increasing times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track<const N: usize> {
     /// Time `(n,)` [s].
     pub time: Vec<f64>,
-    /// Angle `(n,)` [rad].
-    pub angle: Vec<f64>,
-    /// Angular velocity `(n,)` [rad/s].
-    pub omega: Vec<f64>,
-    /// Angular acceleration `(n,)` [rad/s^2].
-    pub alpha: Vec<f64>,
+    /// The quantities `(N, n)` [SI].
+    pub values: [Vec<f64>; N],
 }
 
-impl BodyTrack {
+/// Angle of one body [rad] with its first two rates [rad/s], [rad/s^2].
+pub type BodyTrack = Track<3>;
+
+/// Coordinates x, y of a point [m], then their rates [m/s].
+pub type PointTrack = Track<4>;
+
+/// Moment on a driven body about its axis [N m].
+pub type MomentTrack = Track<1>;
+
+impl<const N: usize> Default for Track<N> {
+    fn default() -> Self {
+        Track { time: vec![], values: std::array::from_fn(|_| vec![]) }
+    }
+}
+
+impl<const N: usize> Track<N> {
     /// Removes all states.
     pub(crate) fn clear(&mut self) {
         self.time.clear();
-        self.angle.clear();
-        self.omega.clear();
-        self.alpha.clear();
+        self.values.iter_mut().for_each(Vec::clear);
     }
 
     /// Removes the states up to a time [s], as far as two are left.
     pub(crate) fn drop_until(&mut self, time: f64) {
-        let dropped = before(&self.time, time);
-        for values in [&mut self.time, &mut self.angle, &mut self.omega, &mut self.alpha] {
-            values.drain(..dropped);
+        let before = self.time.partition_point(|&t| t <= time).min(self.time.len().saturating_sub(2));
+        for values in self.values.iter_mut().chain([&mut self.time]) {
+            values.drain(..before);
         }
     }
 
-    /// Adds a state: time [s], angle [rad], angular velocity [rad/s], angular acceleration [rad/s^2].
-    pub(crate) fn push(&mut self, time: f64, angle: f64, omega: f64, alpha: f64) {
+    /// Adds the quantities at a time [s].
+    #[inline]
+    pub(crate) fn push(&mut self, time: f64, values: [f64; N]) {
         self.time.push(time);
-        self.angle.push(angle);
-        self.omega.push(omega);
-        self.alpha.push(alpha);
+        self.values.iter_mut().zip(values).for_each(|(all, value)| all.push(value));
     }
+}
 
+impl MomentTrack {
+    /// Moment at time `t` [s], by linear interpolation [N m].
+    pub(crate) fn moment_at(&self, t: f64) -> f64 {
+        let Track { time, values: [moment] } = self;
+        let n = time.len();
+        if n < 2 {
+            return moment.first().copied().unwrap_or(0.0);
+        }
+        let k = time.partition_point(|&x| x <= t).clamp(1, n - 1) - 1;
+        moment[k] + share_of([time[k], time[k + 1]], t) * (moment[k + 1] - moment[k])
+    }
+}
+
+impl PointTrack {
+    /// Position at time `t` [s] in interval `k`, by cubic Hermite interpolation [m].
+    pub(crate) fn position_in(&self, k: usize, t: f64) -> [f64; 2] {
+        let [x, y, vx, vy] = &self.values;
+        [(x, vx), (y, vy)].map(|(x, v)| Piece::new(&self.time, x, [v[k], v[k + 1]], k).at(t).0)
+    }
+}
+
+impl BodyTrack {
     /// Angle in interval `k`, by cubic Hermite interpolation.
     #[inline]
     pub(crate) fn angle_in(&self, k: usize) -> Piece {
-        Piece::new(&self.time, &self.angle, [self.omega[k], self.omega[k + 1]], k)
+        let [angle, omega, _] = &self.values;
+        Piece::new(&self.time, angle, [omega[k], omega[k + 1]], k)
     }
 
     /// Angular velocity in interval `k`, by cubic Hermite interpolation. Accelerations are limited to [`LARGEST_SLOPE`] times the
@@ -65,23 +101,24 @@ impl BodyTrack {
     /// but much in the acceleration, and a cubic with that slope would have peaks that do not exist.
     #[inline]
     pub(crate) fn omega_in(&self, k: usize) -> Piece {
-        let change = |k: usize| (self.omega[k + 1] - self.omega[k]).abs();
+        let [_, omega, alpha] = &self.values;
+        let change = |k: usize| (omega[k + 1] - omega[k]).abs();
         let around = k.saturating_sub(1)..=(k + 1).min(self.time.len() - 2);
         let most = LARGEST_SLOPE * around.map(change).fold(0.0, f64::max) / (self.time[k + 1] - self.time[k]);
-        let slopes = [self.alpha[k], self.alpha[k + 1]].map(|a| a.clamp(-most, most));
-        Piece::new(&self.time, &self.omega, slopes, k)
+        let slopes = [alpha[k], alpha[k + 1]].map(|a| a.clamp(-most, most));
+        Piece::new(&self.time, omega, slopes, k)
     }
 
     /// Bounds of the angle in interval `k`.
     #[inline]
     pub(super) fn angle_spread(&self, k: usize) -> Spread {
-        Spread::new(&self.time, &self.angle, &self.omega, k)
+        Spread::new(&self.time, &self.values[0], &self.values[1], k)
     }
 
     /// Bounds of the angular velocity in interval `k`: limited slopes are nearer to the secant.
     #[inline]
     pub(super) fn omega_spread(&self, k: usize) -> Spread {
-        Spread::new(&self.time, &self.omega, &self.alpha, k)
+        Spread::new(&self.time, &self.values[1], &self.values[2], k)
     }
 
     /// Angle [rad] and angular velocity [rad/s] at times `at` [s], increasing and within the track, each by cubic Hermite
@@ -90,9 +127,7 @@ impl BodyTrack {
         let mut k = 0;
         at.iter()
             .map(|&t| {
-                while k + 2 < self.time.len() && self.time[k + 1] < t {
-                    k += 1;
-                }
+                let k = interval_at(&self.time, &mut k, t);
                 (self.angle_in(k).at(t).0, self.omega_in(k).at(t).0)
             })
             .unzip()
@@ -191,11 +226,12 @@ mod tests {
         let (mut followed, mut passed) = (BodyTrack::default(), BodyTrack::default());
         for k in 0..60 {
             let t = 1.2 * f64::from(k) + 0.3;
-            followed.push(t, 0.0, t.sin(), t.cos());
-            passed.push(t, 0.0, 1e-3 * t, if k % 2 == 0 { 50.0 } else { -50.0 });
+            followed.push(t, [0.0, t.sin(), t.cos()]);
+            passed.push(t, [0.0, 1e-3 * t, if k % 2 == 0 { 50.0 } else { -50.0 }]);
         }
         let unlimited = |k: usize, t: f64| {
-            Piece::new(&followed.time, &followed.omega, [followed.alpha[k], followed.alpha[k + 1]], k).at(t)
+            let [_, omega, alpha] = &followed.values;
+            Piece::new(&followed.time, omega, [alpha[k], alpha[k + 1]], k).at(t)
         };
         for k in 0..59 {
             let t = followed.time[k] + 0.5;
@@ -215,7 +251,7 @@ mod tests {
         for k in 0..5 {
             let t = 0.1 * (k * k) as f64;
             let (a, o, al) = f(t);
-            track.push(t, a, o, al);
+            track.push(t, [a, o, al]);
         }
         let at = [0.0, 0.05, 0.3, 1.6];
         let (angle, omega) = track.resample(&at);

@@ -6,6 +6,7 @@
 //! # Source
 //! De Boor, A Practical Guide to Splines (1978), chapter IV: complete spline with slopes by interpolation at the ends.
 
+use super::trace::interval_at;
 use super::{BodyTrack, RecordedCycle};
 use crate::mechanism::{PiecewiseCubic, Prescribed};
 use common::scene::{Curve, Over};
@@ -45,10 +46,8 @@ impl<'a> Wanted<'a> {
             Argument::Time => t,
             Argument::Prescribed(motion) => motion.angle(t),
             Argument::Recorded(track, k) => {
-                while *k + 2 < track.time.len() && track.time[*k + 1] < t {
-                    *k += 1;
-                }
-                track.angle_in(*k).at(t).0
+                let k = interval_at(&track.time, k, t);
+                track.angle_in(k).at(t).0
             }
         };
         self.function.jet(x)[0]

@@ -45,20 +45,18 @@ pub use worker_handle::{Stopper, WorkerHandle, run, spawn};
 /// One task with its work order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
-    order: Arc<WorkOrder>,
-    task: Task,
+    /// What the tasks of the campaign have in common.
+    pub order: Arc<WorkOrder>,
+    /// The task.
+    pub task: Task,
     /// Index of the coordinator that gets the outcome.
-    coordinator: usize,
+    pub coordinator: usize,
 }
 
 impl Job {
     /// A job outside any campaign, without the first cycle; for tests of a simulator.
     pub fn standalone(scene: &str, sample: &[f64], accuracy: Accuracy) -> Self {
-        Self::of_subject(Subject::Scene(scene.to_owned()), sample, accuracy)
-    }
-
-    /// Like [`Job::standalone`], for a scene or a simulator.
-    pub fn of_subject(subject: Subject, sample: &[f64], accuracy: Accuracy) -> Self {
+        let subject = Subject::Scene(scene.to_owned());
         let order =
             WorkOrder { subject, accuracy, accuracy_name: String::new(), licensed: false, tasks: vec![] };
         let task = Task {
@@ -77,26 +75,6 @@ impl Job {
         self
     }
 
-    /// Index of the coordinator that gets the outcome.
-    pub fn coordinator(&self) -> usize {
-        self.coordinator
-    }
-
-    /// The scene or simulator of the job.
-    pub fn subject(&self) -> &Subject {
-        &self.order.subject
-    }
-
-    /// Whether its evaluation takes a licence.
-    pub fn licensed(&self) -> bool {
-        self.order.licensed
-    }
-
-    /// Campaign and number of the evaluation.
-    pub fn key(&self) -> TaskKey {
-        self.task.key
-    }
-
     /// Values of the scene's random variables `(d,)`, SI.
     pub fn sample(&self) -> &[f64] {
         &self.task.sample
@@ -105,11 +83,6 @@ impl Job {
     /// Numerical settings of this evaluation.
     pub fn accuracy(&self) -> &Accuracy {
         self.task.accuracy.as_ref().unwrap_or(&self.order.accuracy)
-    }
-
-    /// Whether the settled first cycle is to be returned too.
-    pub fn with_first_cycle(&self) -> bool {
-        self.task.with_first_cycle
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::run::Run;
 use crate::mechanism::{Island, Prescribed};
-use crate::outputs::{FullRecording, RecordedCycle, Recorder, motion_output, sample_times, sum_of_islands};
+use crate::outputs::{FullRecording, RecordedCycle, Recorder, motion_value, sample_times, sum_of_islands};
 use common::outputs::{BodyMotion, BodyTrace, CycleHistory, EnergyBalance};
 use common::scene::Motion;
 
@@ -147,6 +147,5 @@ impl Run<'_> {
 
 /// Outputs that follow from the motion of a cycle, zero in the place of the others `(outputs,)` [SI].
 fn outputs_of(cycle: &RecordedCycle) -> Vec<f64> {
-    let outputs = cycle.scene.outputs.iter().map(|output| motion_output(&output.kind));
-    outputs.map(|output| output.map_or(0.0, |output| output.value(cycle))).collect()
+    cycle.scene.outputs.iter().map(|output| motion_value(&output.kind, cycle)).collect()
 }

@@ -33,7 +33,7 @@
 use super::motion_estimate::{MeasuredLives, MotionEstimate};
 use super::probe::SURFACES;
 use super::run::Run;
-use crate::outputs::{Sampling, motion_output};
+use crate::outputs::Sampling;
 use crate::wear::{WornAmounts, wear_output};
 use common::scene::{Scene, WearQuantity};
 use std::f64::consts::TAU;
@@ -114,12 +114,9 @@ impl ErrorEstimate {
                     values.map(|(&life, &value)| self.wear_error_within(of, life, value)).collect()
                 }
                 None => {
-                    // What another program measures has no peaks between the steps of this one.
-                    let sampling =
-                        motion_output(&output.kind).map_or(Sampling::Events, |output| output.sampling());
                     let values = (&*checkpoints, &*histories[k]);
                     let behind = |life| self.relative_wear_error(scene, life);
-                    let missed_peak = sampling.missed_peak(phase);
+                    let missed_peak = Sampling::of_output(&output.kind).missed_peak(phase);
                     let of_motion = &self.conditions[condition];
                     let mut error = of_motion.motion_errors(k, values, measured, missed_peak, behind);
                     if !scene.control_points_of_model {

@@ -65,7 +65,7 @@ fn ideal_angle(poses: &[Pose], body: usize) -> BodyTrack {
     let mut track = BodyTrack::default();
     for pose in poses {
         if let (Some(q), Some(v)) = (pose.q[body], pose.v[body]) {
-            track.push(pose.time, q[2], v[2], 0.0);
+            track.push(pose.time, [q[2], v[2], 0.0]);
         }
     }
     track
@@ -78,7 +78,8 @@ fn ideal_path(scene: &Scene, poses: &[Pose], at: &Attachment) -> PointTrack {
     for pose in poses {
         if let (Some(q), Some(v)) = (pose.q[at.body], pose.v[at.body]) {
             let frame = Frame::free(&q, &v);
-            path.push(pose.time, frame.point(arm), frame.velocity(arm));
+            let ([x, y], [vx, vy]) = (frame.point(arm), frame.velocity(arm));
+            path.push(pose.time, [x, y, vx, vy]);
         }
     }
     path

@@ -14,7 +14,7 @@ use super::repetition::ToCome;
 use super::run::Run;
 use super::state_sequence::{NOT_DECAYING, StateSequence, size};
 use crate::integrate::Stepped;
-use crate::outputs::{Recorder, motion_output};
+use crate::outputs::{Recorder, is_extreme};
 use common::failure::SimulationFailure;
 use common::outputs::UnsettledMotion;
 use std::f64::consts::{PI, TAU};
@@ -315,9 +315,8 @@ impl<'a> Run<'a> {
         let islands = self.islands.iter().zip(&rest);
         let later = self.outputs_of_recordings(islands.map(|(state, recorder)| (&state.island, recorder)));
         let outputs = self.scene.outputs.iter().zip(self.measured.iter().zip(&later));
-        let mut extremes = outputs.filter(|(output, (whole, later))| {
-            whole != later && motion_output(&output.kind).is_some_and(|output| output.is_extreme())
-        });
+        let mut extremes =
+            outputs.filter(|(output, (whole, later))| whole != later && is_extreme(&output.kind));
         extremes.next().map(|(output, _)| output.name.as_str())
     }
 }

@@ -94,13 +94,13 @@ struct Turns {
 impl Turns {
     /// Adds the track of a cycle that begins at `start` [s].
     fn add(&mut self, start: f64, track: &BodyTrack) {
-        let Some((&from, &time)) = track.angle.first().zip(track.time.first()) else { return };
+        let Some((&from, &time)) = track.values[0].first().zip(track.time.first()) else { return };
         let first = *self.first.get_or_insert(from);
         if self.times.is_empty() {
             self.times.push(start + time);
         }
         for k in 0..track.time.len() - 1 {
-            let turned = |k: usize| (track.angle[k] - first).abs() / TAU;
+            let turned = |k: usize| (track.values[0][k] - first).abs() / TAU;
             let next = self.times.len() as f64;
             if turned(k) < next && turned(k + 1) >= next {
                 self.times.push(start + instant(track, k, |angle| (angle - first).abs() / TAU - next));
@@ -148,7 +148,7 @@ mod tests {
             for k in 0..=200 {
                 let local = 0.4 * f64::from(k) / 200.0;
                 let t = 0.4 * f64::from(cycle) + local;
-                track.push(local, angle(t), 10.0 + 2.0 * (-t).exp(), -2.0 * (-t).exp());
+                track.push(local, [angle(t), 10.0 + 2.0 * (-t).exp(), -2.0 * (-t).exp()]);
             }
             turns.add(0.4 * f64::from(cycle), &track);
             period = turns.period();

@@ -34,23 +34,6 @@ use crate::contact::{Contact, Pressure};
 use common::scene::WearDistribution;
 use std::f64::consts::TAU;
 
-/// Wear coefficients K_H of bushing and journal, zero for a surface that does not wear `(2,)` [1/Pa].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WearCoefficients(pub [f64; 2]);
-
-impl From<f64> for WearCoefficients {
-    /// Only the bushing wears.
-    fn from(coefficient: f64) -> Self {
-        WearCoefficients([coefficient, 0.0])
-    }
-}
-
-impl From<[f64; 2]> for WearCoefficients {
-    fn from(coefficients: [f64; 2]) -> Self {
-        WearCoefficients(coefficients)
-    }
-}
-
 /// Wear rate of one joint under a frozen contact history.
 #[derive(Debug, Clone)]
 pub struct BoreWearRate {
@@ -70,14 +53,8 @@ enum FrozenContacts {
 
 impl BoreWearRate {
     /// Rate of a joint with these wear coefficients, width `width` [m] and this contact law.
-    pub(crate) fn new(
-        coefficients: impl Into<WearCoefficients>,
-        width: f64,
-        contact: &Contact,
-        profile: &Profile,
-    ) -> Self {
+    pub(crate) fn new(coefficients: [f64; 2], width: f64, contact: &Contact, profile: &Profile) -> Self {
         let (surface, points) = (*contact.surface(), profile.points());
-        let WearCoefficients(coefficients) = coefficients.into();
         let wears = coefficients[1] > 0.0;
         BoreWearRate {
             coefficients,
@@ -109,14 +86,6 @@ impl BoreWearRate {
         self.sizes
     }
 
-    /// Replaces the frozen history by that of the cycle just simulated.
-    pub(crate) fn freeze(&mut self, history: &ContactHistory) {
-        match &mut self.contacts {
-            FrozenContacts::UniformOverArc(arcs) => arcs.freeze(history.samples()),
-            FrozenContacts::Foundation(contacts) => contacts.freeze(&self.profile, history.samples()),
-        }
-    }
-
     /// Evaluations of the foundation so far; zero under a law without one.
     #[cfg(test)]
     pub(crate) fn evaluations(&self) -> u64 {
@@ -125,13 +94,28 @@ impl BoreWearRate {
             FrozenContacts::Foundation(contacts) => contacts.evaluations(),
         }
     }
+}
+
+impl WearLaw for BoreWearRate {
+    type History = ContactHistory;
+
+    fn freeze(&mut self, history: &ContactHistory) {
+        match &mut self.contacts {
+            FrozenContacts::UniformOverArc(arcs) => arcs.freeze(&history.samples),
+            FrozenContacts::Foundation(contacts) => contacts.freeze(&self.profile, &history.samples),
+        }
+    }
+
+    fn sizes(&self) -> SurfaceSizes {
+        SurfaceSizes::Bore(self.sizes)
+    }
 
     /// Wear rate dh/dN at every control point of a bore worn to `depth` `(points,)` [m], followed by those of the journal if that
     /// wears: `rate` of the same length [m/cycle].
     ///
     /// # Errors
     /// [`NoEquilibrium`] if a frozen force has no equilibrium on that bore.
-    pub(crate) fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), NoEquilibrium> {
+    fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), NoEquilibrium> {
         let BoreSizes { points, radii, width } = self.sizes;
         let (bore, of_journal) = depth.split_at(points);
         self.profile.set_depth(bore);
@@ -150,21 +134,5 @@ impl BoreWearRate {
             rate.iter_mut().for_each(|r| *r *= coefficient / per);
         }
         Ok(())
-    }
-}
-
-impl WearLaw for BoreWearRate {
-    type History = ContactHistory;
-
-    fn freeze(&mut self, history: &ContactHistory) {
-        BoreWearRate::freeze(self, history);
-    }
-
-    fn sizes(&self) -> SurfaceSizes {
-        SurfaceSizes::Bore(self.sizes)
-    }
-
-    fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), NoEquilibrium> {
-        BoreWearRate::rate(self, depth, rate)
     }
 }

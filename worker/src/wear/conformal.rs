@@ -52,7 +52,7 @@ impl ConformalContacts {
     pub(crate) fn new(surface: Surface, points: usize, wears: bool) -> Self {
         let law = Foundation::with_intervals(surface, points, INTERVALS);
         ConformalContacts {
-            sums: NodalLoads::new(law.arc(), points),
+            sums: NodalLoads::new(&law.arc, points),
             shares: ArcShares::default(),
             parts: Vec::new(),
             fine: Box::default(),
@@ -135,13 +135,13 @@ impl ConformalContacts {
     #[inline(always)]
     fn add_shares(&mut self, to: &mut [f64]) -> Result<(), NoEquilibrium> {
         let ConformalContacts { law, sums, shares, samples, evaluations, .. } = self;
-        sums.tabulate(law.arc());
+        sums.tabulate(&law.arc);
         for sample in samples {
             let Some(Equilibrium { e, evaluations: spent }) = find_equilibrium(law, sample)? else {
                 continue;
             };
             *evaluations += u64::from(spent);
-            sums.shares(law.arc(), e, shares);
+            sums.shares(&law.arc, e, shares);
             let scale = work_per_pressure(sample, shares.pressed)?;
             for &(i, [here, next]) in &shares.each {
                 to[i] += scale * here;
@@ -158,13 +158,13 @@ impl ConformalContacts {
         let ConformalContacts { law, journal, samples, parts, fine, evaluations, .. } = self;
         let Some(journal) = journal else { return Ok(()) };
         journal.set_depth(of_journal);
-        fine.clear(law.arc().intervals());
+        fine.clear(law.arc.intervals());
         for sample in samples {
             let Some(law) = law.with_journal(journal) else { continue };
             let law = (law, sample.turn);
             let Some(found) = find_equilibrium(&law, sample)? else { continue };
             *evaluations += u64::from(found.evaluations);
-            let arc = law.0.rotated_arc();
+            let arc = law.0.arc.turned;
             let pressed = arc.weigh(found.e, sample.turn, parts);
             fine.add(parts, arc.place(sample.turn), work_per_pressure(sample, pressed)?);
         }

@@ -21,7 +21,7 @@ pub(crate) fn mean_contact_arc(history: &ContactHistory, [bore, journal]: [f64; 
         let cosine = (bore * bore + e * e - journal * journal) / (2.0 * bore * e);
         2.0 * libm::acos(cosine.clamp(-1.0, 1.0)).min(PI)
     };
-    let (work, arcs) = history.samples().iter().fold((0.0, 0.0), |(work, arcs), sample| {
+    let (work, arcs) = history.samples.iter().fold((0.0, 0.0), |(work, arcs), sample| {
         (work + sample.work, arcs + sample.work * arc(sample.penetration))
     });
     if work > 0.0 { arcs / work } else { 0.0 }
@@ -39,7 +39,7 @@ mod tests {
             let mut history = ContactHistory::new(1.0, 10, false);
             for &(penetration, work) in samples {
                 let at = ContactSample { e: [0.0; 2], penetration, force: [0.0; 2], work, turn: 0.0 };
-                history.add(at);
+                history.samples.push(at);
             }
             mean_contact_arc(&history, [bore, journal])
         };

@@ -59,7 +59,7 @@ fn on_a_round_bore_a_force_rests_at_hertz_penetration() {
         let depth = (force / law.surface.stiffness).powf(2.0 / 3.0);
         // Half the arc spans m intervals, which puts the force within 0.025 / m^3; the modulus is fitted
         // within 4e-4.
-        let spanned = (2.0 * depth / clearance).sqrt() * law.arc().intervals() as f64 / TAU;
+        let spanned = (2.0 * depth / clearance).sqrt() * law.arc.intervals() as f64 / TAU;
         let bound = 4e-4 + 0.025 / spanned.powi(3);
         for psi in [0.1, 2.0, 4.4] {
             let (start, force) = (polar(0.9 * clearance, psi - 1.0), polar(force, psi));

@@ -68,8 +68,8 @@ pub struct FinerBore<L> {
 
 impl<L: WearLaw> FinerBore<L> {
     /// An unworn copy with this many `depths` and this `rate`, of surfaces whose wear steps have this rule.
-    pub(crate) fn new(rate: L, depths: usize, rule: impl Into<StepRule>) -> Self {
-        let rule = match rule.into() {
+    pub(crate) fn new(rate: L, depths: usize, rule: StepRule) -> Self {
+        let rule = match rule {
             StepRule::Controlled(tolerance) => StepRule::Controlled((TIGHTER * tolerance).max(TIGHTEST)),
             StepRule::Explicit => StepRule::Explicit,
         };

@@ -13,9 +13,10 @@ use super::interval::{ContactInstant, ContactSample, Interval};
 /// Contact history of one joint over one cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactHistory {
-    samples: Vec<ContactSample>,
+    /// Samples of the intervals with contact, in order of time.
+    pub samples: Vec<ContactSample>,
     /// The interval that has not ended yet.
-    interval: Interval,
+    pub interval: Interval,
     empty: Interval,
 }
 
@@ -37,21 +38,6 @@ impl ContactHistory {
     pub(crate) fn push(&mut self, duration: f64, at: &ContactInstant) {
         let samples = &mut self.samples;
         self.interval.push(duration, at, &mut |_, sample| samples.push(sample));
-    }
-
-    /// Adds an interval that has ended.
-    pub(crate) fn add(&mut self, sample: ContactSample) {
-        self.samples.push(sample);
-    }
-
-    /// The interval that has not ended yet.
-    pub(crate) fn interval(&self) -> &Interval {
-        &self.interval
-    }
-
-    /// Replaces the interval that has not ended yet.
-    pub(crate) fn set_interval(&mut self, interval: Interval) {
-        self.interval = interval;
     }
 
     /// Ends the current interval; to be called at the end of the cycle.
@@ -77,10 +63,5 @@ impl ContactHistory {
     /// Work F S of all contacts [N m].
     pub(crate) fn work(&self) -> f64 {
         self.samples.iter().map(|sample| sample.work).sum()
-    }
-
-    /// Samples of the intervals with contact, in order of time.
-    pub(crate) fn samples(&self) -> &[ContactSample] {
-        &self.samples
     }
 }

@@ -48,7 +48,7 @@ pub struct ContactInstant<R = f64> {
     turn: R,
 }
 
-lanewise!(ContactInstant { density, e, penetration, normal, direction, turn });
+lanewise!(numbers ContactInstant { density, e, penetration, normal, direction, turn });
 
 impl<R: Real> ContactInstant<R> {
     /// The contact of a joint with eccentricity `e` `(2,)` [m].
@@ -63,18 +63,6 @@ impl<R: Real> ContactInstant<R> {
     #[inline(always)]
     pub(crate) fn turned(self, turn: R) -> Self {
         ContactInstant { turn, ..self }
-    }
-
-    /// The contact in one lane.
-    pub(crate) fn lane(&self, k: usize) -> ContactInstant {
-        ContactInstant {
-            density: self.density.lane(k),
-            e: self.e.map(|x| x.lane(k)),
-            penetration: self.penetration.lane(k),
-            normal: self.normal.lane(k),
-            direction: self.direction.map(|x| x.lane(k)),
-            turn: self.turn.lane(k),
-        }
     }
 }
 
@@ -117,7 +105,7 @@ pub struct Interval<R = f64> {
     turn: R,
 }
 
-lanewise!(Interval {
+lanewise!(numbers Interval {
     longest,
     elapsed,
     work,
@@ -220,22 +208,6 @@ impl<R: Real> Interval<R> {
         self.work.set_lane(lane, 0.0);
         self.elapsed.set_lane(lane, 0.0);
         (work > 0.0).then_some(sample)
-    }
-
-    /// The interval in one lane.
-    pub(crate) fn lane(&self, k: usize) -> Interval {
-        Interval {
-            longest: self.longest.lane(k),
-            elapsed: self.elapsed.lane(k),
-            work: self.work.lane(k),
-            e: self.e.map(|x| x.lane(k)),
-            penetration: self.penetration.lane(k),
-            force: self.force.map(|x| x.lane(k)),
-            first_direction: self.first_direction.map(|x| x.lane(k)),
-            largest_turn: self.largest_turn.lane(k),
-            first_turn: self.first_turn.lane(k),
-            turn: self.turn.lane(k),
-        }
     }
 }
 

@@ -1,7 +1,10 @@
 //! Wear of a journal beside that of its bushing: even wear of a journal that turns, volumes, and mirror images.
 
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH};
-use super::{BoreWearRate, ContactHistory, ContactInstant, FinerBore, WearStep, WearStepStats, WornAmounts};
+use super::wear_law::WearLaw;
+use super::{
+    BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearStep, WearStepStats, WornAmounts,
+};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
 use std::f64::consts::TAU;
@@ -51,11 +54,11 @@ fn worn(
     let mut rate = BoreWearRate::new(coefficients, WIDTH, contact, &profile);
     rate.freeze(history);
     let mut depth = vec![0.0; 2 * points];
-    let mut step = WearStep::new(2 * points, 1e-3);
+    let mut step = WearStep::new(2 * points, StepRule::Controlled(1e-3));
     let mut copy = FinerBore::new(
         BoreWearRate::new(coefficients, WIDTH, contact, &profile.unworn(2 * points)),
         4 * points,
-        1e-3,
+        StepRule::Controlled(1e-3),
     );
     for _ in 0..blocks {
         copy.advance(history, 500.0, rate.sizes().amounts(&depth));

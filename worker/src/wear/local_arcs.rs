@@ -103,7 +103,7 @@ impl LocalArcs {
         self.ends.profile_changed(profile);
         if let Some(journal) = &mut self.journal {
             journal.set_depth(of_journal);
-            self.ends.journal_changed(journal.worn());
+            self.ends.journal_changed(&journal.worn);
         }
         self.unrolled.fill(0.0);
         in_widest_lanes(Sharing { arcs: self, profile });
@@ -149,8 +149,8 @@ impl Sharing<'_> {
         let turn = self.profile.points() as f64;
         let per_point = self.profile.points() as f64 / ends.intervals() as f64;
         let radius_of_journal = |journal: &Journal, [start, end]: [f64; 2], middle: f64| {
-            let worn = |x: f64| journal.worn().turned(x);
-            journal.unworn() - (worn(start) + 4.0 * middle + worn(end)) / 6.0
+            let worn = |x: f64| journal.worn.turned(x);
+            journal.unworn - (worn(start) + 4.0 * middle + worn(end)) / 6.0
         };
         let mut beyond = [0.0; WORD];
         for samples in samples.chunks(AT_ONCE) {
@@ -163,7 +163,7 @@ impl Sharing<'_> {
                 let depth = journal.map(|journal| {
                     let place = on_journal * per_point;
                     let at = (place as usize).min(self.profile.points() - 1);
-                    journal.worn().within(at, place - at as f64)
+                    journal.worn.within(at, place - at as f64)
                 });
                 let (radius, slope) = depth.map_or((r, d1), |depth| (r + depth.r, d1 + depth.d1));
                 let on_journal = journal.map(|_| on_journal);
@@ -198,7 +198,7 @@ impl Sharing<'_> {
                         );
                         if let Some(journal) = journal {
                             let ends = [place + from, place + to];
-                            let between = journal.worn().turned(place + 0.5 * (from + to));
+                            let between = journal.worn.turned(place + 0.5 * (from + to));
                             let mean = radius_of_journal(journal, ends, between);
                             let places = ArcEnd::both(turn + ends[0], turn + ends[1]);
                             D::share_out(of_journal, places, density * (to - from) / mean);

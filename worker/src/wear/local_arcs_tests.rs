@@ -3,6 +3,7 @@
 use super::arc_ends::subdivision;
 use super::interval::ContactSample;
 use super::local_arcs::LocalArcs;
+use super::wear_law::WearLaw;
 use super::{BoreWearRate, ContactHistory, ContactInstant};
 use crate::bore::Profile;
 use crate::contact::{Contact, JointForce, LocalHertz, Surface};
@@ -135,7 +136,7 @@ fn rates_are_those_of_the_walk_over_smooth_rough_and_grooved_bores() {
                 history.push(1.0, &ContactInstant::new([CLEARANCE * u[0], CLEARANCE * u[1]], &force));
                 history.close_interval();
             }
-            let mut law = BoreWearRate::new(COEFFICIENT, WIDTH, &contact, &profile);
+            let mut law = BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, &contact, &profile);
             law.freeze(&history);
             // One bore after the other, so that the search starts from ends that were somewhere else.
             for depth in bores(points, size, &mut even) {

@@ -3,6 +3,7 @@
 use super::interval::ContactSample;
 use super::local_arcs::LocalArcs;
 use super::step_tests::{COEFFICIENT, SURFACE, WIDTH};
+use super::wear_law::WearLaw;
 use super::{BoreWearRate, ContactHistory, StepRule, WearStep, WearStepStats};
 use crate::bore::Profile;
 use crate::contact::{Contact, LocalHertz};
@@ -88,9 +89,10 @@ fn stepped(
     distribution: WearDistribution,
 ) -> (Vec<f64>, Vec<f64>, Vec<Vec<f64>>) {
     let mut history = ContactHistory::new(1.0, 1, false);
-    history.add(sample(7.0 * SPACING, 2.3 * SPACING));
+    history.samples.push(sample(7.0 * SPACING, 2.3 * SPACING));
     let profile = Profile::round(RADIUS, POINTS);
-    let mut law = BoreWearRate::new(COEFFICIENT, WIDTH, &contact(), &profile).distributed(distribution);
+    let mut law =
+        BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, &contact(), &profile).distributed(distribution);
     law.freeze(&history);
     let (mut rate, mut depth, mut marked) = (vec![0.0; POINTS], vec![0.0; POINTS], vec![]);
     law.rate(&depth, &mut rate).expect("the local law needs no equilibrium");
@@ -118,8 +120,8 @@ fn an_explicit_step_adds_the_rate_at_its_start() {
 #[test]
 fn an_explicit_step_through_a_wall_is_refused() {
     let mut history = ContactHistory::new(1.0, 1, false);
-    history.add(sample(0.0, SPACING));
-    let mut law = BoreWearRate::new(COEFFICIENT, WIDTH, &contact(), &Profile::round(RADIUS, POINTS));
+    history.samples.push(sample(0.0, SPACING));
+    let mut law = BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, &contact(), &Profile::round(RADIUS, POINTS));
     law.freeze(&history);
     let mut depth = vec![0.0; POINTS];
     let worn = WearStep::new(POINTS, StepRule::Explicit).advance(

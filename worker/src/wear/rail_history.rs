@@ -103,7 +103,8 @@ impl RailInterval {
 /// Contact history of one guide over one cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RailHistory {
-    samples: Vec<RailSample>,
+    /// Samples of the intervals with contact, in order of time.
+    pub samples: Vec<RailSample>,
     /// The interval that has not ended yet.
     interval: RailInterval,
     /// Duration after which an interval ends [s], largest movement [m] and largest change of M / N [m] within one.
@@ -182,11 +183,6 @@ impl RailHistory {
     pub(crate) fn work(&self) -> f64 {
         self.samples.iter().map(|sample| sample.work).sum()
     }
-
-    /// Samples of the intervals with contact, in order of time.
-    pub(crate) fn samples(&self) -> &[RailSample] {
-        &self.samples
-    }
 }
 
 #[cfg(test)]
@@ -218,12 +214,12 @@ mod tests {
         ];
         instants.iter().for_each(|(duration, at)| history.push(*duration, at));
         history.close_interval();
-        let works: Vec<f64> = history.samples().iter().map(|sample| sample.work).collect();
+        let works: Vec<f64> = history.samples.iter().map(|sample| sample.work).collect();
         assert_eq!(works.len(), 4);
         for (work, expected) in works.iter().zip([1.8, 0.4, 0.4, 0.4]) {
             assert!((work - expected).abs() < 1e-14, "{works:?}");
         }
-        let first = history.samples()[0];
+        let first = history.samples[0];
         assert!((first.force - 10.0 / 3.0).abs() < 1e-14 && (first.moment - 0.1 / 3.0).abs() < 1e-15);
         assert!((first.position - 2e-3 / 3.0).abs() < 1e-18 && (history.work() - 3.0).abs() < 1e-14);
     }

@@ -143,7 +143,7 @@ impl WearLaw for RailWearRate {
 
     fn freeze(&mut self, history: &RailHistory) {
         let mut groups: BTreeMap<_, RailSample> = BTreeMap::new();
-        for sample in history.samples().iter().filter(|sample| sample.work > 0.0) {
+        for sample in history.samples.iter().filter(|sample| sample.work > 0.0) {
             let of_group = groups.entry(self.group(sample));
             of_group.and_modify(|mean| *mean = joined(mean, sample)).or_insert(*sample);
         }

@@ -4,7 +4,7 @@ use super::rail_equilibrium::RailGaps;
 use super::rail_history::{RailHistory, RailInstant};
 use super::rail_rate::RailWearRate;
 use super::wear_law::WearLaw;
-use super::{FinerBore, WearStep, WearStepStats, WornAmounts};
+use super::{FinerBore, StepRule, WearStep, WearStepStats, WornAmounts};
 use crate::contact::GuideReaction;
 use crate::rail::RailLayout;
 
@@ -43,7 +43,7 @@ fn history(layout: &RailLayout, instants: &[(f64, RailInstant)]) -> RailHistory 
 
 fn wear(rate: &mut RailWearRate, depth: &mut [f64], cycles: f64, tolerance: f64) -> WearStepStats {
     let mut stats = WearStepStats::default();
-    WearStep::new(depth.len(), tolerance)
+    WearStep::new(depth.len(), StepRule::Controlled(tolerance))
         .advance(rate, depth, cycles, &[], |_, _| {}, &mut stats)
         .expect("worn");
     stats
@@ -265,7 +265,8 @@ fn the_finer_copy_states_an_error_that_holds() {
         let history = history(&layout, &instants());
         let mut rate = law(layout, [COEFFICIENT, 5e-14]);
         let finer = layout.finer();
-        let mut copy = FinerBore::new(law(finer, [COEFFICIENT, 5e-14]), finer.depths(), 5e-3);
+        let mut copy =
+            FinerBore::new(law(finer, [COEFFICIENT, 5e-14]), finer.depths(), StepRule::Controlled(5e-3));
         let (mut depth, mut worn) = (vec![0.0; layout.depths()], WornAmounts::default());
         for _ in 0..8 {
             rate.freeze(&history);

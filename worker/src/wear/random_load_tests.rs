@@ -2,7 +2,10 @@
 //! at random.
 
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH};
-use super::{BoreWearRate, ContactHistory, ContactInstant, FinerBore, WearStep, WearStepStats, WornAmounts};
+use super::wear_law::WearLaw;
+use super::{
+    BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearStep, WearStepStats, WornAmounts,
+};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
 use crate::extremum::largest;
@@ -86,12 +89,12 @@ fn contact(law: &str, points: usize) -> Contact {
 fn worn(law: &str, case: &Case, points: usize) -> (Vec<f64>, Vec<f64>) {
     let profile = Profile::round(SURFACE.journal_radius + SURFACE.clearance, points);
     let contact = contact(law, points);
-    let mut rate = BoreWearRate::new(COEFFICIENT, WIDTH, &contact, &profile);
-    let mut step = WearStep::new(points, case.tolerance);
+    let mut rate = BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, &contact, &profile);
+    let mut step = WearStep::new(points, StepRule::Controlled(case.tolerance));
     let mut copy = FinerBore::new(
-        BoreWearRate::new(COEFFICIENT, WIDTH, &contact, &profile.unworn(2 * points)),
+        BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, &contact, &profile.unworn(2 * points)),
         2 * points,
-        case.tolerance,
+        StepRule::Controlled(case.tolerance),
     );
     let mut depth = vec![0.0; points];
     let (mut depths, mut stated, mut amounts) = (vec![], vec![], WornAmounts::default());
@@ -115,8 +118,8 @@ fn worn(law: &str, case: &Case, points: usize) -> (Vec<f64>, Vec<f64>) {
 /// The same depths under histories renewed [`PARTS`] times a block, each taken in its middle, at `points` control points.
 fn converged(law: &str, case: &Case, points: usize) -> Vec<f64> {
     let profile = Profile::round(SURFACE.journal_radius + SURFACE.clearance, points);
-    let mut rate = BoreWearRate::new(COEFFICIENT, WIDTH, &contact(law, points), &profile);
-    let mut step = WearStep::new(points, 1e-2);
+    let mut rate = BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, &contact(law, points), &profile);
+    let mut step = WearStep::new(points, StepRule::Controlled(1e-2));
     let mut depth = vec![0.0; points];
     let mut depths = vec![];
     for block in ENDS.windows(2) {

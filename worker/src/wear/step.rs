@@ -42,12 +42,6 @@ impl StepRule {
     }
 }
 
-impl From<f64> for StepRule {
-    fn from(tolerance: f64) -> Self {
-        StepRule::Controlled(tolerance)
-    }
-}
-
 /// Work counters of one or more wear steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct WearStepStats {
@@ -116,10 +110,10 @@ impl WearStep {
     pub(crate) const MOST_EVALUATIONS: u64 = 2000;
 
     /// A wear step for `points` control points by a rule, or with control of the errors within a relative tolerance [1].
-    pub(crate) fn new(points: usize, rule: impl Into<StepRule>) -> Self {
+    pub(crate) fn new(points: usize, rule: StepRule) -> Self {
         let zero = vec![0.0; points];
         WearStep {
-            rule: rule.into(),
+            rule,
             stiffest: (0..points).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect(),
             power_steps: 2,
             f0: zero.clone(),

@@ -4,7 +4,9 @@
 use super::amounts::{BoreSizes, SurfaceSizes};
 use super::equilibrium::NoEquilibrium;
 use super::wear_law::WearLaw;
-use super::{BoreWearRate, ContactHistory, ContactInstant, WearStep, WearStepFailed, WearStepStats};
+use super::{
+    BoreWearRate, ContactHistory, ContactInstant, StepRule, WearStep, WearStepFailed, WearStepStats,
+};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz, Surface};
 use std::f64::consts::TAU;
@@ -49,7 +51,7 @@ fn cycle() -> ContactHistory {
 
 fn rate(contact: &Contact) -> BoreWearRate {
     let mut rate = BoreWearRate::new(
-        COEFFICIENT,
+        [COEFFICIENT, 0.0],
         WIDTH,
         contact,
         &Profile::round(SURFACE.journal_radius + SURFACE.clearance, POINTS),
@@ -66,7 +68,7 @@ struct Worn {
 
 /// Wears a bore from `start` by `blocks` blocks of `cycles` each.
 fn wear(contact: &Contact, start: &[f64], blocks: u32, cycles: f64, tolerance: f64) -> Worn {
-    let (mut rate, mut step) = (rate(contact), WearStep::new(POINTS, tolerance));
+    let (mut rate, mut step) = (rate(contact), WearStep::new(POINTS, StepRule::Controlled(tolerance)));
     let mut worn = Worn { depth: start.to_vec(), stats: WearStepStats::default() };
     for _ in 0..blocks {
         step.advance(&mut rate, &mut worn.depth, cycles, &[], |_, _| {}, &mut worn.stats)
@@ -162,13 +164,13 @@ fn following_a_rest_through_a_block_costs_a_few_evaluations() {
     // Newton's method from the equilibrium on the bore of the stage before: one evaluation there and one after each of one or two
     // steps, for samples in groups.
     let mut rate = rate(&foundation());
-    let (mut step, mut stats) = (WearStep::new(POINTS, 2e-2), WearStepStats::default());
+    let (mut step, mut stats) = (WearStep::new(POINTS, StepRule::Controlled(2e-2)), WearStepStats::default());
     let mut depth = vec![0.0; POINTS];
     for _ in 0..8 {
         step.advance(&mut rate, &mut depth, 2000.0, &[], |_, _| {}, &mut stats)
             .expect("the force has an equilibrium");
     }
-    let each = rate.evaluations() as f64 / (stats.stages as f64 * cycle().samples().len() as f64);
+    let each = rate.evaluations() as f64 / (stats.stages as f64 * cycle().samples.len() as f64);
     println!("{each} evaluations of the contact per equilibrium, {stats:?}");
     assert!(each > 0.2 && each < 1.2, "{each}");
 }
@@ -180,10 +182,10 @@ impl WearLaw for OneByOne {
     type History = ContactHistory;
 
     fn freeze(&mut self, history: &ContactHistory) {
-        for (rate, sample) in self.0.iter_mut().zip(history.samples()) {
+        for (rate, sample) in self.0.iter_mut().zip(&history.samples) {
             let mut alone = history.clone();
             alone.clear();
-            alone.add(*sample);
+            alone.samples.push(*sample);
             rate.freeze(&alone);
         }
     }
@@ -206,9 +208,9 @@ impl WearLaw for OneByOne {
 #[test]
 fn groups_of_samples_wear_a_bore_as_the_samples_one_by_one() {
     let grouped = wear(&foundation(), &[0.0; POINTS], 8, 2000.0, 1e-3).depth;
-    let mut all = OneByOne(vec![rate(&foundation()); cycle().samples().len()]);
+    let mut all = OneByOne(vec![rate(&foundation()); cycle().samples.len()]);
     all.freeze(&cycle());
-    let (mut step, mut depth) = (WearStep::new(POINTS, 1e-3), vec![0.0; POINTS]);
+    let (mut step, mut depth) = (WearStep::new(POINTS, StepRule::Controlled(1e-3)), vec![0.0; POINTS]);
     for _ in 0..8 {
         step.advance(&mut all, &mut depth, 2000.0, &[], |_, _| {}, &mut WearStepStats::default())
             .expect("the force has an equilibrium");
@@ -268,7 +270,7 @@ impl WearLaw for Alike {
 
 /// Ends of a block of 1000 cycles under this rate, with what it took.
 fn block(rate: fn(f64) -> f64) -> (Result<(), WearStepFailed>, WearStepStats) {
-    let (mut step, mut stats) = (WearStep::new(POINTS, 1e-2), WearStepStats::default());
+    let (mut step, mut stats) = (WearStep::new(POINTS, StepRule::Controlled(1e-2)), WearStepStats::default());
     let ended = step.advance(&mut Alike(rate), &mut [0.0; POINTS], 1000.0, &[], |_, _| {}, &mut stats);
     (ended, stats)
 }

@@ -1,7 +1,10 @@
 //! Archard's volume K_H F S and the wear step, under contact histories made for the purpose.
 
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH, foundation};
-use super::{BoreWearRate, ContactHistory, ContactInstant, FinerBore, WearStep, WearStepStats, WornAmounts};
+use super::wear_law::WearLaw;
+use super::{
+    BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearStep, WearStepStats, WornAmounts,
+};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
 use std::f64::consts::TAU;
@@ -47,13 +50,13 @@ fn history(directions: &[f64]) -> ContactHistory {
 }
 
 fn rate(contact: &Contact, history: &ContactHistory) -> BoreWearRate {
-    let mut rate = BoreWearRate::new(COEFFICIENT, WIDTH, contact, &round());
+    let mut rate = BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, contact, &round());
     rate.freeze(history);
     rate
 }
 
 fn wear(rate: &mut BoreWearRate, depth: &mut [f64], cycles: f64, tolerance: f64) {
-    WearStep::new(POINTS, tolerance)
+    WearStep::new(POINTS, StepRule::Controlled(tolerance))
         .advance(rate, depth, cycles, &[], |_, _| {}, &mut WearStepStats::default())
         .expect("the wear step reaches its tolerance");
 }
@@ -166,7 +169,7 @@ fn wear_does_not_depend_on_how_a_block_is_cut() {
         // What a mark inside the block sees is the depth there.
         let (mut half, mut marked) = (vec![0.0; POINTS], vec![]);
         wear(&mut rate(&contact, &history), &mut half, 2000.0, 1e-3);
-        WearStep::new(POINTS, 1e-3)
+        WearStep::new(POINTS, StepRule::Controlled(1e-3))
             .advance(
                 &mut rate(&contact, &history),
                 &mut vec![0.0; POINTS],
@@ -189,13 +192,13 @@ fn wear_does_not_depend_on_how_a_block_is_cut() {
 /// stated error of their spacing [m].
 fn scar(contact: &Contact, history: &ContactHistory, points: usize) -> (f64, f64) {
     let profile = Profile::round(SURFACE.journal_radius + SURFACE.clearance, points);
-    let mut rate = BoreWearRate::new(COEFFICIENT, WIDTH, contact, &profile);
+    let mut rate = BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, contact, &profile);
     rate.freeze(history);
-    let mut step = WearStep::new(points, 5e-3);
+    let mut step = WearStep::new(points, StepRule::Controlled(5e-3));
     let mut copy = FinerBore::new(
-        BoreWearRate::new(COEFFICIENT, WIDTH, contact, &profile.unworn(2 * points)),
+        BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, contact, &profile.unworn(2 * points)),
         2 * points,
-        5e-3,
+        StepRule::Controlled(5e-3),
     );
     let (mut depth, mut worn) = (vec![0.0; points], WornAmounts::default());
     for _ in 0..8 {

@@ -102,12 +102,6 @@ pub enum WearRate {
     Rail(Box<RailWearRate>),
 }
 
-impl From<BoreWearRate> for WearRate {
-    fn from(rate: BoreWearRate) -> Self {
-        WearRate::Bore(Box::new(rate))
-    }
-}
-
 impl WearLaw for WearRate {
     type History = WearHistory;
 

@@ -3,7 +3,7 @@
 //! # Source
 //! Nikravesh (1988), Computer-Aided Analysis of Mechanical Systems.
 
-use super::force::{LoadForce, LoadLaw, NO_FRAME, times};
+use super::force::{LoadForce, NO_FRAME, times};
 use super::size::Size;
 use crate::lanes::{Real, lanewise};
 use crate::mechanism::frame::{End, Frame};
@@ -22,11 +22,10 @@ pub struct PointForce<R = f64> {
 
 lanewise!(PointForce { end, direction, size });
 
-impl<R: Real> LoadLaw<R> for PointForce<R> {
-    const DRIVES: bool = true;
-
+impl<R: Real> PointForce<R> {
+    /// The force at time `t` [s].
     #[inline(always)]
-    fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+    pub(super) fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
         let PointForce { end, direction, ref size } = *self;
         let mut load = LoadForce::none([end.frame, NO_FRAME], t);
         let (size, rate, slope) = size.evaluate(t, frames);
@@ -41,10 +40,6 @@ impl<R: Real> LoadLaw<R> for PointForce<R> {
         load.k[2][2] = -size * dot(arm, direction);
         load
     }
-
-    fn frames(&self) -> Vec<usize> {
-        self.size.frames(self.end.frame)
-    }
 }
 
 /// Torque of a constant or varying size on a frame.
@@ -58,11 +53,10 @@ pub struct BodyTorque<R = f64> {
 
 lanewise!(BodyTorque { frame, size });
 
-impl<R: Real> LoadLaw<R> for BodyTorque<R> {
-    const DRIVES: bool = true;
-
+impl<R: Real> BodyTorque<R> {
+    /// The force at time `t` [s].
     #[inline(always)]
-    fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+    pub(super) fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
         let mut load = LoadForce::none([self.frame, NO_FRAME], t);
         let (size, rate, slope) = self.size.evaluate(t, frames);
         (load.f[2], load.ft[2]) = (size, rate);
@@ -71,10 +65,6 @@ impl<R: Real> LoadLaw<R> for BodyTorque<R> {
             load.third = Some((frame, [nothing, nothing, slope, nothing, nothing, nothing]));
         }
         load
-    }
-
-    fn frames(&self) -> Vec<usize> {
-        self.size.frames(self.frame)
     }
 }
 
@@ -91,19 +81,14 @@ pub struct Motor<R = f64> {
 
 lanewise!(Motor { frame, stall_torque, no_load_speed });
 
-impl<R: Real> LoadLaw<R> for Motor<R> {
-    const DRIVES: bool = true;
-
+impl<R: Real> Motor<R> {
+    /// The force at time `t` [s].
     #[inline(always)]
-    fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+    pub(super) fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
         let mut load = LoadForce::none([self.frame, NO_FRAME], t);
         let per_speed = self.stall_torque / self.no_load_speed;
         load.f[2] = self.stall_torque - per_speed * frames[self.frame].omega;
         load.d[2][2] = -per_speed;
         load
-    }
-
-    fn frames(&self) -> Vec<usize> {
-        vec![self.frame]
     }
 }

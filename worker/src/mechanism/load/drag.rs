@@ -15,7 +15,7 @@
 // In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
 #![allow(clippy::needless_range_loop)]
 
-use super::force::{LoadForce, LoadLaw, NO_FRAME, times};
+use super::force::{LoadForce, NO_FRAME, times};
 use super::size::Size;
 use crate::lanes::{Real, lanewise};
 use crate::mechanism::frame::{End, Frame};
@@ -47,11 +47,10 @@ fn resistance<R: Real>(linear: R, quadratic: R, u: R) -> (R, R) {
     (-(linear + rising) * u, -(linear + rising + rising))
 }
 
-impl<R: Real> LoadLaw<R> for Drag<R> {
-    const DRIVES: bool = true;
-
+impl<R: Real> Drag<R> {
+    /// The force at time `t` [s].
     #[inline(always)]
-    fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+    pub(super) fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
         let Drag { end, direction: d, linear, quadratic, flow, ref factor } = *self;
         let mut load = LoadForce::none([end.frame, NO_FRAME], t);
         let (factor, rate, slope) = factor.evaluate(t, frames);
@@ -78,10 +77,6 @@ impl<R: Real> LoadLaw<R> for Drag<R> {
         load.lost = -(factor * force * u);
         load
     }
-
-    fn frames(&self) -> Vec<usize> {
-        self.factor.frames(self.end.frame)
-    }
 }
 
 /// Drag of a turning frame.
@@ -99,11 +94,10 @@ pub struct RotationalDrag<R = f64> {
 
 lanewise!(RotationalDrag { frame, linear, quadratic, factor });
 
-impl<R: Real> LoadLaw<R> for RotationalDrag<R> {
-    const DRIVES: bool = true;
-
+impl<R: Real> RotationalDrag<R> {
+    /// The force at time `t` [s].
     #[inline(always)]
-    fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+    pub(super) fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
         let RotationalDrag { frame, linear, quadratic, ref factor } = *self;
         let mut load = LoadForce::none([frame, NO_FRAME], t);
         let (factor, rate, slope) = factor.evaluate(t, frames);
@@ -116,10 +110,6 @@ impl<R: Real> LoadLaw<R> for RotationalDrag<R> {
         }
         load.lost = -(factor * torque * omega);
         load
-    }
-
-    fn frames(&self) -> Vec<usize> {
-        self.factor.frames(self.frame)
     }
 }
 

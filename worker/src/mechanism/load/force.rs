@@ -4,21 +4,10 @@
 #![allow(clippy::needless_range_loop)]
 
 use crate::lanes::Real;
-use crate::mechanism::frame::Frame;
 use crate::mechanism::joint::{Block, Blocks};
 
 /// Index in place of the second frame of a load that acts on one frame only.
 pub const NO_FRAME: usize = usize::MAX;
-
-/// A load of one kind. Each kind implements it next to its fields.
-pub trait LoadLaw<R> {
-    /// Whether the load's work counts as input, as far as it is not dissipated: it has no potential.
-    const DRIVES: bool;
-    /// The force at time `t` [s].
-    fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R>;
-    /// The frames that the load couples.
-    fn frames(&self) -> Vec<usize>;
-}
 
 /// Generalised force of a load at one instant on two frames, each (x, y, angle).
 #[derive(Debug, Clone, Copy)]

@@ -13,12 +13,12 @@ mod stops;
 
 pub use force::{LoadForce, NO_FRAME};
 
-use super::frame::{Frame, FrameIndices};
+use super::frame::Frame;
+use super::island_frames::IslandFrames;
 use crate::lanes::{Lanewise, Real};
 use actuators::{BodyTorque, Motor, PointForce};
 use common::scene::{Curve, Load};
 use drag::{Drag, RotationalDrag};
-use force::LoadLaw;
 use size::Size;
 use springs::{DirectionalSpring, Spring, TorsionSpring};
 use stops::{AngleStop, LineStop};
@@ -38,20 +38,6 @@ macro_rules! island_loads {
             pub(crate) fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
                 match self {
                     $(IslandLoad::$kind(load) => load.force(t, frames)),+
-                }
-            }
-
-            /// The frames that the load couples.
-            pub(crate) fn frames(&self) -> Vec<usize> {
-                match self {
-                    $(IslandLoad::$kind(load) => load.frames()),+
-                }
-            }
-
-            /// Whether the load's work counts as input, as far as it is not dissipated: it has no potential.
-            pub(crate) fn drives(&self) -> bool {
-                match self {
-                    $(IslandLoad::$kind(_) => <$kind<R> as LoadLaw<R>>::DRIVES),+
                 }
             }
         }
@@ -93,8 +79,36 @@ island_loads!(
 );
 
 impl IslandLoad {
+    /// The frames that the load couples.
+    pub(crate) fn frames(&self) -> Vec<usize> {
+        match self {
+            Self::DirectionalSpring(DirectionalSpring { ends, .. })
+            | Self::Spring(Spring { ends, .. })
+            | Self::LineStop(LineStop { ends, .. }) => ends.map(|end| end.frame).to_vec(),
+            Self::TorsionSpring(TorsionSpring { frames, .. }) | Self::AngleStop(AngleStop { frames, .. }) => {
+                frames.to_vec()
+            }
+            Self::PointForce(PointForce { end, size, .. }) | Self::Drag(Drag { end, factor: size, .. }) => {
+                size.frames(end.frame)
+            }
+            Self::BodyTorque(BodyTorque { frame, size })
+            | Self::RotationalDrag(RotationalDrag { frame, factor: size, .. }) => size.frames(*frame),
+            Self::Motor(motor) => vec![motor.frame],
+        }
+    }
+
+    /// Whether the load's work counts as input, as far as it is not dissipated: it has no potential.
+    pub(crate) fn drives(&self) -> bool {
+        match self {
+            Self::DirectionalSpring(_) | Self::Spring(_) | Self::TorsionSpring(_) => false,
+            Self::LineStop(_) | Self::AngleStop(_) => false,
+            Self::PointForce(_) | Self::BodyTorque(_) | Self::Motor(_) => true,
+            Self::Drag(_) | Self::RotationalDrag(_) => true,
+        }
+    }
+
     /// The load of a scene, with its frames from `frames`.
-    pub(crate) fn new(load: &Load, frames: &mut impl FrameIndices) -> Self {
+    pub(crate) fn new(load: &Load, frames: &mut IslandFrames) -> Self {
         match *load {
             Load::DirectionalSpring { ref at, ref anchor, direction, stiffness, free_length, .. } => {
                 let ends = [frames.end(at), frames.end(anchor)];
@@ -152,6 +166,6 @@ impl IslandLoad {
 }
 
 /// The factor of a drag, one without a curve.
-fn size_or_one(factor: Option<&Curve>, frames: &mut impl FrameIndices) -> Size {
+fn size_or_one(factor: Option<&Curve>, frames: &mut IslandFrames) -> Size {
     factor.map_or(Size::Constant(1.0), |factor| Size::new(factor, frames))
 }

@@ -1,7 +1,8 @@
 //! Size of a load: constant, or by a table over time or over the angle of a frame.
 
 use crate::lanes::{Lanewise, Real};
-use crate::mechanism::frame::{Frame, FrameIndices};
+use crate::mechanism::frame::Frame;
+use crate::mechanism::island_frames::IslandFrames;
 use crate::mechanism::piecewise_cubic::PiecewiseCubic;
 use common::scene::{Curve, Over};
 
@@ -18,7 +19,7 @@ pub enum Size<R = f64> {
 
 impl Size {
     /// Size by a table of a scene, monotone between its points.
-    pub(crate) fn new(curve: &Curve, frames: &mut impl FrameIndices) -> Self {
+    pub(crate) fn new(curve: &Curve, frames: &mut IslandFrames) -> Self {
         let table = PiecewiseCubic::monotone(&curve.table);
         match curve.over {
             Over::Time => Size::OverTime(vec![table]),

@@ -6,7 +6,7 @@
 // In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
 #![allow(clippy::needless_range_loop)]
 
-use super::force::{LoadForce, LoadLaw, times};
+use super::force::{LoadForce, times};
 use crate::lanes::{Real, lanewise};
 use crate::mechanism::frame::{End, Frame};
 use crate::plane::{cross, dot, left, length};
@@ -27,11 +27,10 @@ pub struct DirectionalSpring<R = f64> {
 
 lanewise!(DirectionalSpring { ends, direction, stiffness, free_length });
 
-impl<R: Real> LoadLaw<R> for DirectionalSpring<R> {
-    const DRIVES: bool = false;
-
+impl<R: Real> DirectionalSpring<R> {
+    /// The force at time `t` [s].
     #[inline(always)]
-    fn force(&self, _t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+    pub(super) fn force(&self, _t: R, frames: &[Frame<R>]) -> LoadForce<R> {
         let DirectionalSpring { ref ends, direction: d, stiffness, free_length } = *self;
         let (fa, fb) = (frames[ends[0].frame], frames[ends[1].frame]);
         let (a, b) = (fa.turn(ends[0].arm), fb.turn(ends[1].arm));
@@ -51,10 +50,6 @@ impl<R: Real> LoadLaw<R> for DirectionalSpring<R> {
         load.stored = stiffness * (y - free_length) * (y - free_length) * 0.5;
         load
     }
-
-    fn frames(&self) -> Vec<usize> {
-        self.ends.iter().map(|end| end.frame).collect()
-    }
 }
 
 /// Spring and damper along the line between two points: the pull stiffness (l - free_length) + damping dl/dt,
@@ -73,11 +68,10 @@ pub struct Spring<R = f64> {
 
 lanewise!(Spring { ends, stiffness, damping, free_length });
 
-impl<R: Real> LoadLaw<R> for Spring<R> {
-    const DRIVES: bool = false;
-
+impl<R: Real> Spring<R> {
+    /// The force at time `t` [s].
     #[inline(always)]
-    fn force(&self, _t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+    pub(super) fn force(&self, _t: R, frames: &[Frame<R>]) -> LoadForce<R> {
         let Spring { ref ends, stiffness, damping, free_length } = *self;
         on_line(ends, frames, |l, rate| {
             let extension = l - free_length;
@@ -89,10 +83,6 @@ impl<R: Real> LoadLaw<R> for Spring<R> {
                 lost: damping * rate * rate,
             }
         })
-    }
-
-    fn frames(&self) -> Vec<usize> {
-        self.ends.iter().map(|end| end.frame).collect()
     }
 }
 
@@ -196,11 +186,10 @@ pub struct TorsionSpring<R = f64> {
 
 lanewise!(TorsionSpring { frames, stiffness, damping, free_angle });
 
-impl<R: Real> LoadLaw<R> for TorsionSpring<R> {
-    const DRIVES: bool = false;
-
+impl<R: Real> TorsionSpring<R> {
+    /// The force at time `t` [s].
     #[inline(always)]
-    fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+    pub(super) fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
         let TorsionSpring { frames: [a, b], stiffness, damping, free_angle } = *self;
         let mut load = LoadForce::none([a, b], t);
         let off = frames[a].angle - frames[b].angle - free_angle;
@@ -214,10 +203,6 @@ impl<R: Real> LoadLaw<R> for TorsionSpring<R> {
         load.stored = stiffness * off * off * 0.5;
         load.lost = damping * rate * rate;
         load
-    }
-
-    fn frames(&self) -> Vec<usize> {
-        self.frames.to_vec()
     }
 }
 

@@ -10,7 +10,7 @@
 //! # Source
 //! Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445, with the exponent 1.
 
-use super::force::{LoadForce, LoadLaw};
+use super::force::LoadForce;
 use super::springs::{LinePull, on_line};
 use crate::lanes::{Real, lanewise};
 use crate::mechanism::frame::{End, Frame};
@@ -49,11 +49,10 @@ pub struct LineStop<R = f64> {
 
 lanewise!(LineStop { ends, side, length, stiffness, dissipation });
 
-impl<R: Real> LoadLaw<R> for LineStop<R> {
-    const DRIVES: bool = false;
-
+impl<R: Real> LineStop<R> {
+    /// The force at time `t` [s].
     #[inline(always)]
-    fn force(&self, _t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+    pub(super) fn force(&self, _t: R, frames: &[Frame<R>]) -> LoadForce<R> {
         let LineStop { ref ends, side, length, stiffness, dissipation } = *self;
         on_line(ends, frames, |l, rate| {
             let (depth, approach) = (side * (l - length), side * rate);
@@ -61,10 +60,6 @@ impl<R: Real> LoadLaw<R> for LineStop<R> {
             let [stored, lost] = energy(stiffness, depth, approach, force);
             LinePull { pull: side * force, per_length, per_rate, stored, lost }
         })
-    }
-
-    fn frames(&self) -> Vec<usize> {
-        self.ends.iter().map(|end| end.frame).collect()
     }
 }
 
@@ -83,11 +78,10 @@ pub struct AngleStop<R = f64> {
 
 lanewise!(AngleStop { frames, bounds, stiffness, dissipation });
 
-impl<R: Real> LoadLaw<R> for AngleStop<R> {
-    const DRIVES: bool = false;
-
+impl<R: Real> AngleStop<R> {
+    /// The force at time `t` [s].
     #[inline(always)]
-    fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+    pub(super) fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
         let AngleStop { frames: [a, b], bounds: [lower, upper], stiffness, dissipation } = *self;
         let mut load = LoadForce::none([a, b], t);
         let phi = frames[a].angle - frames[b].angle;
@@ -106,10 +100,6 @@ impl<R: Real> LoadLaw<R> for AngleStop<R> {
             load.lost += lost;
         }
         load
-    }
-
-    fn frames(&self) -> Vec<usize> {
-        self.frames.to_vec()
     }
 }
 

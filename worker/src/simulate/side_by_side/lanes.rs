@@ -56,7 +56,7 @@ impl<S: Simd> Vectorised for Rounds<'_, S> {
             contacts.record(stepper.time(), &stepper.at, &mut |joint, lane, sample| {
                 if let Some(pending) = &mut occupants[lane] {
                     let history = pending.span.state.recorder.histories[joint].bore_mut();
-                    history.into_iter().for_each(|history| history.add(sample));
+                    history.into_iter().for_each(|history| history.samples.push(sample));
                 }
             });
             if !group.watched.is_empty() {
