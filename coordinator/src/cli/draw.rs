@@ -7,7 +7,7 @@ use super::shared::SetArguments;
 use clap::Args;
 use common::scene::{Motion, Scene, SceneSource};
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
-use coordinator::presentation::report::{Figure, ReportError, VaryingLoads, standalone};
+use coordinator::presentation::report::{Figure, VaryingLoads, standalone};
 use coordinator::results::result_files::write_text;
 use std::path::{Path, PathBuf};
 use worker::mechanism::Prescribed;
@@ -84,7 +84,7 @@ fn write_figures(
     loads: Option<&VaryingLoads>,
     file: &Path,
 ) -> Result<Vec<PathBuf>, CommandError> {
-    let of_loads = loads.map_or(Ok(vec![]), VaryingLoads::figures).map_err(ReportError::from)?;
+    let of_loads = loads.map_or(vec![], VaryingLoads::figures);
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let beside = |figure: Figure| (file.with_file_name(format!("{stem}-{}.svg", figure.name)), figure);
     let drawing = (file.to_owned(), drawing::figure(drawn, scene));

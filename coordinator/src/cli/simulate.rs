@@ -61,7 +61,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(
     let wall = start.elapsed().as_secs_f64();
     let simulated = Simulated { scene: &scene, accuracy: &accuracy.name, evaluation: &evaluation, wall };
     if let Some(file) = &arguments.report {
-        write_text(file, &simulated.report(&arguments.set, source.text())?)?;
+        write_text(file, &simulated.report(&arguments.set, source.text()))?;
     }
     // A person reads lines, a script the object.
     let to_person = !verbosity.json && arguments.out.is_none() && std::io::stdout().is_terminal();

@@ -1,12 +1,10 @@
 //! One evaluation in a few lines: outputs at the start and at the end of life, limits, margins and expected lives, work.
 
-use super::error::CommandError;
 use super::output::count;
 use common::outputs::{Evaluation, NarrowGroove};
 use common::scene::{Output, Scene};
 use coordinator::presentation::motion_cautions::cautions;
 use coordinator::presentation::nominal_life::nominal_lives;
-use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::format::{count as grouped, duration, three_digits};
 use coordinator::presentation::report::nominal_page::NominalView;
 use coordinator::results::control_points::control_points_rows;
@@ -59,7 +57,7 @@ impl Simulated<'_> {
     ///
     /// # Errors
     /// [`CommandError::Report`] if a figure cannot be drawn.
-    pub fn report(&self, set: &[String], source: &str) -> Result<String, CommandError> {
+    pub fn report(&self, set: &[String], source: &str) -> String {
         let Self { scene, evaluation, .. } = self;
         let mut summary = blank(scene, &Settings::from(scene.study));
         summary.control_points = control_points_rows(scene, &evaluation.diagnostics);
@@ -72,7 +70,7 @@ impl Simulated<'_> {
             ("work", self.work()),
             ("version", format!("Hingewise {}", env!("CARGO_PKG_VERSION"))),
         ];
-        Ok(view.page(&facts, source).map_err(ReportError::from)?.html(None))
+        view.page(&facts, source).html(None)
     }
 
     /// Life, accuracy, steps and time.

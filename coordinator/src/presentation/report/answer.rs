@@ -3,7 +3,6 @@
 use super::compared::{ComparedStudy, figures};
 use super::figure::Figure;
 use super::page::{self, wrapped};
-use super::plot::PlotError;
 use super::tables::table;
 use super::{ReportError, write_figures};
 use crate::presentation::text_table::in_columns;
@@ -148,12 +147,9 @@ impl Answer {
     }
 
     /// The figures of the page: its own, and the curves of every limit state and of the system.
-    ///
-    /// # Errors
-    /// [`PlotError`].
-    pub fn all_figures(&self) -> Result<Vec<Figure>, PlotError> {
-        let curves = if self.curves.is_empty() { vec![] } else { figures(&self.curves)? };
-        Ok(self.figures.iter().cloned().chain(curves).collect())
+    pub fn all_figures(&self) -> Vec<Figure> {
+        let curves = if self.curves.is_empty() { vec![] } else { figures(&self.curves) };
+        self.figures.iter().cloned().chain(curves).collect()
     }
 
     /// The page with these figures.
@@ -178,7 +174,7 @@ impl Answer {
     /// # Errors
     /// [`ReportError`].
     pub fn write(&self, dir: &Path) -> Result<PathBuf, ReportError> {
-        let drawn = self.all_figures()?;
+        let drawn = self.all_figures();
         create_folder(dir)?;
         if !drawn.is_empty() {
             write_figures(dir, &drawn)?;

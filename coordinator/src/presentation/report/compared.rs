@@ -4,7 +4,7 @@ use super::figure::Figure;
 use super::figures::{LifeAxis, curve, file_name};
 use super::life::rows_that_matter;
 use super::palette::Ink;
-use super::plot::{Axis, Plot, PlotError, Series, Shape};
+use super::plot::{Axis, Plot, Series, Shape};
 use crate::results::summary::StudySummary;
 
 /// A study to compare.
@@ -17,17 +17,14 @@ pub struct ComparedStudy {
 }
 
 /// One figure per limit state and one of the whole system, each with the curves and bands of all studies.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn figures(studies: &[ComparedStudy]) -> Result<Vec<Figure>, PlotError> {
+pub fn figures(studies: &[ComparedStudy]) -> Vec<Figure> {
     if studies[0].summary.is_static() {
-        return Ok(vec![]);
+        return vec![];
     }
     // From the first failure in any study to the last survivor in any.
     let matter = studies.iter().map(|study| rows_that_matter(&study.summary, 1));
     let ends = matter.filter_map(|rows| Some((rows.first()?.cycles, rows.last()?.cycles)));
-    let Some((from, to)) = ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else { return Ok(vec![]) };
+    let Some((from, to)) = ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else { return vec![] };
     let axis = LifeAxis::new(&studies[0].summary);
     let figure = |name: &str| {
         let (mut bands, mut lines) = (Vec::new(), Vec::new());

@@ -6,7 +6,6 @@ use super::figures;
 use super::format::{UNKNOWN, count, whole, with_unit};
 use super::input::ReportInput;
 use super::page::{self, FigureFiles, Page, captioned};
-use super::plot::PlotError;
 use super::{chapters, studied, tables};
 use crate::presentation::nominal_life::{NominalLife, nominal_lives};
 use crate::results::summary::StudySummary;
@@ -32,17 +31,12 @@ impl NominalView<'_> {
         let input = self.input();
         let mut page = Page::new(&self.scene.title, chapters::header(&input), FigureFiles::Absent);
         page.add(html! { p.none { (reason) } });
-        if let Err(error) = self.begin(&mut page, &input) {
-            page.add(html! { p.note { (error) } });
-        }
+        self.begin(&mut page, &input);
         page
     }
 
     /// The page of one simulation; `facts` are pairs of a name and what it stands for, and `source` is the text of the scene.
-    ///
-    /// # Errors
-    /// [`PlotError`].
-    pub fn page(&self, facts: &[(&str, String)], source: &str) -> Result<Page, PlotError> {
+    pub fn page(&self, facts: &[(&str, String)], source: &str) -> Page {
         let input = self.input();
         let header = html! {
             header {
@@ -54,25 +48,23 @@ impl NominalView<'_> {
         let mut page = Page::new(&self.scene.title, header, FigureFiles::Absent);
         let rows = facts.iter().map(|(name, value)| vec![html! { (name) }, html! { (value) }]);
         page.add(captioned("facts", "The simulation", tables::table_of_text(&["item", "value"], rows)));
-        self.begin(&mut page, &input)?;
-        let scripts = chapters::mechanism(&mut page, &input)?;
+        self.begin(&mut page, &input);
+        let scripts = chapters::mechanism(&mut page, &input);
         page.begin("What was simulated");
         page.add(studied::mechanism(self.scene, source));
         page.begin_appendix();
         page.add(html! { (page::details("Scene file", html! { pre { code { (source) } } })) (scripts) });
-        Ok(page)
+        page
     }
 
     /// Adds limits, and the drawing beside the outputs over life.
-    fn begin(&self, page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
+    fn begin(&self, page: &mut Page, input: &ReportInput) {
         page.add(self.limits());
         let drawing = studied::figure(input).or_else(|| self.drawing.cloned());
-        let drawn = page.draw(
-            drawing.into_iter().chain(studied::loads(input)?).chain(figures::histories(input)?).collect(),
-            "two",
-        );
+        let drawn =
+            drawing.into_iter().chain(studied::loads(input)).chain(figures::histories(input)).collect();
+        let drawn = page.draw(drawn, "two");
         page.add(drawn);
-        Ok(())
     }
 
     fn input(&self) -> ReportInput {

@@ -14,7 +14,6 @@ use super::format::count;
 use super::input::ReportInput;
 use super::life::rows_that_matter;
 use super::page::{FigureFiles, Page, captioned, numbered};
-use super::plot::PlotError;
 use super::{levels, stated, studied, tables};
 use maud::{Markup, PreEscaped, html};
 
@@ -22,43 +21,40 @@ use maud::{Markup, PreEscaped, html};
 const HOVER: &str = include_str!("hover.js");
 
 /// The whole page.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn page(input: &ReportInput, files: FigureFiles) -> Result<Page, PlotError> {
+pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
     let mut page = Page::new(&input.scene.title, head::header(input), files);
     page.add(head::lead(input));
     page.add_contents();
     page.begin("What was studied");
-    let drawing = studied::figure(input).into_iter().chain(studied::loads(input)?).collect();
+    let drawing = studied::figure(input).into_iter().chain(studied::loads(input)).collect();
     let drawing = page.draw(drawing, "one");
     page.add(studied::chapter(input, &drawing));
-    reliability(&mut page, input)?;
-    let drawn = page.draw([figures::distributions(input)?, figures::histories(input)?].concat(), "two");
+    reliability(&mut page, input);
+    let drawn = page.draw([figures::distributions(input), figures::histories(input)].concat(), "two");
     page.add_chapter(
         "Distributions of the outputs",
         html! {},
         drawn,
         html! { "The study stored no distributions." },
     );
-    influences(&mut page, input)?;
-    points::simulated(&mut page, input)?;
+    influences(&mut page, input);
+    points::simulated(&mut page, input);
     let scripts = if input.summary.of_mechanism() {
-        mechanism(&mut page, input)?
+        mechanism(&mut page, input)
     } else {
         html! {}
     };
-    quality(&mut page, input)?;
+    quality(&mut page, input);
     end::effort(&mut page, input);
     appendix(&mut page, input);
     page.add(html! { (scripts) script { "\n" (PreEscaped(HOVER)) } "\n" });
-    Ok(page)
+    page
 }
 
 /// Curves, what fails first, and the numbers.
-fn reliability(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
-    let curves = [figures::reliability(&input.summary)?, figures::first_failure(input)?];
-    let drawn = curves.into_iter().flatten().chain(figures::failure_rates(&input.summary)?).collect();
+fn reliability(page: &mut Page, input: &ReportInput) {
+    let curves = [figures::reliability(&input.summary), figures::first_failure(input)];
+    let drawn = curves.into_iter().flatten().chain(figures::failure_rates(&input.summary)).collect();
     let (rows, all) = (rows_that_matter(&input.summary, 1), &input.summary.reliability);
     page.begin("Reliability");
     let drawn = page.draw(drawn, "two");
@@ -69,12 +65,11 @@ fn reliability(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
             p { "All checkpoints: " (numbered::refer_table(CHECKPOINTS)) "; more digits in " code { "reliability.csv" } "." }
         }
     });
-    Ok(())
 }
 
 /// Sensitivities of the failures, and contributions to the variance of the outputs.
-fn influences(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
-    let (sensitivity, variance) = (figures::sensitivities(input)?, figures::variance_contributions(input)?);
+fn influences(page: &mut Page, input: &ReportInput) {
+    let (sensitivity, variance) = (figures::sensitivities(input), figures::variance_contributions(input));
     let has_indices = !variance.is_empty();
     let drawn = page.draw([sensitivity, variance].concat(), "two");
     page.add_chapter("Sensitivity", html! {}, drawn, html! { "No sensitivities were computed." });
@@ -91,7 +86,6 @@ fn influences(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
             }
         }
     });
-    Ok(())
 }
 
 /// Name of the table of all checkpoints.
@@ -108,10 +102,10 @@ fn sensitivities(input: &ReportInput) -> Vec<(String, Markup)> {
 }
 
 /// Quality of the surrogates, convergence, and numerical error.
-fn quality(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
+fn quality(page: &mut Page, input: &ReportInput) {
     let stopped = &input.summary.convergence.stopped_because;
     let stated = stated::sentences(input).join(" ");
-    let drawn = page.draw(figures::predicted_against_simulated(input)?, "two");
+    let drawn = page.draw(figures::predicted_against_simulated(input), "two");
     page.add_chapter(
         "Quality of the surrogates",
         html! {},
@@ -121,14 +115,14 @@ fn quality(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
             @else { "The study stored no predictions of its surrogates." }
         },
     );
-    let drawn = page.draw(figures::learning(input)?, "three");
+    let drawn = page.draw(figures::learning(input), "three");
     page.add_chapter(
         "Convergence of the study",
         html! { @if !stopped.is_empty() { "Stopped because: " (stopped) "." } },
         drawn,
         html! { "The study had no rounds of learning." },
     );
-    let figures = figures::parts_of_interval(&input.summary)?.into_iter().chain(figures::numerical(input)?);
+    let figures = figures::parts_of_interval(&input.summary).into_iter().chain(figures::numerical(input));
     let drawn = page.draw(figures.collect(), "three");
     page.add_chapter(
         "Numerical error",
@@ -138,7 +132,6 @@ fn quality(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
     );
     page.add(levels::tables(&input.summary));
     page.add(stated::errors_over_life(input));
-    Ok(())
 }
 
 /// Long tables, and what is needed to repeat the study.
@@ -160,10 +153,7 @@ fn appendix(page: &mut Page, input: &ReportInput) {
 
 /// Adds the nominal mechanism: its motion, its bores and orbits, its first and its last cycle. Returns the data of the animation and its
 /// script, for the end of the page.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn mechanism(page: &mut Page, input: &ReportInput) -> Result<Markup, PlotError> {
+pub fn mechanism(page: &mut Page, input: &ReportInput) -> Markup {
     let end = input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(0, |cycles| *cycles);
     let lives = figures::lives_in_words(input);
     let no_history = input.nominal.as_ref().is_none_or(|nominal| nominal.worn.is_none());
@@ -210,7 +200,7 @@ pub fn mechanism(page: &mut Page, input: &ReportInput) -> Result<Markup, PlotErr
         drawn,
         html! { "The nominal evaluation does not include the motion of journals and bushings." },
     );
-    let [first, last] = [figures::first_cycle(input)?, figures::last_cycle(input)?];
+    let [first, last] = [figures::first_cycle(input), figures::last_cycle(input)];
     let lacks_last = last.is_empty() && !first.is_empty();
     let drawn = page.draw([first, last].concat(), "three");
     page.add_chapter(
@@ -222,7 +212,7 @@ pub fn mechanism(page: &mut Page, input: &ReportInput) -> Result<Markup, PlotErr
     if lacks_last {
         page.add(html! { p.none { "The nominal evaluation has no last cycle." } });
     }
-    Ok(scripts)
+    scripts
 }
 
 /// The controls of the animation, which its script unhides.

@@ -8,7 +8,6 @@ use crate::presentation::report::format::{
 };
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::page::{Page, captioned};
-use crate::presentation::report::plot::PlotError;
 use crate::presentation::report::tables::table;
 use crate::results::point_summary::{CoordinateRow, FailurePointRow};
 use common::random::RandomVariable;
@@ -16,14 +15,11 @@ use common::scene::expression::read_unit;
 use maud::{Markup, Render, html};
 
 /// Adds the chapter.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn simulated(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
+pub fn simulated(page: &mut Page, input: &ReportInput) {
     let variables = input.scene.variables.len();
     page.begin("Simulations and failure points");
-    let histograms = page.draw(input_histograms(input)?, "three");
-    let combinations = page.draw(parallel_coordinates(input)?.into_iter().collect(), "two");
+    let histograms = page.draw(input_histograms(input), "three");
+    let combinations = page.draw(parallel_coordinates(input).into_iter().collect(), "two");
     page.add(html! {
         @if histograms.0.is_empty() {
             p.none { "With fewer than ten simulations there is no histogram." }
@@ -32,9 +28,8 @@ pub fn simulated(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> 
         }
         (histograms)
         (combinations)
-        (failure_points(input))
-    });
-    Ok(())
+(failure_points(input))
+});
 }
 
 /// The most probable failures of all limit states: one pair of columns each, one row per variable.

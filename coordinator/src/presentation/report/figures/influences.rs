@@ -6,7 +6,6 @@ use crate::presentation::report::bars::{BarPair, Bars};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::number_of_cycles;
 use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::plot::PlotError;
 use crate::results::summary::{SensitivityRow, SobolRow};
 
 /// Bars shown per figure.
@@ -51,10 +50,7 @@ pub fn by_influence(input: &ReportInput) -> Vec<usize> {
 }
 
 /// One figure per limit state with derivatives of its failure probability.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn sensitivities(input: &ReportInput) -> Vec<Figure> {
     let mut figures = Vec::new();
     for name in input.summary.curve_names() {
         let rows = rows_at_governing(input, name);
@@ -88,16 +84,13 @@ pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             all: rows.iter().map(pair).collect(),
             shown: SHOWN,
         };
-        figures.push(bars.figure(&format!("Sensitivity of failure by {cause}"), &caption)?);
+        figures.push(bars.figure(&format!("Sensitivity of failure by {cause}"), &caption));
     }
-    Ok(figures)
+    figures
 }
 
 /// One figure per limit state with Sobol indices of its output.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn variance_contributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn variance_contributions(input: &ReportInput) -> Vec<Figure> {
     let mut figures = Vec::new();
     for state in &input.scene.limit_states {
         let all = input.summary.sobol.iter().filter(|row| row.limit_state == state.name);
@@ -125,7 +118,7 @@ pub fn variance_contributions(input: &ReportInput) -> Result<Vec<Figure>, PlotEr
             all: rows.iter().map(pair).collect(),
             shown: SHOWN,
         };
-        figures.push(bars.figure(&format!("Variance contributions (Sobol): {output}"), &caption)?);
+        figures.push(bars.figure(&format!("Variance contributions (Sobol): {output}"), &caption));
     }
-    Ok(figures)
+    figures
 }

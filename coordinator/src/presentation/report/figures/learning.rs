@@ -5,25 +5,22 @@ use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{count, percent};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Scale, Series, Shape, tick_label};
+use crate::presentation::report::plot::{Axis, Plot, Points, Scale, Series, Shape, tick_label};
 use crate::results::summary::Round;
 
 /// Smallest share on the logarithmic axis [1]; smaller ones are drawn there.
 const SMALLEST_SHARE: f64 = 1e-5;
 
 /// Convergence over the rounds: reliability, remaining uncertainty, and smallest learning function.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn learning(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn learning(input: &ReportInput) -> Vec<Figure> {
     let rounds = &input.summary.convergence.rounds;
-    let (Some(first), Some(last)) = (rounds.first(), rounds.last()) else { return Ok(vec![]) };
+    let (Some(first), Some(last)) = (rounds.first(), rounds.last()) else { return vec![] };
     let x = Axis::linear("evaluations", (first.evaluations as f64, last.evaluations as f64));
-    Ok(vec![
-        reliability(rounds, last, x, &format!("R of the {}", input.subject()))?,
-        uncertainty(rounds, last, x)?,
-        smallest_u(rounds, x)?,
-    ])
+    vec![
+        reliability(rounds, last, x, &format!("R of the {}", input.subject())),
+        uncertainty(rounds, last, x),
+        smallest_u(rounds, x),
+    ]
 }
 
 /// A quantity of every round over its number of evaluations, where it is known.
@@ -31,7 +28,7 @@ fn over(rounds: &[Round], value: impl Fn(&Round) -> Option<f64>) -> Points {
     rounds.iter().filter_map(|round| Some((round.evaluations as f64, value(round)?))).collect()
 }
 
-fn reliability(rounds: &[Round], last: &Round, x: Axis<'_>, label: &str) -> Result<Figure, PlotError> {
+fn reliability(rounds: &[Round], last: &Round, x: Axis<'_>, label: &str) -> Figure {
     let reliability = over(rounds, |round| Some(round.reliability_total));
     let (low, high) = range(reliability.iter().map(|point| point.1));
     let margin = (0.15 * (high - low)).max(0.01);
@@ -46,7 +43,7 @@ fn reliability(rounds: &[Round], last: &Round, x: Axis<'_>, label: &str) -> Resu
     plot.figure("R at the governing checkpoint", &caption)
 }
 
-fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Result<Figure, PlotError> {
+fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Figure {
     let log = |share: f64| share.max(SMALLEST_SHARE).log10();
     let uncertain = over(rounds, |round| Some(log(round.share_uncertain)));
     let error = over(rounds, |round| Some(log(round.surrogate_error)));
@@ -69,7 +66,7 @@ fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Result<Figure, Pl
     plot.figure("Remaining uncertainty", &caption)
 }
 
-fn smallest_u(rounds: &[Round], x: Axis<'_>) -> Result<Figure, PlotError> {
+fn smallest_u(rounds: &[Round], x: Axis<'_>) -> Figure {
     let min_u = over(rounds, |round| Some(round.min_u));
     let top = range(min_u.iter().map(|point| point.1)).1.max(2.0) * 1.1;
     let plot = Plot {

@@ -5,7 +5,7 @@ use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{fixed, three_digits};
 use crate::presentation::report::mechanism::Pose;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
+use crate::presentation::report::plot::{Axis, Plot, Points, Series, Shape};
 use common::scene::monotone::monotone_value;
 use common::scene::{Load, Motion, Over, Scene};
 
@@ -56,10 +56,7 @@ impl VaryingLoads {
     }
 
     /// A figure for each unit of the loads.
-    ///
-    /// # Errors
-    /// [`PlotError`].
-    pub fn figures(&self) -> Result<Vec<Figure>, PlotError> {
+    pub fn figures(&self) -> Vec<Figure> {
         let mut units: Vec<&str> = self.loads.iter().map(|load| load.1).collect();
         units.dedup();
         let figure = |(k, unit): (usize, &&str)| {

@@ -5,21 +5,18 @@ use crate::presentation::report::figure::Figure;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::levels::{PARTS, half_widths};
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
+use crate::presentation::report::plot::{Axis, Plot, Points, Series, Shape};
 use crate::presentation::report::stated_errors::StatedAt;
 use crate::results::summary::StudySummary;
 
 /// Half width of the 95 % interval of R of the system over life, stacked by the shares of its parts in the variance; no figure for a study
 /// without parts.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn parts_of_interval(summary: &StudySummary) -> Result<Option<Figure>, PlotError> {
+pub fn parts_of_interval(summary: &StudySummary) -> Option<Figure> {
     let rows = rows_that_matter(summary, 1).iter();
     let rows: Vec<(u32, [f64; 3])> =
         rows.filter_map(|row| Some((row.cycles, half_widths(row.parts.get("total")?)))).collect();
     if summary.is_static() || rows.len() < 2 {
-        return Ok(None);
+        return None;
     }
     let axis = LifeAxis::new(summary);
     let whole = |widths: &[f64; 3]| widths.iter().map(|width| width * width).sum::<f64>().sqrt();
@@ -42,16 +39,13 @@ pub fn parts_of_interval(summary: &StudySummary) -> Result<Option<Figure>, PlotE
         series: &series,
     };
     let caption = "The half width of R of the system, divided by the shares of samples, surrogates and numerical error in its square.";
-    plot.figure("Parts of the interval", caption).map(Some)
+    Some(plot.figure("Parts of the interval", caption))
 }
 
 /// Size of the stated errors over life, per limit state.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn numerical(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn numerical(input: &ReportInput) -> Vec<Figure> {
     if input.summary.is_static() {
-        return Ok(vec![]);
+        return vec![];
     }
     let axis = LifeAxis::new(&input.summary);
     let mut figures = Vec::new();
@@ -79,7 +73,7 @@ pub fn numerical(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         };
         let caption = "Median and maximum over all simulations of the study, as a share of the limit state's threshold, or of half the distance \
                        between two.";
-        figures.push(plot.figure(&capital(&format!("stated error of {output}")), caption)?);
+        figures.push(plot.figure(&capital(&format!("stated error of {output}")), caption));
     }
-    Ok(figures)
+    figures
 }

@@ -5,16 +5,13 @@ use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{count, fixed, percent};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Series, Shape, tick_label};
+use crate::presentation::report::plot::{Axis, Plot, Series, Shape, tick_label};
 use crate::results::point_summary::PredictionRow;
 use crate::statistics::reliability::REACH;
 use common::scene::{Fails, LimitState};
 
 /// One figure per limit state; none for a study without surrogates, or by an earlier version.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn predicted_against_simulated(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn predicted_against_simulated(input: &ReportInput) -> Vec<Figure> {
     let rows = input.summary.predictions.iter().filter(|row| !row.simulated.is_empty());
     let states = &input.scene.limit_states;
     let known =
@@ -22,7 +19,7 @@ pub fn predicted_against_simulated(input: &ReportInput) -> Result<Vec<Figure>, P
     known.map(|(row, state)| figure(input, row, state)).collect()
 }
 
-fn figure(input: &ReportInput, row: &PredictionRow, state: &LimitState) -> Result<Figure, PlotError> {
+fn figure(input: &ReportInput, row: &PredictionRow, state: &LimitState) -> Figure {
     let unit = input.unit_of(state);
     // The unit of files and the unit shown differ by a factor.
     let factor = unit.to_shown(1.0) / unit.to_file(1.0);

@@ -6,7 +6,7 @@ use crate::presentation::report::format::{number_of_cycles, percent};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::{governing, rows_that_matter};
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Band, Plot, PlotError, Points, Series, Shape};
+use crate::presentation::report::plot::{Axis, Band, Plot, Points, Series, Shape};
 use crate::results::life_summary::LifeCurveRow;
 use crate::results::summary::{ReliabilityRow, StudySummary};
 
@@ -81,16 +81,10 @@ pub fn curves_with_bands(
 }
 
 /// Reliability over life per limit state and in total, with 95 % bands; the checkpoints as dots with error bars.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn reliability(summary: &StudySummary) -> Result<Option<Figure>, PlotError> {
-    if summary.is_static() {
-        return Ok(None);
-    }
+pub fn reliability(summary: &StudySummary) -> Option<Figure> {
     let rows = rows_that_matter(summary, 1);
-    if rows.is_empty() {
-        return Ok(None);
+    if summary.is_static() || rows.is_empty() {
+        return None;
     }
     let axis = LifeAxis::new(summary);
     let mut series = curves_with_bands(summary, &axis, "band", |name| curve(summary, name, &axis).1);
@@ -114,21 +108,18 @@ pub fn reliability(summary: &StudySummary) -> Result<Option<Figure>, PlotError> 
         summary.subject(),
         summary.subject()
     );
-    plot.figure("Reliability over life", &caption).map(Some)
+    Some(plot.figure("Reliability over life", &caption))
 }
 
 /// Stacked shares of the population that have failed, by the limit state that failed first.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn first_failure(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
+pub fn first_failure(input: &ReportInput) -> Option<Figure> {
     let summary = &input.summary;
     let matter = rows_that_matter(summary, 1);
-    let (Some(from), Some(to)) = (matter.first(), matter.last()) else { return Ok(None) };
+    let (from, to) = (matter.first()?, matter.last()?);
     let rows: Vec<_> =
         summary.first_failure.iter().filter(|row| (from.cycles..=to.cycles).contains(&row.cycles)).collect();
     if summary.is_static() || summary.limit_states.len() < 2 || rows.len() < 2 {
-        return Ok(None);
+        return None;
     }
     let axis = LifeAxis::new(summary);
     let share = |name: &String| {
@@ -164,7 +155,7 @@ pub fn first_failure(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
             shares.join(", ")
         ))
     );
-    plot.figure("What fails first", &caption).map(Some)
+    Some(plot.figure("What fails first", &caption))
 }
 
 /// First causes of the failures up to a checkpoint, as shares of them, e.g. `53.4 % by wear`; `None` if nothing has

@@ -4,17 +4,6 @@ use crate::presentation::report::figure::Drawing;
 use crate::presentation::report::palette::Ink;
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use thiserror::Error;
-
-/// A figure that could not be drawn.
-#[derive(Debug, Error)]
-#[error("figure {figure}: {reason}")]
-pub struct PlotError {
-    /// Name of the figure.
-    pub figure: String,
-    /// Message of plotters.
-    pub reason: String,
-}
 
 /// plotters works in whole pixels: figures are drawn this much larger and shown smaller, for smooth lines.
 const SCALE: f64 = 4.0;
@@ -35,25 +24,16 @@ pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub type DrawError = DrawingAreaErrorKind<std::io::Error>;
 
 /// A drawing of the standard width and this height [CSS pixels] on paper.
-pub fn draw(
-    figure: &str,
-    height: f64,
-    paint: impl FnOnce(&Area<'_>) -> Result<(), DrawError>,
-) -> Result<Drawing, PlotError> {
+pub fn draw(height: f64, paint: impl FnOnce(&Area<'_>) -> Result<(), DrawError>) -> Drawing {
     let (mut svg, [width, height]) = (String::new(), [WIDTH, height].map(|size| px(size) as u32));
     let painted = {
         let root = SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area();
         root.fill(&Ink::Paper.rgb()).and_then(|()| paint(&root)).and_then(|()| root.present())
     };
-    painted.map_err(|error| PlotError { figure: figure.into(), reason: error.to_string() })?;
+    painted.expect("an SVG in memory is written without files and fonts, the sources of plotters' errors");
     // What plotters writes is a document.
     let content = svg.split_once('>').map_or("", |(_, content)| content.trim().trim_end_matches("</svg>"));
-    Ok(Drawing {
-        view: format!("0 0 {width} {height}"),
-        letters: None,
-        axes: None,
-        content: content.to_owned(),
-    })
+    Drawing { view: format!("0 0 {width} {height}"), letters: None, axes: None, content: content.to_owned() }
 }
 
 /// CSS pixels in the pixels of the drawing.

@@ -6,12 +6,12 @@ use crate::presentation::report::palette::Ink;
 use plotters::prelude::*;
 
 /// Entries above the plot, in as many rows as they need.
-pub(super) struct Legend<'a> {
+pub struct Legend<'a> {
     entries: Vec<(f64, usize, &'a Series)>,
-    pub(super) rows: usize,
+    pub rows: usize,
 }
 
-pub(super) fn legend(series: &[Series]) -> Legend<'_> {
+pub fn legend(series: &[Series]) -> Legend<'_> {
     let (mut x, mut row) = (10.0, 0);
     let mut entries = Vec::new();
     for series in series.iter().filter(|series| series.listed) {
@@ -28,7 +28,7 @@ pub(super) fn legend(series: &[Series]) -> Legend<'_> {
 }
 
 impl Legend<'_> {
-    pub(super) fn draw_on(&self, root: &Area<'_>) -> Result<(), DrawError> {
+    pub fn draw_on(&self, root: &Area<'_>) -> Result<(), DrawError> {
         for (x, row, series) in &self.entries {
             let y = 15.0 + 20.0 * *row as f64;
             let ends = [(px(*x), px(y)), (px(x + 18.0), px(y))];

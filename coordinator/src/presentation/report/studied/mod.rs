@@ -26,7 +26,6 @@ use super::format::{UNKNOWN, count};
 use super::input::ReportInput;
 use super::mechanism::poses;
 use super::page::{captioned, numbered};
-use super::plot::PlotError;
 use super::written::WrittenScene;
 use super::{tables, words};
 use crate::results::scene_summary::limit_rows;
@@ -45,14 +44,11 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
 }
 
 /// Loads that vary by curves, over the angle of the crank.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn loads(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn loads(input: &ReportInput) -> Vec<Figure> {
     let cycle = input.nominal.as_ref().and_then(|nominal| nominal.first_cycle.as_ref());
     let varying =
         cycle.and_then(|cycle| VaryingLoads::new(&input.scene, &poses(&input.scene, cycle)?, &cycle.time));
-    varying.map_or(Ok(vec![]), |varying| varying.figures())
+    varying.map_or(vec![], |varying| varying.figures())
 }
 
 /// The chapter with its figure, as it was `drawn`; long tables are left to the [`appendix`].
