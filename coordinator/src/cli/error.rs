@@ -1,10 +1,10 @@
 //! Errors of commands: one message and an exit code each.
 
-use super::drive_angles::drive_at;
-use super::{pdf::PdfError, signals::INTERRUPTED};
+use super::pdf::PdfError;
+use super::signals::INTERRUPTED;
 use common::external::SimulatorError;
 use common::failure::SimulationFailure;
-use common::scene::{FaultKind, Faults, Scene};
+use common::scene::{FaultKind, Faults, Motion, Scene};
 use coordinator::analyses::budget::BudgetError;
 use coordinator::analyses::calibrate::CalibrationError;
 use coordinator::analyses::optimise::OptimiseError;
@@ -21,6 +21,7 @@ use coordinator::study::{CampaignError, SettingError, StudyError};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+use worker::mechanism::Prescribed;
 use worker::service::ServiceError;
 
 const FAILURE: u8 = 1;
@@ -252,4 +253,18 @@ fn what_to_do(error: &StudyError, dir: &Path) -> String {
 /// The command-line option of a setting, e.g. `--max-evaluations`.
 fn option_of(key: &str) -> String {
     format!("--{}", key.replace('_', "-"))
+}
+
+/// Angles of the driven bodies at a time [s], e.g. `crank angle 123.4 deg`.
+fn drive_at(scene: &Scene, time: f64) -> String {
+    let angles: Vec<String> = scene
+        .bodies
+        .iter()
+        .filter_map(|body| {
+            let motion = Prescribed::from_body(body).filter(|_| body.motion != Motion::Fixed)?;
+            let turned = motion.angle(time).to_degrees().rem_euclid(360.0);
+            Some(format!("{} angle {turned:.1} deg", body.name))
+        })
+        .collect();
+    if angles.is_empty() { format!("t = {time} s") } else { angles.join(", ") }
 }

@@ -4,9 +4,8 @@ mod variables;
 
 use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
-use super::external;
+use super::external::{self, failed};
 use super::farm::cores;
-use super::limit_text::failed;
 use super::measured::{MeasuredFinding, measured_findings};
 use super::model::Model;
 use super::nominal::{nominal_check, nominal_evaluation};

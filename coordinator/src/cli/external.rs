@@ -3,14 +3,13 @@
 use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
 use super::evaluation_json::of_outputs;
-use super::limit_text::failed;
 use super::output::{count, to_json};
 use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;
 use common::external::SimulatorId;
 use common::scene::{
-    CycleTier, Exchange, ExternalSimulator, FileExchange, Gives, OutputKind, Program, Scene, SceneSource,
-    SimulatorKind,
+    CycleTier, Exchange, ExternalSimulator, Fails, FileExchange, Gives, LimitState, OutputKind, Program,
+    Scene, SceneSource, SimulatorKind,
 };
 use coordinator::farm::evaluate::external::on_slots;
 use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
@@ -149,4 +148,14 @@ pub fn counts(scene: &Scene) -> String {
         count(scene.life.checkpoints().len(), "checkpoint"),
     ]
     .join(", ")
+}
+
+/// The values with which a limit state has failed, e.g. `failed from 8 um on`; `shown` writes a threshold.
+pub(super) fn failed(limit: &LimitState, shown: impl Fn(f64) -> String) -> String {
+    let threshold = shown(limit.threshold);
+    match limit.fails {
+        Fails::Above => format!("failed from {threshold} on"),
+        Fails::Below => format!("failed from {threshold} down"),
+        Fails::Outside { lower } => format!("failed from {} down and from {threshold} on", shown(lower)),
+    }
 }

@@ -7,10 +7,8 @@ mod check;
 mod command;
 mod compare;
 mod designs;
-mod distributions;
 mod doctor;
 mod draw;
-mod drive_angles;
 mod error;
 mod evaluation_json;
 mod explain;
@@ -18,7 +16,6 @@ mod external;
 mod farm;
 mod init;
 mod learn;
-mod limit_text;
 mod measured;
 mod model;
 mod monitor;
@@ -30,12 +27,10 @@ mod replace;
 mod results;
 mod run;
 mod scenes;
-mod schema;
 mod shared;
 mod shell;
 mod signals;
 mod simulate;
-mod simulated;
 mod status;
 mod stored_study;
 mod study_options;
@@ -126,7 +121,7 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Doctor(options) => doctor::doctor(&options, json),
         CommandArguments::Scenes { show } => scenes::scenes(show.as_deref(), json),
         CommandArguments::Draw(options) => draw::draw(&options, json),
-        CommandArguments::Schema { results } => schema::schema(results),
+        CommandArguments::Schema { results } => shell::schema(results),
         CommandArguments::Completions { shell } => shell::completions(shell),
         CommandArguments::Man { out } => shell::man(out.as_deref()),
         CommandArguments::Check(options) => check::check(&options, verbosity),

@@ -38,6 +38,20 @@ pub fn man(out: Option<&Path>) -> Result<(), CommandError> {
     print(&String::from_utf8_lossy(&text))
 }
 
+/// JSON Schema (2020-12) of the language of scenes.
+const SCENE: &str = include_str!("../../schemas/scene.schema.json");
+
+/// JSON Schema (2020-12) of `summary.json`.
+const SUMMARY: &str = include_str!("../../schemas/summary.schema.json");
+
+/// Prints the schema of scenes, or of `summary.json`.
+///
+/// # Errors
+/// [`CommandError::Output`].
+pub fn schema(results: bool) -> Result<(), CommandError> {
+    print(if results { SUMMARY } else { SCENE })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -233,6 +233,27 @@ pub fn capital(text: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
+/// The rows as lines. Columns stand to the right, those numbered in `to_the_left` to the left; a row may have fewer cells.
+pub fn in_columns(rows: &[Vec<String>], to_the_left: &[usize]) -> String {
+    let length = |text: &String| text.chars().count();
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |k: usize| rows.iter().filter_map(|row| row.get(k)).map(length).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&widths).enumerate().map(|(k, (cell, width))| {
+            let space = " ".repeat(width - length(cell));
+            let gap = if k == 0 { "" } else { "  " };
+            if to_the_left.contains(&k) {
+                format!("{gap}{cell}{space}")
+            } else {
+                format!("{gap}{space}{cell}")
+            }
+        });
+        format!("{}\n", cells.collect::<String>().trim_end())
+    };
+    rows.iter().map(line).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -293,5 +314,15 @@ mod tests {
     fn shares_are_written_as_people_read_them() {
         let found = [0.01, 0.0013, 0.26, 0.0, 0.12345, 1e-9].map(short_percent);
         assert_eq!(found, ["1 %", "0.13 %", "26 %", "0 %", "12 %", "0.0000001 %"]);
+    }
+
+    #[test]
+    fn issue_columns_of_long_numbers_touched_each_other() {
+        let rows = [["cycles", "R wear", "form"], ["4", "0.999815 ± 0.000068", "a"]];
+        let rows = rows.map(|row| row.map(str::to_owned).to_vec());
+        assert_eq!(
+            in_columns(&rows, &[2]),
+            "cycles               R wear  form\n     4  0.999815 ± 0.000068  a\n"
+        );
     }
 }

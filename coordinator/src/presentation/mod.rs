@@ -12,7 +12,6 @@
 //! | [`terminal`] | progress and final summary on the terminal |
 //! | [`text_table`] | a table as text |
 
-pub mod control_points;
 pub mod format;
 pub mod monitor;
 pub mod motion_cautions;
@@ -20,4 +19,3 @@ pub mod nominal_life;
 pub mod progress;
 pub mod report;
 pub mod terminal;
-pub mod text_table;

@@ -1,10 +1,12 @@
 //! The progress of a study and its farm as a section of the live page.
 
+use crate::farm::dispatch::{StatusBoard, StatusHandle};
 use crate::presentation::format::{count, duration};
 use crate::presentation::progress::{RemainingTime, most_evaluations, per_second};
 use crate::presentation::report::{cells, table};
-use common::wire::{Phase, Status, StudyStatus, WorkerStatus};
+use common::wire::{FarmStatus, Phase, Status, StudyStatus, WorkerStatus};
 use maud::{Markup, html};
+use std::time::{Duration, Instant};
 
 /// Style of the section.
 pub const STYLE: &str = "#study progress{width:100%;max-width:64rem;height:1.1rem;accent-color:var(--series-1)}\
@@ -61,6 +63,53 @@ fn farm(status: &Status) -> Markup {
         p.meta {
             (count(farm.queued)) " waiting, " (count(farm.under_way)) " running on " (count(farm.slots())) @if farm.slots() == 1 { " slot" } @else { " slots" } ", for "
             (duration(status.up))
+        }
+    }
+}
+
+/// Longest wait for the status of the farm.
+const STATUS_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Provider of the status of a running study.
+#[derive(Debug, Clone)]
+pub enum StatusSource {
+    /// The dispatcher of a farm.
+    Farm(StatusHandle),
+    /// A study whose simulator runs on slots of this process.
+    Alone {
+        /// Board of the study.
+        board: StatusBoard,
+        /// Number of slots.
+        slots: u32,
+        /// Start of the study.
+        since: Instant,
+    },
+}
+
+impl StatusSource {
+    /// The status now; `None` if the farm has ended or does not answer.
+    pub fn status(&self) -> Option<Status> {
+        match self {
+            StatusSource::Farm(dispatcher) => dispatcher.status(STATUS_TIMEOUT),
+            StatusSource::Alone { board, slots, since } => {
+                let up = since.elapsed();
+                let mut status = board.status(FarmStatus::default(), up);
+                let StudyStatus { done, recalled, planned, .. } = status.study;
+                let under_way = planned.saturating_sub(done);
+                let rate = done.saturating_sub(recalled) as f64 / up.as_secs_f64().max(1.0);
+                let worker = WorkerStatus {
+                    name: "this-process".to_owned(),
+                    slots: *slots,
+                    under_way: u32::try_from(under_way).unwrap_or(u32::MAX).min(*slots),
+                    done: done.saturating_sub(recalled),
+                    rate,
+                };
+                let running = u64::from(worker.under_way);
+                let queued = under_way - running;
+                status =
+                    board.status(FarmStatus { queued, under_way: running, rate, workers: vec![worker] }, up);
+                Some(status)
+            }
         }
     }
 }

@@ -1,9 +1,8 @@
 //! The status of a running study as text.
 
 use crate::farm::allocation::scale_sentence;
-use crate::presentation::format::{count, duration};
+use crate::presentation::format::{count, duration, in_columns};
 use crate::presentation::progress::{RemainingTime, per_second, reliability_so_far};
-use crate::presentation::text_table::in_columns;
 use common::wire::{Phase, Status, WorkerStatus};
 use std::fmt::Write;
 

@@ -1,11 +1,11 @@
 //! The answer of a command: texts, tables and figures in their order, on a terminal, in Markdown and as a page.
 
-use super::compared::{ComparedStudy, figures};
 use super::figure::Figure;
+use super::figures::{ComparedStudy, compared};
 use super::page::{self, wrapped};
 use super::tables::table;
 use super::{ReportError, write_figures};
-use crate::presentation::text_table::in_columns;
+use crate::presentation::format::in_columns;
 use crate::results::result_files::{create_folder, write_text};
 use maud::{Markup, Render, html};
 use std::path::{Path, PathBuf};
@@ -148,7 +148,7 @@ impl Answer {
 
     /// The figures of the page: its own, and the curves of every limit state and of the system.
     pub fn all_figures(&self) -> Vec<Figure> {
-        let curves = if self.curves.is_empty() { vec![] } else { figures(&self.curves) };
+        let curves = if self.curves.is_empty() { vec![] } else { compared(&self.curves) };
         self.figures.iter().cloned().chain(curves).collect()
     }
 

@@ -14,7 +14,7 @@ use crate::statistics::reliability::paired::Change;
 use std::collections::BTreeSet;
 use thiserror::Error;
 
-pub use super::compared::ComparedStudy;
+pub use super::figures::ComparedStudy;
 
 /// Largest number of studies that one figure can distinguish.
 pub const MOST: usize = SERIES;

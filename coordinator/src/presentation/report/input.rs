@@ -2,15 +2,13 @@
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
 use super::format::{capital, words};
-use super::grooves::{self, GroovedJoint};
 use super::stated_errors::{StatedAt, StatedErrorCollector};
 use super::untested::{no_simulated_failure, steps_and_noise};
 use super::written::WrittenScene;
-use crate::presentation::control_points::control_points_notes;
-use crate::presentation::motion_cautions::motion_cautions;
+use crate::presentation::motion_cautions::{control_points_notes, motion_cautions};
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
-use common::outputs::{COUNTERS, Diagnostics, Evaluation};
+use common::outputs::{COUNTERS, Diagnostics, Evaluation, NarrowGroove};
 use common::scene::{ContactLaw, JointKind, LimitState, OutputUnit, Scene};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -38,11 +36,6 @@ pub struct CheckpointDistribution {
     pub counts: Vec<u64>,
     /// Pairs of probability and quantile, increasing [1, SI unit of the output].
     pub quantiles: Vec<(f64, f64)>,
-}
-
-/// Edges of `bins` equal bins from `from` to `to` `(bins + 1,)`, the last one exactly `to`.
-pub fn equal_edges(from: f64, to: f64, bins: usize) -> Vec<f64> {
-    (0..=bins).map(|k| if k == bins { to } else { from + (to - from) * k as f64 / bins as f64 }).collect()
 }
 
 /// A simulation with a result.
@@ -206,7 +199,7 @@ impl WorkTotals {
     fn add(&mut self, diagnostics: &Diagnostics, wall: f64) {
         self.evaluations += 1;
         self.longest = self.longest.max(wall);
-        grooves::add(&mut self.grooved, &diagnostics.narrow_grooves);
+        add_grooves(&mut self.grooved, &diagnostics.narrow_grooves);
         self.counts.iter_mut().zip(diagnostics.counts()).for_each(|(sum, count)| *sum += count);
     }
 }
@@ -285,6 +278,35 @@ fn notes(scene: &Scene) -> Vec<String> {
     vec![]
 }
 
+/// The evaluations of a study in which a joint had such a groove.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct GroovedJoint {
+    /// Number of evaluations.
+    pub evaluations: u64,
+    /// Earliest life at which one was there [cycles].
+    pub since: u32,
+    /// The most open one.
+    pub widest: NarrowGroove,
+}
+
+/// Adds the grooves of one evaluation to the counts of their joints.
+fn add_grooves(grooved: &mut Vec<GroovedJoint>, grooves: &[NarrowGroove]) {
+    for groove in grooves {
+        match grooved.iter_mut().find(|joint| joint.widest.joint == groove.joint) {
+            Some(known) => {
+                known.evaluations += 1;
+                known.since = known.since.min(groove.since);
+                if groove.open > known.widest.open {
+                    known.widest.clone_from(groove);
+                }
+            }
+            None => {
+                grooved.push(GroovedJoint { evaluations: 1, since: groove.since, widest: groove.clone() })
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -328,5 +350,27 @@ mod tests {
         let mut scene = test_study::scene();
         scene.limit_states.truncate(1);
         assert!(notes(&scene).is_empty());
+    }
+
+    #[test]
+    fn grooves_are_counted_by_joint_and_the_most_open_one_is_kept() {
+        let groove = |joint: &str, since, open| NarrowGroove {
+            joint: joint.into(),
+            since,
+            angle: 1.0,
+            width: 0.2,
+            open,
+        };
+        let mut grooved = vec![];
+        for evaluation in [
+            vec![groove("a", 4000, 1e-6)],
+            vec![],
+            vec![groove("a", 2000, 2e-6), groove("b", 8000, 5e-7)],
+            vec![groove("a", 3000, 1.5e-6)],
+        ] {
+            add_grooves(&mut grooved, &evaluation);
+        }
+        let found: Vec<_> = grooved.iter().map(|j| (j.evaluations, j.since, j.widest.open)).collect();
+        assert_eq!(found, [(3, 2000, 2e-6), (1, 8000, 5e-7)]);
     }
 }

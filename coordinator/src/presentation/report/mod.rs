@@ -6,11 +6,9 @@ pub mod answer;
 mod bars;
 mod chapters;
 pub mod compare;
-mod compared;
 pub mod drawing;
 mod figure;
 mod figures;
-mod grooves;
 mod input;
 pub mod levels;
 pub mod life;
@@ -36,7 +34,7 @@ pub use figure::{Drawing, Figure};
 pub use figures::{VaryingLoads, reliability as reliability_figure};
 pub use input::{
     CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, ReportInput, SUMMARY_DOCUMENT, SimulatedSample,
-    WorkTotals, equal_edges,
+    WorkTotals,
 };
 pub use life::{failure_probability, reliability};
 pub use page::{FigureFiles, LiveStatus, Page, standalone, wrapped};

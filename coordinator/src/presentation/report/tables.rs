@@ -2,8 +2,7 @@
 
 use super::figures::{rows_at_governing, words};
 use super::format::{UNKNOWN, count, duration, fixed, percent, three_digits, with_unit};
-use super::grooves::GroovedJoint;
-use super::input::ReportInput;
+use super::input::{GroovedJoint, ReportInput};
 use super::life::{self, LEVELS, LifeAt, life_and_limits, life_at};
 use crate::results::summary::{ReliabilityRow, Round, SensitivityRow, WorkerShare};
 use crate::statistics::reliability::REACH;

@@ -1,14 +1,14 @@
 //! The summary printed at the end of a study.
 
-use crate::presentation::control_points::control_points_notes;
-use crate::presentation::format::{count, duration};
+use crate::presentation::format::{count, duration, in_columns};
+use crate::presentation::motion_cautions::control_points_notes;
 use crate::presentation::report::levels::parts_and_levels;
 use crate::presentation::report::life::{
     LEVELS, LifeAt, life_and_limits, life_at, rows_that_matter, unresolved_fall,
 };
 use crate::presentation::report::untested::{no_simulated_failure, steps_and_noise};
 use crate::presentation::report::{failure_probability, reliability};
-use crate::presentation::text_table::in_columns;
+
 use crate::results::summary::StudySummary;
 use std::path::Path;
 

@@ -1,11 +1,11 @@
 //! The first frame of the animation: bodies in true proportions, and below them the joints with clearance, magnified.
 
-use super::frames::AnimatedCycle;
 use crate::presentation::report::drawing::labels::LabelArea;
 use crate::presentation::report::drawing::symbols::{block, coordinate, ground, link, rail, rail_ends};
 use crate::presentation::report::figure::Drawing;
 use crate::presentation::report::mechanism::{self, Pose, eccentricity, of_body, place};
 use crate::presentation::report::palette::Ink;
+use common::outputs::CycleHistory;
 use common::scene::{GuideClearance, Joint, JointKind, Motion, Scene};
 use maud::{Markup, html};
 use std::f64::consts::TAU;
@@ -277,6 +277,29 @@ fn bore(depth: &[f64], magnified: f64) -> String {
         );
     }
     if path.is_empty() { path } else { path + "Z" }
+}
+
+/// Frames per cycle.
+pub const FRAMES: usize = 120;
+
+/// A cycle to be animated.
+pub struct AnimatedCycle<'a> {
+    /// Name in the list of cycles.
+    pub name: &'static str,
+    /// True if the bores are those at the end of life.
+    pub worn: bool,
+    /// Motion over the cycle.
+    pub cycle: &'a CycleHistory,
+    /// Poses of all bodies at its instants `(n, bodies)`.
+    pub poses: Vec<Vec<Pose>>,
+}
+
+impl AnimatedCycle<'_> {
+    /// Poses of all bodies in the frames, which are evenly spread over the cycle.
+    pub fn frames(&self) -> impl Iterator<Item = &[Pose]> {
+        let last = self.poses.len() - 1;
+        (0..FRAMES).map(move |frame| self.poses[frame * last / FRAMES].as_slice())
+    }
 }
 
 #[cfg(test)]

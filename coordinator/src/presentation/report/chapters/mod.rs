@@ -2,19 +2,18 @@
 //! the values of charts at the pointer. Without them the drawing shows its first frame.
 
 mod end;
-mod head;
 mod points;
-mod worn_guides;
-
-pub use head::header;
 
 use super::animation::{SCRIPT, animation};
 use super::figures::{self, file_name};
-use super::format::count;
+use super::format::{count, fixed};
 use super::input::ReportInput;
-use super::life::rows_that_matter;
+use super::life::{FAILED_UNWORN, LEVELS, failure_probability, rows_that_matter};
 use super::page::{FigureFiles, Page, captioned, numbered};
-use super::{levels, stated, studied, tables};
+use super::tables::{self, table_of};
+use super::{levels, stated, studied, words};
+use common::outputs::JointSummary;
+use common::scene::JointKind;
 use maud::{Markup, PreEscaped, html};
 
 /// The script that shows the values of a chart at the pointer.
@@ -22,8 +21,8 @@ const HOVER: &str = include_str!("hover.js");
 
 /// The whole page.
 pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
-    let mut page = Page::new(&input.scene.title, head::header(input), files);
-    page.add(head::lead(input));
+    let mut page = Page::new(&input.scene.title, header(input), files);
+    page.add(lead(input));
     page.add_contents();
     page.begin("What was studied");
     let drawing = studied::figure(input).into_iter().chain(studied::loads(input)).collect();
@@ -187,7 +186,7 @@ pub fn mechanism(page: &mut Page, input: &ReportInput) -> Markup {
         drawn,
         html! { "No bore is worn in a nominal evaluation." },
     );
-    page.add(worn_guides::worn_guides(input));
+    page.add(worn_guides(input));
     let drawn = page.draw(figures::orbits(input), "many");
     page.add_chapter(
         "Journal orbits",
@@ -227,4 +226,84 @@ fn controls() -> Markup {
             " " output {}
         }
     }
+}
+
+/// Title, and what was studied how.
+pub fn header(input: &ReportInput) -> Markup {
+    let summary = &input.summary;
+    html! {
+        header {
+            p.brand { "Hingewise" }
+            h1 { (input.scene.title) }
+            p.meta {
+                "Reliability study of scene " code { (summary.scene) } ", method " (summary.method) ", accuracy "
+                (words::accuracy(summary)) ", seed " (summary.seed)
+            }
+        }
+    }
+}
+
+/// The three lives (or the failure probability), and the summary in sentences.
+pub fn lead(input: &ReportInput) -> Markup {
+    let summary = &input.summary;
+    html! {
+        div.tiles {
+            @if summary.is_static() {
+                div.tile {
+                    p { "P" sub { "f" } }
+                    p.figure { (failure_probability(&summary.reliability[0], "total")) }
+                    p { "95 % interval" }
+                }
+            } @else {
+                @for level in LEVELS {
+                    @let (life, bounds) = words::life(summary, level);
+                    div.tile {
+                        p { "R = " (level) }
+                        p.figure { (life) }
+                        p { @if life != FAILED_UNWORN { "cycles" br; } (bounds) }
+                    }
+                }
+            }
+        }
+        @if !summary.is_static() { (captioned("lives", "Lives, with 95 % intervals", tables::lives(input))) }
+        div.says {
+            @for sentence in words::sentences(input) { p { (sentence) } }
+            @for note in &input.notes { p.note { strong { "Caution:" } " " (note) } }
+        }
+    }
+}
+
+/// Largest depths of both faces of each guide that wears and of its slider; nothing without any.
+pub(super) fn worn_guides(input: &ReportInput) -> Markup {
+    let joints = input.nominal.iter().flat_map(|nominal| &nominal.joints).zip(&input.scene.joints);
+    let worn: Vec<&JointSummary> = joints
+        .filter(|(summary, joint)| {
+            matches!(joint.kind, JointKind::Guide(_)) && !summary.wear_depth.is_empty()
+        })
+        .map(|(summary, _)| summary)
+        .collect();
+    if worn.is_empty() {
+        return html! {};
+    }
+    let deepest = |depths: &[f64], face: usize| {
+        let (left, right) = depths.split_at(depths.len() / 2);
+        fixed(1e6 * [left, right][face].iter().copied().fold(0.0, f64::max), 2)
+    };
+    let table = table_of::<&JointSummary>(
+        &[
+            ("guide", &|guide| guide.name.clone()),
+            ("left face [µm]", &|guide| deepest(&guide.wear_depth, 0)),
+            ("right face [µm]", &|guide| deepest(&guide.wear_depth, 1)),
+            ("slider, left [µm]", &|guide| deepest(&guide.journal_wear_depth, 0)),
+            ("slider, right [µm]", &|guide| deepest(&guide.journal_wear_depth, 1)),
+            ("peak force [N]", &|guide| fixed(guide.peak_force, 2)),
+        ],
+        worn,
+    );
+    captioned(
+        "worn-guides",
+        "Guides that wear: largest depth of each face of the guide and of its slider, seen along the axis of the guide, nominal mechanism at the \
+         end of life; peak force of the first cycle",
+        table,
+    )
 }

@@ -17,7 +17,6 @@ mod sketch;
 pub mod symbols;
 #[cfg(test)]
 mod tests;
-mod words;
 
 pub use geometry::{DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, DrawnMotion, LoadSymbol};
 pub use labels::{Label, LabelArea, LabelOf, PlacedLabel};

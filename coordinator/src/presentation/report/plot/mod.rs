@@ -3,10 +3,8 @@
 
 mod axis;
 mod canvas;
-mod legend;
 mod series;
 mod shapes;
-mod ticks;
 
 pub use axis::{Axis, Scale, tick_label};
 pub use canvas::{Area, DrawError, LETTERS, draw, letters, px, stroke};
@@ -14,11 +12,11 @@ pub use series::{Band, Points, Series, Shape};
 
 use super::figure::{Drawing, Figure};
 use super::palette::Ink;
-pub use legend::{Legend, legend};
+use axis::{TickedAxis, ticks};
 use plotters::prelude::*;
 use shapes::{Frame, draw_series};
+pub use shapes::{Legend, legend};
 use std::ops::Range;
-use ticks::{TickedAxis, ticks};
 
 /// Height of what is above and below the plot, without the legend [CSS pixels].
 const AROUND: f64 = 60.0;

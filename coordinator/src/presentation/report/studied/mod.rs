@@ -12,7 +12,6 @@
 //! | `exact` | values with as few digits as give the same number |
 
 mod exact;
-mod formula_tables;
 mod guide_table;
 mod load_tables;
 mod materials;
@@ -26,11 +25,12 @@ use super::format::{UNKNOWN, count};
 use super::input::ReportInput;
 use super::mechanism::poses;
 use super::page::{captioned, numbered};
+use super::tables::{self, table_of_text};
+use super::words;
 use super::written::WrittenScene;
-use super::{tables, words};
 use crate::results::scene_summary::limit_rows;
 use common::scene::{ContactLaw, Joint, JointKind, Scene, SimulatorKind, WearingSurfaces};
-use maud::{Markup, html};
+use maud::{Markup, Render, html};
 
 /// Random variables beyond this number are listed in the appendix.
 const VARIABLES_IN_CHAPTER: usize = 12;
@@ -114,7 +114,7 @@ pub fn appendix(input: &ReportInput) -> Markup {
         @if input.scene.variables.len() > VARIABLES_IN_CHAPTER {
             (variable_tables::variables(&input.scene, &input.summary, &input.written))
         }
-        (formula_tables::tables(&input.written))
+        (formulas(&input.written))
     }
 }
 
@@ -220,6 +220,26 @@ fn moment(time: &str) -> String {
     match time.split_once('T') {
         Some((day, clock)) => format!("{day} {} UTC", clock.split(['.', 'Z']).next().unwrap_or_default()),
         None => time.to_owned(),
+    }
+}
+
+/// Parameters, and formulas of the keys that depend on them; nothing for a scene without parameters.
+fn formulas(written: &WrittenScene) -> Markup {
+    let rows = |all: &[(String, String)]| {
+        let cells = |(name, text): &(String, String)| vec![name.render(), html! { code { (text) } }];
+        all.iter().map(cells).collect::<Vec<_>>().into_iter()
+    };
+    html! {
+        @if !written.parameters.is_empty() {
+            (captioned("parameters", "Parameters of the scene", table_of_text(&["parameter", "value"], rows(&written.parameters))))
+        }
+        @if !written.formulas.is_empty() {
+            (captioned(
+                "formulas",
+                "Quantities that follow from parameters, with the values above where all variables are at their means",
+                table_of_text(&["quantity", "formula"], rows(&written.formulas)),
+            ))
+        }
     }
 }
 
