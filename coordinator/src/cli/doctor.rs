@@ -66,7 +66,7 @@ impl CheckResults {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CommandError::Unhealthy`] if a check failed.
+/// [`CommandError::Failed`] if a check failed.
 pub fn doctor(arguments: &DoctorArguments, as_json: bool) -> Result<(), CommandError> {
     let (host, port) = host_and_port(&arguments.endpoint)?;
     let mut findings = CheckResults::default();
@@ -74,7 +74,11 @@ pub fn doctor(arguments: &DoctorArguments, as_json: bool) -> Result<(), CommandE
     let findings = findings.0;
     print(&if as_json { to_json(&findings)? } else { lines(&findings) })?;
     let failed = findings.iter().filter(|finding| !finding.ok).count();
-    if failed == 0 { Ok(()) } else { Err(CommandError::Unhealthy { failed, tried: findings.len() }) }
+    if failed == 0 {
+        Ok(())
+    } else {
+        Err(CommandError::Failed(format!("{failed} of {} checks failed", findings.len())))
+    }
 }
 
 fn lines(findings: &[CheckResult]) -> String {

@@ -49,7 +49,7 @@ fn share(text: &str) -> Result<f64, String> {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CommandError::Scene`], [`CommandError::Refused`] for a scene without a mechanism or one without extent, the failure of a linkage that does
+/// [`CommandError::Scene`], [`CommandError::BadInput`] for a scene without a mechanism or one without extent, the failure of a linkage that does
 /// not close, or the error of a file that cannot be written.
 pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError> {
     check_picture(arguments.out.as_deref())?;
@@ -98,7 +98,7 @@ fn write_figures(
 /// Checks that a picture can be written under this name.
 ///
 /// # Errors
-/// [`CommandError::Refused`].
+/// [`CommandError::BadInput`].
 pub fn check_picture(file: Option<&Path>) -> Result<(), CommandError> {
     check_destination(file)?;
     let Some(file) = file else { return Ok(()) };
@@ -139,7 +139,7 @@ pub fn drawing_figure(origin: &str, scene: &Scene) -> Option<Figure> {
 /// that vary over the cycle.
 ///
 /// # Errors
-/// [`CommandError::Refused`] for a mechanism without extent, or the failure of a linkage that does not close.
+/// [`CommandError::BadInput`] for a mechanism without extent, or the failure of a linkage that does not close.
 fn drawn(
     origin: &str,
     scene: &Scene,

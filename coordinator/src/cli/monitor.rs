@@ -60,9 +60,9 @@ impl StayingPage {
     /// Serves the page until Ctrl-C or SIGTERM.
     ///
     /// # Errors
-    /// [`CommandError::Signals`].
+    /// [`CommandError::Failed`].
     pub fn serve(self) -> Result<(), CommandError> {
-        let interrupted = interruption().map_err(CommandError::Signals)?;
+        let interrupted = interruption()?;
         let file = self.live.report_file();
         print_message(format_args!(
             "the live page stays at http://{} until Ctrl-C; its report is {}",
@@ -80,18 +80,26 @@ impl Monitor {
     /// Starts the server that the arguments ask for.
     ///
     /// # Errors
-    /// [`CommandError::Monitor`] if an address is not allowed or cannot be used.
+    /// [`CommandError::BadInput`] if an address is not allowed or cannot be used.
     pub fn open(
         arguments: &MonitorArguments,
         evaluator: &CommandEvaluator,
         study: &WatchedStudy<'_>,
     ) -> Result<Self, CommandError> {
         let (board, look) = evaluator.status();
-        let live = arguments.live.as_deref().map(|given| listen_address("--live", given)).transpose()?;
+        let live = arguments
+            .live
+            .as_deref()
+            .map(|given| listen_address("--live", given))
+            .transpose()
+            .map_err(CommandError::bad_input)?;
         let page = |address| {
             let drawing = drawing_figure(&study.scene.name, study.scene);
             let live = Arc::new(LivePage::new(study.dir, study.scene, study.settings, look.clone(), drawing));
-            Ok::<_, CommandError>((Arc::clone(&live), MonitorServer::live(address, live)?))
+            Ok::<_, CommandError>((
+                Arc::clone(&live),
+                MonitorServer::live(address, live).map_err(CommandError::bad_input)?,
+            ))
         };
         Ok(Monitor { board, live: live.map(page).transpose()?, keep: arguments.live_keep })
     }
@@ -105,12 +113,9 @@ impl Monitor {
 
     /// An observer that serves the monitor and forwards to `next`.
     pub fn watch<'a>(&self, scene: &str, next: &'a mut dyn Observer) -> ProgressRelay<'a> {
-        ProgressRelay::new(
-            scene,
-            next,
-            self.board.clone(),
-            self.live.as_ref().map(|(live, _)| Arc::clone(live)),
-        )
+        self.board.post(|study| scene.clone_into(&mut study.scene));
+        let live = self.live.as_ref().map(|(live, _)| Arc::clone(live));
+        ProgressRelay { next, board: self.board.clone(), live }
     }
 
     /// Shows the end of the study and stops the server, except for a live page that stays: with `--live-keep`, and on a terminal

@@ -5,7 +5,7 @@
 use super::designs::{Machines, after_study};
 use super::error::CommandError;
 use super::external;
-use super::farm::{CommandEvaluator, announced, cores, local_slots};
+use super::farm::{CommandEvaluator, cores, local_slots};
 use super::monitor::{Monitor, StayingPage, WatchedStudy};
 use super::output::{print, to_json};
 use super::results::write_results;
@@ -65,7 +65,7 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     let mut settings = arguments.settings(scene);
     settings.check(scene)?;
     let threads = Some(local_slots(&arguments.farm)).filter(|slots| *slots > 0).unwrap_or_else(cores);
-    let interrupted = interruption().map_err(CommandError::Signals)?;
+    let interrupted = interruption()?;
     let accuracy = arguments.working_accuracy();
     if accuracy.max_error.is_some() {
         settings.accuracy =
@@ -80,8 +80,7 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
         version: program(),
     };
     // Listen first: an address that cannot be used must not leave a folder behind.
-    let campaign = || announced(&source, &settings, false);
-    let evaluator = CommandEvaluator::open(&source, campaign, &arguments.farm)?;
+    let evaluator = CommandEvaluator::open(&source, &settings, false, &arguments.farm)?;
     let watched = WatchedStudy { dir: &dir, scene, settings: &settings };
     let monitor = Monitor::open(&arguments.monitor, &evaluator, &watched)?;
     let mut campaign = CampaignFile::create(&dir, &meta, scene)?;
@@ -123,8 +122,7 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
         say_what_is_done(&study, &extended)?;
     }
     study.settings = extended;
-    let campaign = || announced(&study.source, &study.settings, true);
-    let evaluator = CommandEvaluator::open(&study.source, campaign, farm)?;
+    let evaluator = CommandEvaluator::open(&study.source, &study.settings, true, farm)?;
     let watched = WatchedStudy { dir, scene: study.scene(), settings: &study.settings };
     let monitor = Monitor::open(monitor, &evaluator, &watched)?;
     study.campaign.forget_failed_start()?;

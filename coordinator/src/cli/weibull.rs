@@ -68,7 +68,7 @@ pub fn weibull(arguments: &WeibullArguments, as_json: bool) -> Result<(), Comman
     let mut report = WeibullReport::new(lives, *confidence, *reliability)
         .map_err(|error| CommandError::refused(file.display(), error.to_string()))?;
     if let Some(summary) = &summary {
-        report.compare(summary, mode.as_deref().unwrap_or("total"))?;
+        report.compare(summary, mode.as_deref().unwrap_or("total")).map_err(CommandError::bad_input)?;
     }
     answer_with(&answer(&report), &json(&report), out.as_deref(), as_json)
 }

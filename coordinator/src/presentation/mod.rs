@@ -10,7 +10,6 @@
 //! | [`nominal_life`] | one mechanism against the limits of its scene |
 //! | [`progress`] | progress of a study, and the time that it still takes |
 //! | [`terminal`] | progress and final summary on the terminal |
-//! | [`text_table`] | a table as text |
 
 pub mod format;
 pub mod monitor;

@@ -313,22 +313,12 @@ fn line(observed: &ObservedProgress) -> String {
 
 /// An observer that records progress for the views and passes it on to the next observer.
 pub struct ProgressRelay<'a> {
-    next: &'a mut dyn Observer,
-    board: StatusBoard,
-    live: Option<Arc<LivePage>>,
-}
-
-impl<'a> ProgressRelay<'a> {
-    /// A relay to `next` that records progress on `board` and on the live page, if there is one.
-    pub fn new(
-        scene: &str,
-        next: &'a mut dyn Observer,
-        board: StatusBoard,
-        live: Option<Arc<LivePage>>,
-    ) -> Self {
-        board.post(|study| scene.clone_into(&mut study.scene));
-        Self { next, board, live }
-    }
+    /// Observer that is notified last.
+    pub next: &'a mut dyn Observer,
+    /// Status that other programs ask for.
+    pub board: StatusBoard,
+    /// The live page, if there is one.
+    pub live: Option<Arc<LivePage>>,
 }
 
 impl Observer for ProgressRelay<'_> {
@@ -356,8 +346,9 @@ mod tests {
     #[test]
     fn progress_appears_in_the_status() {
         let board = StatusBoard::default();
+        board.post(|study| "four-bar".clone_into(&mut study.scene));
         let mut silent = Silent;
-        let mut relay = ProgressRelay::new("four-bar", &mut silent, board.clone(), None);
+        let mut relay = ProgressRelay { next: &mut silent, board: board.clone(), live: None };
         let source = StatusSource::Alone { board, slots: 2, since: Instant::now() };
         assert_eq!(source.status().unwrap().phase, Phase::Learning);
         let batch =

@@ -3,7 +3,7 @@
 use crate::farm::dispatch::{StatusBoard, StatusHandle};
 use crate::presentation::format::{count, duration};
 use crate::presentation::progress::{RemainingTime, most_evaluations, per_second};
-use crate::presentation::report::{cells, table};
+use crate::presentation::report::table;
 use common::wire::{FarmStatus, Phase, Status, StudyStatus, WorkerStatus};
 use maud::{Markup, html};
 use std::time::{Duration, Instant};
@@ -58,7 +58,7 @@ fn farm(status: &Status) -> Markup {
     html! {
         (table(&["worker", "slots", "running", "done", "rate"], farm.workers.iter().map(|worker| {
             let WorkerStatus { name, slots, under_way, done, rate } = worker;
-            cells([name.clone(), slots.to_string(), under_way.to_string(), count(*done), per_second(*rate)])
+            [name.clone(), slots.to_string(), under_way.to_string(), count(*done), per_second(*rate)]
         })))
         p.meta {
             (count(farm.queued)) " waiting, " (count(farm.under_way)) " running on " (count(farm.slots())) @if farm.slots() == 1 { " slot" } @else { " slots" } ", for "

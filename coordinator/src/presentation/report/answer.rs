@@ -7,7 +7,7 @@ use super::tables::table;
 use super::{ReportError, write_figures};
 use crate::presentation::format::in_columns;
 use crate::results::result_files::{create_folder, write_text};
-use maud::{Markup, Render, html};
+use maud::{Markup, html};
 use std::path::{Path, PathBuf};
 
 /// An answer in every form.
@@ -105,10 +105,9 @@ impl Table {
     }
 
     fn html(&self) -> Markup {
-        let rows = self.rows.iter().map(|row| row.iter().map(Render::render).collect());
         html! {
             @if !self.heading.is_empty() { h2 { (self.heading) } }
-            (table(&self.head, rows))
+            (table(&self.head, &self.rows))
         }
     }
 }

@@ -313,12 +313,6 @@ mod tests {
     use crate::test_study;
 
     #[test]
-    fn equal_bins_end_where_they_should() {
-        assert_eq!(equal_edges(1.0, 2.0, 4), [1.0, 1.25, 1.5, 1.75, 2.0]);
-        assert_eq!(equal_edges(0.1, 0.3, 7)[7], 0.3);
-    }
-
-    #[test]
     fn a_draft_or_unfinished_study_has_a_caution() {
         let mut summary = test_study::study().summary;
         assert!(rough(&summary).is_empty() && go_on(&summary, Path::new("a/b")).is_none());

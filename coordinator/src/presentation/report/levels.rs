@@ -2,12 +2,12 @@
 
 use super::format::{count, fixed, percent};
 use super::life::governing;
-use super::tables::table;
+use super::tables::{table, table_of};
 use crate::results::level_summary::DifferenceRow;
 use crate::results::reliability_summary::ErrorParts;
 use crate::results::summary::StudySummary;
 use crate::statistics::reliability::REACH;
-use maud::{Markup, Render, html};
+use maud::{Markup, html};
 
 /// Names of the parts of an interval, and what reduces each.
 pub const PARTS: [(&str, &str); 3] = [
@@ -74,38 +74,32 @@ fn signed_percent(share: f64) -> String {
 /// Parts of the intervals of all curves where R of the system is nearest 1/2, and the differences of the levels.
 pub fn tables(summary: &StudySummary) -> Markup {
     let Some(row) = governing(summary).filter(|row| !row.parts.is_empty()) else { return html! {} };
-    let head = ["half width of the 95 % interval of R".to_owned()];
-    let names = PARTS.map(|(name, _)| name.to_owned());
-    let head: Vec<String> = head.into_iter().chain(names).chain(["all".to_owned()]).collect();
+    let [samples, surrogates, numerical] = PARTS.map(|(name, _)| name);
+    let head = ["half width of the 95 % interval of R", samples, surrogates, numerical, "all"];
     let cells = |name: &str| {
         let widths = row.parts.get(name).map(half_widths).unwrap_or_default();
         let all = widths.iter().map(|width| width * width).sum::<f64>().sqrt();
-        let numbers = widths.into_iter().chain([all]).map(|width| fixed(width, 4).render());
-        std::iter::once(format!("{name}, {} cycles", count(row.cycles.into())).render())
-            .chain(numbers)
-            .collect::<Vec<Markup>>()
+        let numbers = widths.into_iter().chain([all]).map(|width| fixed(width, 4));
+        std::iter::once(format!("{name}, {} cycles", count(row.cycles.into()))).chain(numbers)
     };
     let parts = table(&head, summary.curve_names().map(cells));
     let differences = summary.levels.iter().flat_map(|levels| &levels.differences);
-    let rows: Vec<Vec<Markup>> = differences
-        .map(|row| {
-            let order = row.order.map_or("not observed".to_owned(), |order| fixed(order, 1));
-            let shares = [signed_percent(row.correction), percent(row.error), percent(row.rough)];
-            let cells = [row.limit_state.clone(), row.form.clone()].into_iter().chain(shares).chain([order]);
-            cells.map(|cell| cell.render()).collect()
-        })
-        .collect();
-    let head = [
-        "difference of the levels",
-        "form",
-        "of the limit",
-        "± (95 %)",
-        "spread from point to point",
-        "order",
-    ];
+    let differences: Vec<&DifferenceRow> = differences.collect();
     html! {
         (parts)
-        @if !rows.is_empty() { (table(&head, rows.into_iter())) }
+        @if !differences.is_empty() {
+            (table_of::<&DifferenceRow>(
+                &[
+                    ("difference of the levels", &|row| row.limit_state.clone()),
+                    ("form", &|row| row.form.clone()),
+                    ("of the limit", &|row| signed_percent(row.correction)),
+                    ("± (95 %)", &|row| percent(row.error)),
+                    ("spread from point to point", &|row| percent(row.rough)),
+                    ("order", &|row| row.order.map_or("not observed".to_owned(), |order| fixed(order, 1))),
+                ],
+                differences,
+            ))
+        }
     }
 }
 

@@ -40,7 +40,7 @@ pub use life::{failure_probability, reliability};
 pub use page::{FigureFiles, LiveStatus, Page, standalone, wrapped};
 pub use plot::{Axis, Plot, Points, Scale, Series, Shape};
 pub use stated_errors::StatedAt;
-pub use tables::{cells, table};
+pub use tables::table;
 
 use crate::results::result_files::{
     ResultFileError, create_folder, reliability_csv, summary_json, write_samples_csv, write_text,

@@ -11,7 +11,7 @@ use crate::presentation::nominal_life::{NominalLife, nominal_lives};
 use crate::results::summary::StudySummary;
 use common::outputs::Evaluation;
 use common::scene::Scene;
-use maud::{Markup, Render, html};
+use maud::{Markup, html};
 
 /// One mechanism and what is known of it.
 pub struct NominalView<'v> {
@@ -46,7 +46,7 @@ impl NominalView<'_> {
             }
         };
         let mut page = Page::new(&self.scene.title, header, FigureFiles::Absent);
-        let rows = facts.iter().map(|(name, value)| vec![html! { (name) }, html! { (value) }]);
+        let rows = facts.iter().map(|(name, value)| [*name, value]);
         page.add(captioned("facts", "The simulation", tables::table_of_text(&["item", "value"], rows)));
         self.begin(&mut page, &input);
         let scripts = chapters::mechanism(&mut page, &input);
@@ -85,14 +85,14 @@ impl NominalView<'_> {
             let shown = |value: f64| with_unit(&output.kind.unit(), value);
             let known = lives.as_ref().map(|lives| &lives[k]);
             let of = |value: &dyn Fn(&NominalLife) -> Option<String>| {
-                known.and_then(value).unwrap_or_else(|| UNKNOWN.to_owned()).render()
+                known.and_then(value).unwrap_or_else(|| UNKNOWN.to_owned())
             };
-            vec![
-                limit.name.render(),
-                output.name.render(),
+            [
+                limit.name.clone(),
+                output.name.clone(),
                 of(&|life| life.unworn.map(shown)),
                 of(&|life| Some(shown(life.last))),
-                limit.thresholds().into_iter().map(shown).collect::<Vec<_>>().join(" to ").render(),
+                limit.thresholds().into_iter().map(shown).collect::<Vec<_>>().join(" to "),
                 of(&|life| Some(format!("{:.0} %", 100.0 * life.margin()))),
                 of(&|life| Some(life.reached.life().map_or("beyond the life studied".to_owned(), whole))),
             ]
@@ -123,7 +123,7 @@ mod tests {
         let evaluation = test_study::report_input().nominal.unwrap();
         let view = NominalView { evaluation: Some(&evaluation), ..before };
         let facts = [("accuracy", "draft".to_owned())];
-        let page = view.page(&facts, "gravity = 0").unwrap().html(None);
+        let page = view.page(&facts, "gravity = 0").html(None);
         for piece in [
             "id=\"drawing\"",
             "id=\"history-wear\"",

@@ -29,20 +29,16 @@ pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
     let drawing = page.draw(drawing, "one");
     page.add(studied::chapter(input, &drawing));
     reliability(&mut page, input);
-    let drawn = page.draw([figures::distributions(input), figures::histories(input)].concat(), "two");
+    let drawn = [figures::distributions(input), figures::histories(input)].concat();
     page.add_chapter(
         "Distributions of the outputs",
         html! {},
-        drawn,
-        html! { "The study stored no distributions." },
+        (drawn, "two"),
+        "The study stored no distributions.",
     );
     influences(&mut page, input);
     points::simulated(&mut page, input);
-    let scripts = if input.summary.of_mechanism() {
-        mechanism(&mut page, input)
-    } else {
-        html! {}
-    };
+    let scripts = input.summary.of_mechanism().then(|| mechanism(&mut page, input)).unwrap_or_default();
     quality(&mut page, input);
     end::effort(&mut page, input);
     appendix(&mut page, input);
@@ -70,8 +66,8 @@ fn reliability(page: &mut Page, input: &ReportInput) {
 fn influences(page: &mut Page, input: &ReportInput) {
     let (sensitivity, variance) = (figures::sensitivities(input), figures::variance_contributions(input));
     let has_indices = !variance.is_empty();
-    let drawn = page.draw([sensitivity, variance].concat(), "two");
-    page.add_chapter("Sensitivity", html! {}, drawn, html! { "No sensitivities were computed." });
+    let drawn = [sensitivity, variance].concat();
+    page.add_chapter("Sensitivity", html! {}, (drawn, "two"), "No sensitivities were computed.");
     let tables: Vec<String> = sensitivities(input).into_iter().map(|(name, _)| name).collect();
     page.add(html! {
         @if !has_indices {
@@ -104,31 +100,25 @@ fn sensitivities(input: &ReportInput) -> Vec<(String, Markup)> {
 fn quality(page: &mut Page, input: &ReportInput) {
     let stopped = &input.summary.convergence.stopped_because;
     let stated = stated::sentences(input).join(" ");
-    let drawn = page.draw(figures::predicted_against_simulated(input), "two");
-    page.add_chapter(
-        "Quality of the surrogates",
-        html! {},
-        drawn,
-        html! {
-            @if input.summary.is_direct() { "Every sample was simulated; there are no surrogates." }
-            @else { "The study stored no predictions of its surrogates." }
-        },
-    );
-    let drawn = page.draw(figures::learning(input), "three");
+    let none = if input.summary.is_direct() {
+        "Every sample was simulated; there are no surrogates."
+    } else {
+        "The study stored no predictions of its surrogates."
+    };
+    let drawn = figures::predicted_against_simulated(input);
+    page.add_chapter("Quality of the surrogates", html! {}, (drawn, "two"), none);
+    let reason = html! { @if !stopped.is_empty() { "Stopped because: " (stopped) "." } };
+    let drawn = figures::learning(input);
     page.add_chapter(
         "Convergence of the study",
-        html! { @if !stopped.is_empty() { "Stopped because: " (stopped) "." } },
-        drawn,
-        html! { "The study had no rounds of learning." },
+        reason,
+        (drawn, "three"),
+        "The study had no rounds of learning.",
     );
-    let figures = figures::parts_of_interval(&input.summary).into_iter().chain(figures::numerical(input));
-    let drawn = page.draw(figures.collect(), "three");
-    page.add_chapter(
-        "Numerical error",
-        html! { (stated) },
-        drawn,
-        html! { @if stated.is_empty() { "The simulations state no numerical errors." } @else { (stated) } },
-    );
+    let drawn =
+        figures::parts_of_interval(&input.summary).into_iter().chain(figures::numerical(input)).collect();
+    let none = if stated.is_empty() { "The simulations state no numerical errors." } else { &stated };
+    page.add_chapter("Numerical error", html! { (stated) }, (drawn, "three"), none);
     page.add(levels::tables(&input.summary));
     page.add(stated::errors_over_life(input));
 }
@@ -156,24 +146,20 @@ pub fn mechanism(page: &mut Page, input: &ReportInput) -> Markup {
     let end = input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(0, |cycles| *cycles);
     let lives = figures::lives_in_words(input);
     let no_history = input.nominal.as_ref().is_none_or(|nominal| nominal.worn.is_none());
-    let (mut moving, mut scripts) = (html! {}, html! {});
+    let mut scripts = html! {};
+    page.begin("The mechanism");
     if let Some(motion) = animation(input) {
-        moving = page.draw_moving(motion.figure, controls());
+        page.add_moving(motion.figure, controls());
         scripts = html! {
-            script type="application/json" id="motion" { (PreEscaped(motion.data)) } "\n"
-            script { "\n" (PreEscaped(SCRIPT)) } "\n"
+        script type="application/json" id="motion" { (PreEscaped(motion.data)) } "\n"
+        script { "\n" (PreEscaped(SCRIPT)) } "\n"
         };
+    } else {
+        page.add(html! { p.none { "The nominal evaluation does not include the motion of every body." } });
     }
     page.add_chapter(
-        "The mechanism",
-        html! {},
-        moving,
-        html! { "The nominal evaluation does not include the motion of every body." },
-    );
-    let drawn = page.draw(figures::bores(input), "many");
-    page.add_chapter(
-        "Worn bores",
-        html! {
+"Worn bores",
+html! {
             "The nominal mechanism after " (count(end.into())) " cycles"
             @if no_history {
                 "; this campaign stores the bores at the end of life only"
@@ -183,11 +169,10 @@ pub fn mechanism(page: &mut Page, input: &ReportInput) -> Markup {
             ". The inner circle is the unworn bore. Wear is drawn outward from it, magnified, at one scale for all \
              joints; angles are in the frame of the bushing's body."
         },
-        drawn,
-        html! { "No bore is worn in a nominal evaluation." },
+(figures::bores(input), "many"),
+"No bore is worn in a nominal evaluation.",
     );
     page.add(worn_guides(input));
-    let drawn = page.draw(figures::orbits(input), "many");
     page.add_chapter(
         "Journal orbits",
         html! {
@@ -196,18 +181,13 @@ pub fn mechanism(page: &mut Page, input: &ReportInput) -> Markup {
             span.first { "first cycle" } ", " span.last { "last cycle" }
             ". Circle: radial clearance; outer curve: with the wear at the end of life."
         },
-        drawn,
-        html! { "The nominal evaluation does not include the motion of journals and bushings." },
+(figures::orbits(input), "many"),
+"The nominal evaluation does not include the motion of journals and bushings.",
     );
     let [first, last] = [figures::first_cycle(input), figures::last_cycle(input)];
     let lacks_last = last.is_empty() && !first.is_empty();
-    let drawn = page.draw([first, last].concat(), "three");
-    page.add_chapter(
-        "First and last cycle",
-        html! {},
-        drawn,
-        html! { "The nominal evaluation has no first cycle." },
-    );
+    let drawn = ([first, last].concat(), "three");
+    page.add_chapter("First and last cycle", html! {}, drawn, "The nominal evaluation has no first cycle.");
     if lacks_last {
         page.add(html! { p.none { "The nominal evaluation has no last cycle." } });
     }

@@ -12,7 +12,7 @@ use crate::presentation::report::tables::table;
 use crate::results::point_summary::{CoordinateRow, FailurePointRow};
 use common::random::RandomVariable;
 use common::scene::expression::read_unit;
-use maud::{Markup, Render, html};
+use maud::{Markup, html};
 
 /// Adds the chapter.
 pub fn simulated(page: &mut Page, input: &ReportInput) {
@@ -50,7 +50,7 @@ fn failure_points(input: &ReportInput) -> Markup {
         head.push("standard deviations".to_owned());
     }
     let rows = input.scene.variables.iter().map(|variable| {
-        let mut cells = vec![variable.name.render(), variable.unit.render()];
+        let mut cells = vec![variable.name.clone(), variable.unit.clone()];
         cells.extend(points.iter().flat_map(|point| cells_of(point, variable)));
         cells
     });
@@ -77,10 +77,10 @@ fn sentence(input: &ReportInput, point: &FailurePointRow) -> String {
     )
 }
 
-fn cells_of(point: &FailurePointRow, variable: &RandomVariable) -> [Markup; 2] {
+fn cells_of(point: &FailurePointRow, variable: &RandomVariable) -> [String; 2] {
     let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
     let own = point.variables.iter().find(|row| row.variable == variable.name);
-    let cell = |text: &dyn Fn(&CoordinateRow) -> String| own.map_or(UNKNOWN.to_owned(), text).render();
+    let cell = |text: &dyn Fn(&CoordinateRow) -> String| own.map_or(UNKNOWN.to_owned(), text);
     [cell(&|row| seven_digits(row.value / scale)), cell(&|row| fixed(row.normal, 2))]
 }
 

@@ -24,17 +24,8 @@ pub struct DrawnMechanism {
     pub gravity_m_s2: [f64; 2],
 }
 
-/// How a body moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum DrawnMotion {
-    /// Part of the frame.
-    Fixed,
-    /// Turns as prescribed.
-    Driven,
-    /// Moves under joints and loads.
-    Free,
-}
+/// Motion of a body that does not move.
+pub const FIXED: &str = "fixed";
 
 /// A body in its place.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -42,7 +33,7 @@ pub struct DrawnBody {
     /// Name in the scene.
     pub name: String,
     /// Fixed, driven or free.
-    pub motion: DrawnMotion,
+    pub motion: &'static str,
     /// Corners of the body, without repeated points `(p, 2)` [m].
     pub outline_m: Vec<[f64; 2]>,
     /// Points where the body is held by the ground `(s, 2)` [m].
@@ -125,9 +116,9 @@ impl DrawnMechanism {
         let bodies = scene.bodies.iter().enumerate().map(|(index, body)| DrawnBody {
             name: body.name.clone(),
             motion: match body.motion {
-                Motion::Fixed => DrawnMotion::Fixed,
-                Motion::Driven { .. } => DrawnMotion::Driven,
-                Motion::Free { .. } => DrawnMotion::Free,
+                Motion::Fixed => FIXED,
+                Motion::Driven { .. } => "driven",
+                Motion::Free { .. } => "free",
             },
             outline_m: mechanism::outline(scene, index).iter().map(|p| of_body(&poses[index], *p)).collect(),
             supports_m: mechanism::supports(scene, index)

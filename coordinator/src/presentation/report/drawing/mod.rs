@@ -18,7 +18,7 @@ pub mod symbols;
 #[cfg(test)]
 mod tests;
 
-pub use geometry::{DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, DrawnMotion, LoadSymbol};
+pub use geometry::{DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, LoadSymbol};
 pub use labels::{Label, LabelArea, LabelOf, PlacedLabel};
 pub use sheet::{MechanismSheet, sheet};
 pub use sketch::sketch;

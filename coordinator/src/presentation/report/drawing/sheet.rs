@@ -1,7 +1,7 @@
 //! The drawing of a mechanism as SVG: bodies with their names, joints, supports, sliders on rails, drives, loads and a scale.
 
 use super::geometry::{
-    DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, DrawnMotion, LoadSymbol, middle_of,
+    DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, FIXED, LoadSymbol, middle_of,
 };
 use super::labels::{Label, LabelArea, LabelOf, LetterSize, PlacedLabel, place_labels};
 use super::symbols::{self, arrow, coordinate, path_along};
@@ -188,7 +188,7 @@ struct Symbol {
 
 fn body_symbol(index: usize, body: &DrawnBody, scale: &SheetScale) -> Symbol {
     let (outline, supports) = (places(&body.outline_m, scale), places(&body.supports_m, scale));
-    let is_fixed = body.motion == DrawnMotion::Fixed;
+    let is_fixed = body.motion == FIXED;
     let mut covers = Vec::new();
     if !is_fixed {
         let mut corners = symbols::around(&outline);

@@ -26,9 +26,8 @@ pub fn rows_at_governing<'a>(input: &'a ReportInput, limit_state: &str) -> Vec<&
     let all = input.summary.sensitivity.iter().filter(|row| row.limit_state == limit_state);
     let known = all.clone().filter(|row| row.is_known()).map(|row| row.cycles);
     let Some(cycles) = nearest_to_governing(input, known) else { return vec![] };
-    let length = |row: &SensitivityRow| finite(row.scaled.d_pf_d_mean.abs().max(row.scaled.d_pf_d_std.abs()));
     let mut rows: Vec<_> = all.filter(|row| row.cycles == cycles).collect();
-    rows.sort_by(|a, b| length(b).total_cmp(&length(a)));
+    rows.sort_by(|a, b| finite(b.strength()).total_cmp(&finite(a.strength())));
     rows
 }
 
@@ -40,8 +39,7 @@ pub fn by_influence(input: &ReportInput) -> Vec<usize> {
         input.summary.curve_names().flat_map(|name| rows_at_governing(input, name)).collect();
     let effect = |k: &usize| {
         let own = rows.iter().filter(|row| row.variable == variables[*k].name);
-        own.map(|row| finite(row.scaled.d_pf_d_mean.abs().max(row.scaled.d_pf_d_std.abs())))
-            .fold(0.0, f64::max)
+        own.map(|row| finite(row.strength())).fold(0.0, f64::max)
     };
     let mut all: Vec<usize> =
         (0..variables.len()).filter(|k| !variables[*k].distribution.is_constant()).collect();
@@ -65,16 +63,10 @@ pub fn sensitivities(input: &ReportInput) -> Vec<Figure> {
             rows.len()
         );
         // The errors of the derivatives, on the scale of the scaled derivatives.
-        let error = |derivative: f64, scaled: f64, error: f64| {
-            if derivative == 0.0 { 0.0 } else { finite((scaled / derivative * error).abs()) }
-        };
         let pair = |row: &&SensitivityRow| BarPair {
             name: words(&row.variable),
             values: [finite(row.scaled.d_pf_d_mean), finite(row.scaled.d_pf_d_std)],
-            errors: [
-                error(row.d_pf_d_mean, row.scaled.d_pf_d_mean, row.standard_error.d_pf_d_mean),
-                error(row.d_pf_d_std, row.scaled.d_pf_d_std, row.standard_error.d_pf_d_std),
-            ],
+            errors: row.scaled_errors().map(finite),
         };
         let bars = Bars {
             figure: &format!("sensitivity-{}", file_name(name)),

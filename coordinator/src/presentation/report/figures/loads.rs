@@ -107,7 +107,7 @@ mod tests {
         let cycle: Vec<_> = degrees.iter().map(pose).collect();
         let found = VaryingLoads::new(scene, &cycle, &degrees).unwrap();
         assert_eq!(found.lines(), ["load card: −4.00 to 1.00 N m, largest at 90 deg, angle of crank"]);
-        let figures = found.figures().unwrap();
+        let figures = found.figures();
         assert_eq!((figures.len(), figures[0].name.as_str()), (1, "loads"));
         // Half way between two points of equal slope, zero: the mean of their values.
         assert!((found.loads[0].2.iter().find(|p| (p.0 - 45.0).abs() < 5.1).unwrap().1 + 1.0).abs() < 1.0);

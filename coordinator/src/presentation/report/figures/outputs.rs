@@ -259,17 +259,17 @@ mod tests {
         let mut input = test_study::report_input();
         let upper = input.scene.limit_states[0].threshold;
         let mentions = |figures: Vec<Figure>| figures[0].drawing.content.matches("threshold").count();
-        let single = [histories(&input), distributions(&input)].map(|f| mentions(f.expect("drawn")));
+        let single = [histories(&input), distributions(&input)].map(|f| mentions(f));
         input.scene.limit_states[0].fails = Fails::Outside { lower: -0.5 * upper };
         for (figures, single) in [histories(&input), distributions(&input)].into_iter().zip(single) {
-            let svg = &figures.expect("drawn")[0].drawing.content;
+            let svg = &figures[0].drawing.content;
             for name in ["lower threshold", "upper threshold"] {
                 assert!(svg.contains(name), "{name}: {svg}");
             }
             assert!(svg.matches("threshold").count() > single);
         }
         // The axis of the values reaches below the lower threshold, which is negative.
-        let svg = &histories(&input).expect("drawn")[0].drawing.content;
+        let svg = &histories(&input)[0].drawing.content;
         assert!(svg.contains('\u{2212}'), "no negative value on the axis: {svg}");
     }
 }

@@ -42,8 +42,15 @@ pub struct LiveStatus {
 impl Page {
     /// A page with this header, whose figures have such files.
     pub fn new(title: &str, header: Markup, files: FigureFiles) -> Self {
-        let (title, before_contents) = (title.to_owned(), None);
-        Self { title, header, before_contents, body: html! {}, chapters: vec![], figures: vec![], files }
+        Self {
+            title: title.to_owned(),
+            header,
+            before_contents: None,
+            body: html! {},
+            chapters: vec![],
+            figures: vec![],
+            files,
+        }
     }
 
     /// Adds content to the last chapter.
@@ -76,15 +83,21 @@ impl Page {
     }
 
     /// A figure with controls that a script unhides, as content that is to be added.
-    pub fn draw_moving(&mut self, drawn: Figure, controls: Markup) -> Markup {
-        let content = figure(&drawn, Some(controls));
+    pub fn add_moving(&mut self, drawn: Figure, controls: Markup) {
+        self.add(figure(&drawn, Some(controls)));
         self.figures.push(drawn);
-        content
     }
 
     /// Adds a chapter of drawn figures with an introduction; of the sentence `otherwise` alone if there are none.
-    pub fn add_chapter(&mut self, title: &'static str, lead: Markup, drawn: Markup, otherwise: Markup) {
+    pub fn add_chapter(
+        &mut self,
+        title: &'static str,
+        lead: Markup,
+        (drawn, columns): (Vec<Figure>, &str),
+        otherwise: &str,
+    ) {
         self.begin(title);
+        let drawn = self.draw(drawn, columns);
         self.add(html! {
             @if drawn.0.is_empty() {
                 p.none { (otherwise) }
@@ -169,14 +182,14 @@ fn figure(figure: &Figure, controls: Option<Markup>) -> Markup {
     let drawing = &figure.drawing;
     html! {
         figure id=(figure.name) class=[controls.as_ref().map(|_| "moving")] {
-            h3 { (figure.title) (numbered::files(&figure.name)) }
+            h3 { (figure.title) (numbered::mark("files", &figure.name)) }
             // An element of a page needs no namespace.
             svg viewBox=(drawing.view) font-family=[drawing.letters.map(|_| "sans-serif")] font-size=[drawing.letters]
                 data-axes=[&drawing.axes] role="img" aria-label=(figure.title) {
                 (PreEscaped(&drawing.content))
             }
             @if let Some(controls) = controls { div.controls hidden="" { (controls) } }
-            figcaption { strong { (numbered::figure(&figure.name)) "." } " " (figure.caption) }
+            figcaption { strong { (numbered::mark("Figure", &figure.name)) "." } " " (figure.caption) }
         }
     }
 }
@@ -185,7 +198,7 @@ fn figure(figure: &Figure, controls: Option<Markup>) -> Markup {
 pub fn captioned(name: &str, title: &str, table: Markup) -> Markup {
     html! {
         div.titled id=(format!("table-{name}")) {
-            p.caption { strong { (numbered::table(name)) "." } " " (title) }
+            p.caption { strong { (numbered::mark("Table", name)) "." } " " (title) }
             (table)
         }
     }

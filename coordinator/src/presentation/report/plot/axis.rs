@@ -13,8 +13,6 @@ pub enum Scale {
     Linear,
     /// Its logarithm to the base 10.
     Logarithm,
-    /// The logarithm to the base 10 of a share that is stated in per cent.
-    LogarithmOfShare,
     /// ln(-ln(1 - F)) of a share F that is stated in per cent.
     Weibull,
     /// The standard normal quantile of a share F that is stated in per cent.
@@ -27,7 +25,6 @@ impl Scale {
         match self {
             Self::Linear => drawn,
             Self::Logarithm => 10f64.powf(drawn),
-            Self::LogarithmOfShare => 10f64.powf(drawn + 2.0),
             Self::Weibull => -100.0 * (-drawn.exp()).exp_m1(),
             Self::Normal => 100.0 * standard_normal_cdf(drawn),
         }
@@ -38,7 +35,6 @@ impl Scale {
         match self {
             Self::Linear => 100.0 * failed,
             Self::Logarithm => (100.0 * failed).log10(),
-            Self::LogarithmOfShare => failed.log10(),
             Self::Weibull => (-(-failed).ln_1p()).ln(),
             Self::Normal => standard_normal_quantile(failed),
         }
@@ -49,7 +45,6 @@ impl Scale {
         match self {
             Self::Linear => "linear",
             Self::Logarithm => "log",
-            Self::LogarithmOfShare => "log-share",
             Self::Weibull => "weibull",
             Self::Normal => "normal",
         }
@@ -137,9 +132,6 @@ pub(super) fn ticks(scale: Scale, (low, high): (f64, f64)) -> Vec<f64> {
     match scale {
         Scale::Linear => round_values(low, high, TICKS),
         Scale::Logarithm => logarithmic(low, high),
-        Scale::LogarithmOfShare => {
-            logarithmic(low + 2.0, high + 2.0).into_iter().map(|power| power - 2.0).collect()
-        }
         Scale::Weibull | Scale::Normal => shares(scale, low, high),
     }
 }
@@ -208,9 +200,7 @@ mod tests {
 
     #[test]
     fn scales_of_shares_return_the_share_in_per_cent() {
-        let scales =
-            [Scale::Linear, Scale::Logarithm, Scale::LogarithmOfShare, Scale::Weibull, Scale::Normal];
-        for scale in scales {
+        for scale in [Scale::Linear, Scale::Logarithm, Scale::Weibull, Scale::Normal] {
             for failed in [1e-4, 0.01, 0.5, 0.99] {
                 let found = scale.value(scale.of_share(failed));
                 assert!((found - 100.0 * failed).abs() < 1e-9, "{scale:?} {failed}: {found}");
@@ -232,7 +222,6 @@ mod tests {
         assert_eq!(lives(4000.0, 19_000.0), [5000.0, 10_000.0, 15_000.0]);
         assert_eq!(lives(1500.0, 30_000.0), [2000.0, 5000.0, 10_000.0, 20_000.0]);
         assert_eq!(lives(1.0, 1e6), [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6]);
-        assert_eq!(values(Scale::LogarithmOfShare, -5.0, 0.0), [0.001, 0.01, 0.1, 1.0, 10.0, 100.0]);
     }
 
     #[test]

@@ -137,7 +137,6 @@ mod tests {
             series,
         }
         .drawing()
-        .unwrap()
         .document(&maud::html! {})
     }
 

@@ -3,7 +3,7 @@
 use super::exact::ExactTexts;
 use crate::presentation::report::format::UNKNOWN;
 use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::{cells, table};
+use crate::presentation::report::tables::table;
 use crate::presentation::report::written::WrittenScene;
 use common::scene::{Joint, JointKind, Material, Scene};
 use maud::{Markup, html};
@@ -56,12 +56,12 @@ pub(super) fn materials(scene: &Scene, written: &WrittenScene) -> Markup {
     let rows = used.iter().map(|one| {
         let key = |last: &str| format!("materials.{}.{last}", one.name);
         let or_dash = |text: String| if text.is_empty() { UNKNOWN.to_owned() } else { text };
-        let mut row = cells([
+        let mut row = vec![
             or_dash(one.name.clone()),
             texts.value(&key("elastic_modulus"), one.material.elastic_modulus, "GPa"),
             texts.number(&key("poisson_ratio"), one.material.poisson_ratio),
-        ]);
-        row.extend(shown.iter().flat_map(|part| cells([or_dash(one.joints[*part].join(", "))])));
+        ];
+        row.extend(shown.iter().map(|part| or_dash(one.joints[*part].join(", "))));
         row
     });
     let mut head = vec!["material", "elastic modulus", "Poisson's ratio"];

@@ -4,7 +4,7 @@
 use super::exact::ExactTexts;
 use crate::presentation::report::format::UNKNOWN;
 use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::{cells, table, table_of_text};
+use crate::presentation::report::tables::table_of_text;
 use crate::presentation::report::written::WrittenScene;
 use common::scene::{
     Attachment, Clearance, ContactDamping, ControlPoints, Drive, JointKind, Motion, Scene, Value,
@@ -15,12 +15,12 @@ use maud::{Markup, html};
 /// All tables of bodies, joints and materials.
 pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
     html! {
-        (bodies(scene, written))
-        (starts(scene, written))
-        (joints(scene, written))
-        (hinges(scene, written))
-        (super::materials::materials(scene, written))
-    }
+            (bodies(scene, written))
+            (starts(scene, written))
+            (joints(scene, written))
+            (hinges(scene, written))
+    (super::materials::materials(scene, written))
+        }
 }
 
 /// A table of rows of texts, each with the head of its column; nothing without a row.
@@ -32,7 +32,7 @@ pub(super) fn stated<const N: usize>(
     let mut rows = rows.peekable();
     let Some(first) = rows.peek() else { return html! {} };
     let head = first.each_ref().map(|(head, _)| *head);
-    captioned(name, title, table_of_text(&head, rows.map(|row| cells(row.map(|(_, text)| text)))))
+    captioned(name, title, table_of_text(&head, rows.map(|row| row.map(|(_, text)| text))))
 }
 
 fn bodies(scene: &Scene, written: &WrittenScene) -> Markup {
@@ -102,23 +102,20 @@ fn starts(scene: &Scene, written: &WrittenScene) -> Markup {
         };
         let key = |last: &str| format!("bodies.{}.{last}", body.name);
         let none = || UNKNOWN.to_owned();
-        Some(cells([
-            body.name.clone(),
-            texts.pair(&key("start_position"), *start_position, "mm"),
-            texts.value(&key("start_angle"), *start_angle, "deg"),
-            start_velocity.map_or_else(none, |v| texts.pair(&key("start_velocity"), v, "m/s")),
-            start_speed.map_or_else(none, |speed| texts.value(&key("start_speed"), speed, "r/min")),
-        ]))
+        let velocity = start_velocity.map_or_else(none, |v| texts.pair(&key("start_velocity"), v, "m/s"));
+        let speed = start_speed.map_or_else(none, |speed| texts.value(&key("start_speed"), speed, "r/min"));
+        Some([
+            ("body", body.name.clone()),
+            ("position [mm]", texts.pair(&key("start_position"), *start_position, "mm")),
+            ("angle", texts.value(&key("start_angle"), *start_angle, "deg")),
+            ("velocity [m/s]", velocity),
+            ("angular velocity", speed),
+        ])
     });
-    let rows: Vec<_> = rows.collect();
-    if rows.is_empty() {
-        return html! {};
-    }
-    let head = ["body", "position [mm]", "angle", "velocity [m/s]", "angular velocity"];
-    captioned(
+    stated(
         "starts",
         "State of the free bodies at time zero: approximate positions, from which joints and drives are closed; velocities where they are given",
-        table(&head, rows.into_iter()),
+        rows,
     )
 }
 

@@ -7,7 +7,6 @@
 //! | `materials` | materials of hinges and guides |
 //! | `guide_table` | guides with clearance, and their wear |
 //! | `load_tables` | loads, gravity, curves |
-//! | `formula_tables` | parameters, and the quantities that depend on them |
 //! | `variable_tables` | random variables, correlations, outputs, limit states, life, settings of the study |
 //! | `exact` | values with as few digits as give the same number |
 
@@ -25,7 +24,7 @@ use super::format::{UNKNOWN, count};
 use super::input::ReportInput;
 use super::mechanism::poses;
 use super::page::{captioned, numbered};
-use super::tables::{self, table_of_text};
+use super::tables;
 use super::words;
 use super::written::WrittenScene;
 use crate::results::scene_summary::limit_rows;
@@ -56,42 +55,39 @@ pub fn chapter(input: &ReportInput, drawn: &Markup) -> Markup {
     let scene = &input.scene;
     let many = scene.variables.len() > VARIABLES_IN_CHAPTER;
     html! {
-        p {
-            "Every value is nominal and in the scene file " code { "scene.toml" } " next to this page, which is listed in the appendix"
-            @if !drawn.0.is_empty() { "; the mechanism is drawn in " (numbered::refer(drawing::NAME)) }
-            "."
-            @if !input.written.formulas.is_empty() {
-                " Values that follow from parameters, which random variables may set, have their formulas in "
-                (numbered::refer_table("formulas")) "."
-            }
-        }
-        (drawn)
-        @if let Some(simulator) = &scene.simulator {
             p {
-                "Responses are computed by an external simulator, "
-                @match &simulator.kind {
-                    SimulatorKind::Program(program) => { "the program " code { (program.command.join(" ")) } }
-                    SimulatorKind::UmBridge(model) => { "the model " (model.model) " of the server " code { (model.url) } }
-                }
+                "Every value is nominal and in the scene file " code { "scene.toml" } " next to this page, which is listed in the appendix"
+                @if !drawn.0.is_empty() { "; the mechanism is drawn in " (numbered::mark("see-figure", drawing::NAME)) }
                 "."
+                @if !input.written.formulas.is_empty() {
+                    " Values that follow from parameters, which random variables may set, have their formulas in "
+                    (numbered::refer_table("formulas")) "."
+                }
             }
-        } @else {
-            (mechanism_tables::tables(scene, &input.written))
-            (guide_table::guides(scene, &input.written))
-            (guide_table::guide_wear(scene, &input.written))
-            (load_tables::tables(scene, &input.written))
+            (drawn)
+            @if let Some(simulator) = &scene.simulator {
+                p {
+                    "Responses are computed by an external simulator, "
+                    @match &simulator.kind {
+                        SimulatorKind::Program(program) => { "the program " code { (program.command.join(" ")) } }
+                        SimulatorKind::UmBridge(model) => { "the model " (model.model) " of the server " code { (model.url) } }
+                    }
+                    "."
+                }
+            } @else {
+    (elements(scene, &input.written))
+            }
+            @if many {
+                p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "." }
+            } @else {
+                (variable_tables::variables(scene, &input.summary, &input.written))
+            }
+            (variable_tables::limits(scene, &input.summary.limits, &input.written))
+            (variable_tables::study_settings(scene, &input.summary, &input.settings))
+            h3 { "Assumptions and limits of the model" }
+            ul { @for sentence in assumptions(input) { li { (sentence) } } }
+            (facts(input))
         }
-        @if many {
-            p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "." }
-        } @else {
-            (variable_tables::variables(scene, &input.summary, &input.written))
-        }
-        (variable_tables::limits(scene, &input.summary.limits, &input.written))
-        (variable_tables::study_settings(scene, &input.summary, &input.settings))
-        h3 { "Assumptions and limits of the model" }
-        ul { @for sentence in assumptions(input) { li { (sentence) } } }
-        (facts(input))
-    }
 }
 
 /// Bodies, joints, loads, outputs and limit states of a scene, from its text `source`.
@@ -99,12 +95,19 @@ pub fn mechanism(scene: &Scene, source: &str) -> Markup {
     let written = WrittenScene::new(source);
     html! {
         @if scene.simulator.is_none() {
-            (mechanism_tables::tables(scene, &written))
-            (guide_table::guides(scene, &written))
-            (guide_table::guide_wear(scene, &written))
-            (load_tables::tables(scene, &written))
+            (elements(scene, &written))
         }
         (variable_tables::limits(scene, &limit_rows(scene), &written))
+    }
+}
+
+/// Bodies, joints and loads of a mechanism.
+fn elements(scene: &Scene, written: &WrittenScene) -> Markup {
+    html! {
+        (mechanism_tables::tables(scene, written))
+        (guide_table::guides(scene, written))
+        (guide_table::guide_wear(scene, written))
+        (load_tables::tables(scene, written))
     }
 }
 
@@ -208,10 +211,7 @@ fn facts(input: &ReportInput) -> Markup {
     captioned(
         "facts",
         "The study",
-        tables::table_of_text(
-            &["item", "value"],
-            rows.into_iter().map(|(name, value)| vec![html! { (name) }, value]),
-        ),
+        tables::table_of_text(&["item", "value"], rows.map(|(name, value)| [html! { (name) }, value])),
     )
 }
 
@@ -225,21 +225,18 @@ fn moment(time: &str) -> String {
 
 /// Parameters, and formulas of the keys that depend on them; nothing for a scene without parameters.
 fn formulas(written: &WrittenScene) -> Markup {
-    let rows = |all: &[(String, String)]| {
-        let cells = |(name, text): &(String, String)| vec![name.render(), html! { code { (text) } }];
-        all.iter().map(cells).collect::<Vec<_>>().into_iter()
+    let table = |name: &str, title: &str, head: [&str; 2], all: &[(String, String)]| {
+        let rows = all.iter().map(|(name, text)| [name.render(), html! { code { (text) } }]);
+        if all.is_empty() {
+            html! {}
+        } else {
+            captioned(name, title, tables::table_of_text(&head, rows))
+        }
     };
+    let follow = "Quantities that follow from parameters, with the values above where all variables are at their means";
     html! {
-        @if !written.parameters.is_empty() {
-            (captioned("parameters", "Parameters of the scene", table_of_text(&["parameter", "value"], rows(&written.parameters))))
-        }
-        @if !written.formulas.is_empty() {
-            (captioned(
-                "formulas",
-                "Quantities that follow from parameters, with the values above where all variables are at their means",
-                table_of_text(&["quantity", "formula"], rows(&written.formulas)),
-            ))
-        }
+        (table("parameters", "Parameters of the scene", ["parameter", "value"], &written.parameters))
+        (table("formulas", follow, ["quantity", "formula"], &written.formulas))
     }
 }
 
