@@ -8,7 +8,7 @@ use super::model::Model;
 use super::nominal::{findings, nominal_evaluation};
 use super::output::{count, print, to_json};
 use super::scenes::check_linkage;
-use super::shared::{SetArguments, Verbosity};
+use super::shared::{SetArguments, Verbosity, load_with};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::external::SimulatorId;
@@ -152,7 +152,7 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), CommandEr
 
 /// The scene, if its text is valid and what it describes can be simulated.
 fn valid_scene(file: &str, set: &SetArguments) -> Result<SceneSource, CommandError> {
-    let source = set.load(file)?;
+    let source = load_with(file, &set.set)?;
     match &source.nominal().simulator {
         None => check_linkage(source.origin(), &source, source.nominal())?,
         Some(simulator) => {

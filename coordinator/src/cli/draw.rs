@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use super::output::{check_destination, print, to_json, unusable};
 use super::scenes::check_linkage;
-use super::shared::SetArguments;
+use super::shared::{SetArguments, load_with};
 use clap::Args;
 use common::scene::{Motion, Scene, SceneSource};
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
@@ -53,7 +53,7 @@ fn share(text: &str) -> Result<f64, String> {
 /// not close, or the error of a file that cannot be written.
 pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError> {
     check_picture(arguments.out.as_deref())?;
-    let source = arguments.set.load(&arguments.scene)?;
+    let source = load_with(&arguments.scene, &arguments.set.set)?;
     let scene = source.nominal();
     check_linkage(source.origin(), &source, scene)?;
     let (drawn, loads) = drawn(source.origin(), scene, arguments.at)?;

@@ -10,7 +10,7 @@ use super::measured::MeasuredFinding;
 use super::model::Model;
 use super::nominal::{findings, nominal_evaluation};
 use super::output::{count, print, to_json};
-use super::shared::{SetArguments, Verbosity};
+use super::shared::{SetArguments, Verbosity, load_with};
 use common::scene::*;
 use coordinator::presentation::terminal::while_waiting;
 use coordinator::study::Settings;
@@ -28,7 +28,7 @@ pub fn explain(
     accuracy: &AccuracyArguments,
     verbosity: Verbosity,
 ) -> Result<(), CommandError> {
-    let source = set.load(name)?;
+    let source = load_with(name, &set.set)?;
     let scene = source.nominal();
     if let Some(simulator) = &scene.simulator {
         external::check_accuracy(source.origin(), accuracy)?;

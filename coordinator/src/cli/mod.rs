@@ -98,7 +98,7 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
     match command {
         CommandArguments::Run(options) => run::run(&options, verbosity),
         CommandArguments::Resume(options) => run::resume(&options, verbosity),
-        CommandArguments::Sensitivity(study) => results::sensitivity(&study.dir, json),
+        CommandArguments::Sensitivity { dir } => results::sensitivity(&dir, json),
         CommandArguments::Report(study) => results::report(&study, json),
         CommandArguments::Compare(options) => compare::compare(&options, json),
         CommandArguments::Learn(options) => learn::learn(&options, json),

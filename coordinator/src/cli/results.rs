@@ -17,13 +17,6 @@ use std::path::{Path, PathBuf};
 /// Number of variables shown per limit state.
 const SHOWN: usize = 10;
 
-/// Arguments of commands on a finished study.
-#[derive(Debug, Clone, Args)]
-pub struct StudyFolder {
-    /// Folder of the study
-    pub dir: PathBuf,
-}
-
 /// Arguments of `coordinator report`.
 #[derive(Debug, Clone, Args)]
 pub struct ReportArguments {

@@ -6,17 +6,15 @@ use super::designs::{Machines, after_study};
 use super::error::CommandError;
 use super::external;
 use super::farm::{CommandEvaluator, cores, local_slots};
-use super::monitor::{Monitor, StayingPage, WatchedStudy};
+use super::monitor::Monitor;
 use super::output::{print, to_json};
 use super::results::write_results;
 use super::scenes::check_linkage;
-use super::shared::{DEFAULT_SCENE, Verbosity};
+use super::shared::{DEFAULT_SCENE, Verbosity, load_with};
 use super::signals::interruption;
 use super::stored_study::{END_DOCUMENT, StoredStudy, design_keys};
 use super::study_options::{ResumeArguments, RunArguments};
-use common::scene::SceneSource;
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
-use coordinator::analyses::scene_settings::scene_with;
 use coordinator::presentation::motion_cautions::motion_cautions;
 use coordinator::presentation::report::{self, CheckpointDistribution, SUMMARY_DOCUMENT};
 use coordinator::presentation::terminal::{Terminal, final_text, print_message};
@@ -32,10 +30,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// [`CommandError`].
 pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    let mut source = SceneSource::load(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
-    if !arguments.set.is_empty() {
-        source = scene_with(&source, &arguments.set)?;
-    }
+    let mut source = load_with(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE), &arguments.set)?;
     let space = match arguments.design.as_slice() {
         [] => None,
         ranges => Some(DesignSpace::new(source.clone(), ranges)?),
@@ -81,8 +76,7 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     };
     // Listen first: an address that cannot be used must not leave a folder behind.
     let evaluator = CommandEvaluator::open(&source, &settings, false, &arguments.farm)?;
-    let watched = WatchedStudy { dir: &dir, scene, settings: &settings };
-    let monitor = Monitor::open(&arguments.monitor, &evaluator, &watched)?;
+    let monitor = Monitor::open(&arguments.monitor, &evaluator, &dir, scene, &settings)?;
     let mut campaign = CampaignFile::create(&dir, &meta, scene)?;
     if let Some(space) = &space {
         campaign.put_document(DESIGNS_DOCUMENT, &space.stored())?;
@@ -123,8 +117,7 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
     }
     study.settings = extended;
     let evaluator = CommandEvaluator::open(&study.source, &study.settings, true, farm)?;
-    let watched = WatchedStudy { dir, scene: study.scene(), settings: &study.settings };
-    let monitor = Monitor::open(monitor, &evaluator, &watched)?;
+    let monitor = Monitor::open(monitor, &evaluator, dir, study.scene(), &study.settings)?;
     study.campaign.forget_failed_start()?;
     // Another build computes what follows: from which evaluation on, the legs say.
     let by_another = study.campaign.legs()?.last().is_none_or(|leg| leg.version != program());
@@ -174,7 +167,7 @@ fn command_line() -> String {
 fn finish(
     mut study: StoredStudy,
     mut evaluator: CommandEvaluator,
-    monitor: Monitor,
+    mut monitor: Monitor,
     verbosity: Verbosity,
 ) -> Result<(), CommandError> {
     evaluator.start_workers()?;
@@ -201,13 +194,13 @@ fn finish(
         result.summary.control_points = control_points_rows(scene, &nominal.diagnostics);
     }
     report::deliver(campaign, scene, &result.summary, &for_report(&result.distributions))?;
-    let staying = monitor.end(verbosity.quiet);
+    monitor.end(verbosity.quiet);
     let unanswered = after_study(study, Machines::Open(&mut evaluator), verbosity)?;
     evaluator.close();
     if let Some(study) = unanswered {
         print_summary(&result.summary, &study.campaign, verbosity)?;
     }
-    staying.map_or(Ok(()), StayingPage::serve)
+    monitor.serve()
 }
 
 /// Checks that the linkage can be assembled and turns at every end of the ranges of the design variables.

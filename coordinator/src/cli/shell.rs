@@ -1,4 +1,4 @@
-//! `coordinator completions` and `coordinator man`: the command line for shells and for `man`.
+//! `coordinator completions`, `coordinator man` and `coordinator schema`: the command line for shells and for `man`, files for editors.
 
 use super::command::{CommandLine, grouped};
 use super::error::CommandError;

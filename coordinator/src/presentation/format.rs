@@ -178,16 +178,11 @@ pub fn significant(value: f64, digits: usize) -> String {
 /// A share in per cent.
 pub fn percent(share: f64) -> String {
     let value = 100.0 * share;
-    if !value.is_finite() {
-        UNKNOWN.to_string()
-    } else if value != 0.0 && value.abs() < 0.1 {
-        if value.abs() < 0.005 {
-            "<\u{a0}0.01\u{a0}%".to_string()
-        } else {
-            format!("{}\u{a0}%", fixed(value, 2))
-        }
-    } else {
-        format!("{}\u{a0}%", fixed(value, 1))
+    match value.abs() {
+        size if !size.is_finite() => UNKNOWN.to_string(),
+        0.0 => "0.0\u{a0}%".to_string(),
+        size if size < 0.005 => "<\u{a0}0.01\u{a0}%".to_string(),
+        size => format!("{}\u{a0}%", fixed(value, if size < 0.1 { 2 } else { 1 })),
     }
 }
 
@@ -200,11 +195,9 @@ pub fn duration(seconds: f64) -> String {
         return format!("{}\u{a0}s", fixed(seconds, 1));
     }
     let whole = seconds.round() as u64;
-    let (hours, minutes, rest) = (whole / 3600, whole / 60 % 60, whole % 60);
-    if hours > 0 {
-        format!("{hours}\u{a0}h {minutes:02}\u{a0}min")
-    } else {
-        format!("{minutes}\u{a0}min {rest:02}\u{a0}s")
+    match (whole / 3600, whole / 60 % 60, whole % 60) {
+        (0, minutes, rest) => format!("{minutes}\u{a0}min {rest:02}\u{a0}s"),
+        (hours, minutes, _) => format!("{hours}\u{a0}h {minutes:02}\u{a0}min"),
     }
 }
 
@@ -212,9 +205,7 @@ pub fn duration(seconds: f64) -> String {
 pub fn short_percent(share: f64) -> String {
     let percent = 100.0 * share;
     let decimals = if percent > 0.0 { (1.0 - percent.log10().floor()).clamp(0.0, 9.0) as usize } else { 0 };
-    let text = format!("{percent:.decimals$}");
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    format!("{text} %")
+    format!("{} %", plain(percent, decimals))
 }
 
 /// A name of a scene as part of a file's name.

@@ -4,9 +4,8 @@
 //! |---|---|
 //! | [`report`] | the report of a finished study, and the comparison of several |
 //! | [`monitor`] | status and live report of a running study |
-//! | [`control_points`] | outputs that depend on the number of control points |
 //! | [`mod@format`] | numbers as text for people |
-//! | [`motion_cautions`] | cautions about energy and settling of the simulated motion |
+//! | [`motion_cautions`] | cautions about energy and settling of the simulated motion, and about the number of control points |
 //! | [`nominal_life`] | one mechanism against the limits of its scene |
 //! | [`progress`] | progress of a study, and the time that it still takes |
 //! | [`terminal`] | progress and final summary on the terminal |

@@ -11,8 +11,7 @@
 mod live;
 mod server;
 mod study_section;
-pub mod text;
 
 pub use live::{LivePage, PageView, ProgressRelay};
 pub use server::{MonitorError, MonitorServer, listen_address};
-pub use study_section::StatusSource;
+pub use study_section::{StatusSource, status_text};

@@ -147,10 +147,9 @@ impl ReportInput {
     fn new(scene: &Scene, summary: StudySummary, distributions: Vec<CheckpointDistribution>) -> Self {
         Self {
             notes: [
-                of_designs(&summary),
+                of_designs(&summary).into_iter().collect(),
                 unsupported(&summary),
-                rough(&summary),
-                notes(scene),
+                rough(&summary).into_iter().chain(of_contact_law(scene)).collect(),
                 control_points_notes(&summary.control_points),
             ]
             .concat(),
@@ -228,28 +227,24 @@ fn unsupported(summary: &StudySummary) -> Vec<String> {
 }
 
 /// A caution if the accuracy is meant for a first look only.
-fn rough(summary: &StudySummary) -> Vec<String> {
-    if !summary.accuracy.starts_with("draft") || summary.max_error.is_some() {
-        return vec![];
-    }
-    vec![
-        "The accuracy draft is meant for a first look: the errors of its time and wear steps can exceed the standard errors \
-         shown. Compare with balanced or reference before decisions; where their stated errors are as large, more control points \
-         are needed."
-            .to_string(),
-    ]
+fn rough(summary: &StudySummary) -> Option<String> {
+    let is_rough = summary.accuracy.starts_with("draft") && summary.max_error.is_none();
+    let text = "The accuracy draft is meant for a first look: the errors of its time and wear steps can exceed the standard errors \
+            shown. Compare with balanced or reference before decisions; where their stated errors are as large, more control points \
+            are needed.";
+    is_rough.then(|| text.to_owned())
 }
 
 /// The note of a study over design variables.
-fn of_designs(summary: &StudySummary) -> Vec<String> {
-    if summary.designs.is_empty() {
-        return vec![];
-    }
-    vec![format!(
-        "The curves and sensitivities of this page are those of a design drawn at random from the ranges of {}. Single designs: \
-         designs/designs.html, and `coordinator designs`.",
-        summary.designs.join(", ")
-    )]
+fn of_designs(summary: &StudySummary) -> Option<String> {
+    let note = || {
+        format!(
+            "The curves and sensitivities of this page are those of a design drawn at random from the ranges of {}. Single designs: \
+designs/designs.html, and `coordinator designs`.",
+            summary.designs.join(", ")
+        )
+    };
+    (!summary.designs.is_empty()).then(note)
 }
 
 /// What is to be said about the motion of the nominal mechanism.
@@ -258,7 +253,7 @@ fn cautions(diagnostics: &Diagnostics) -> Vec<String> {
 }
 
 /// Cautions about properties of the model that affect the result.
-fn notes(scene: &Scene) -> Vec<String> {
+fn of_contact_law(scene: &Scene) -> Option<String> {
     let local_hertz = scene.joints.iter().any(|joint| match &joint.kind {
         JointKind::Clearance(clearance) => clearance.contact_law == ContactLaw::LocalHertz,
         _ => false,
@@ -266,16 +261,11 @@ fn notes(scene: &Scene) -> Vec<String> {
     let watches_speed = scene.limit_states.iter().any(|state| {
         scene.outputs.get(state.output).map(|output| output.kind.unit()) == Some(OutputUnit::AngularVelocity)
     });
-    if local_hertz && watches_speed {
-        return vec![
-            "The contact law local-hertz measures penetration in one direction only. On a worn bore it does not \
-             conserve energy and can excite a vibration that increases angular-velocity differences late in life; with \
-             the conformal law foundation the flapping-wing drive shows no such growth. A failure by asymmetry found \
-             with local-hertz is a property of that law."
-                .to_string(),
-        ];
-    }
-    vec![]
+    let text = "The contact law local-hertz measures penetration in one direction only. On a worn bore it does not \
+            conserve energy and can excite a vibration that increases angular-velocity differences late in life; with \
+            the conformal law foundation the flapping-wing drive shows no such growth. A failure by asymmetry found \
+            with local-hertz is a property of that law.";
+    (local_hertz && watches_speed).then(|| text.to_owned())
 }
 
 /// The evaluations of a study in which a joint had such a groove.
@@ -315,10 +305,10 @@ mod tests {
     #[test]
     fn a_draft_or_unfinished_study_has_a_caution() {
         let mut summary = test_study::study().summary;
-        assert!(rough(&summary).is_empty() && go_on(&summary, Path::new("a/b")).is_none());
+        assert!(rough(&summary).is_none() && go_on(&summary, Path::new("a/b")).is_none());
         summary.accuracy = "draft".into();
         summary.convergence.targets_met = false;
-        assert!(rough(&summary)[0].contains("first look"));
+        assert!(rough(&summary).unwrap().contains("first look"));
         summary.convergence.larger_budget = Some(80);
         let said = go_on(&summary, Path::new("a/b")).unwrap();
         assert!(said.contains(&summary.convergence.stopped_because), "{said}");
@@ -334,16 +324,16 @@ mod tests {
     #[test]
     fn the_caution_on_the_contact_law_appears_only_where_it_applies() {
         let mut scene = test_study::scene();
-        assert_eq!(notes(&scene).len(), 1);
+        assert!(of_contact_law(&scene).is_some());
         for joint in &mut scene.joints {
             if let JointKind::Clearance(clearance) = &mut joint.kind {
                 clearance.contact_law = ContactLaw::Foundation;
             }
         }
-        assert!(notes(&scene).is_empty());
+        assert!(of_contact_law(&scene).is_none());
         let mut scene = test_study::scene();
         scene.limit_states.truncate(1);
-        assert!(notes(&scene).is_empty());
+        assert!(of_contact_law(&scene).is_none());
     }
 
     #[test]

@@ -19,7 +19,6 @@ mod page;
 pub mod palette;
 mod plot;
 pub mod polar;
-mod stated;
 mod stated_errors;
 mod studied;
 mod tables;

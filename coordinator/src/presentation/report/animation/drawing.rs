@@ -52,29 +52,23 @@ pub struct Layout {
 impl Layout {
     /// The layout that contains every frame of these cycles; `None` if the mechanism has no extent.
     pub fn new(scene: &Scene, shown: &[AnimatedCycle<'_>], wear: &[&[f64]]) -> Option<Self> {
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         let outlines: Vec<Vec<[f64; 2]>> =
             (0..scene.bodies.len()).map(|body| mechanism::outline(scene, body)).collect();
-        for poses in shown.iter().flat_map(AnimatedCycle::frames) {
-            let drawn = poses.iter().zip(&outlines);
-            for point in drawn.flat_map(|(pose, outline)| outline.iter().map(|point| of_body(pose, *point))) {
-                for axis in 0..2 {
-                    low[axis] = low[axis].min(point[axis]);
-                    high[axis] = high[axis].max(point[axis]);
-                }
-            }
-        }
+        let placed = |(pose, outline): (&Pose, &Vec<[f64; 2]>)| -> Vec<[f64; 2]> {
+            outline.iter().map(|point| of_body(pose, *point)).collect()
+        };
+        let frames = shown.iter().flat_map(AnimatedCycle::frames);
+        let [low, high] = mechanism::extent(
+            frames.flat_map(|poses| poses.iter().zip(&outlines).flat_map(placed).collect::<Vec<_>>()),
+        );
         let (wide, tall) = (high[0] - low[0], high[1] - low[1]);
         let room = (WIDTH - 2.0 * MARGIN, HEIGHT - 2.0 * MARGIN);
         let scale = (room.0 / wide).min(room.1 / tall);
         let reach = |(index, joint): (usize, &Joint)| match &joint.kind {
-            JointKind::Clearance(clearance) => wear
-                .get(index)
-                .map_or(&[][..], |depth| depth)
-                .iter()
-                .fold(clearance.radial_clearance(), |reach, depth| {
-                    reach.max(clearance.radial_clearance() + depth)
-                }),
+            JointKind::Clearance(clearance) => {
+                let deepest = wear.get(index).map_or(0.0, |depth| depth.iter().copied().fold(0.0, f64::max));
+                clearance.radial_clearance() + deepest
+            }
             _ => 0.0,
         };
         let largest = scene.joints.iter().enumerate().map(reach).fold(0.0, f64::max);

@@ -11,7 +11,7 @@ use super::input::ReportInput;
 use super::life::{FAILED_UNWORN, LEVELS, failure_probability, rows_that_matter};
 use super::page::{FigureFiles, Page, captioned, numbered};
 use super::tables::{self, table_of};
-use super::{levels, stated, studied, words};
+use super::{levels, studied, words};
 use common::outputs::JointSummary;
 use common::scene::JointKind;
 use maud::{Markup, PreEscaped, html};
@@ -99,7 +99,7 @@ fn sensitivities(input: &ReportInput) -> Vec<(String, Markup)> {
 /// Quality of the surrogates, convergence, and numerical error.
 fn quality(page: &mut Page, input: &ReportInput) {
     let stopped = &input.summary.convergence.stopped_because;
-    let stated = stated::sentences(input).join(" ");
+    let stated = levels::sentences(input).join(" ");
     let none = if input.summary.is_direct() {
         "Every sample was simulated; there are no surrogates."
     } else {
@@ -120,7 +120,7 @@ fn quality(page: &mut Page, input: &ReportInput) {
     let none = if stated.is_empty() { "The simulations state no numerical errors." } else { &stated };
     page.add_chapter("Numerical error", html! { (stated) }, (drawn, "three"), none);
     page.add(levels::tables(&input.summary));
-    page.add(stated::errors_over_life(input));
+    page.add(levels::errors_over_life(input));
 }
 
 /// Long tables, and what is needed to repeat the study.

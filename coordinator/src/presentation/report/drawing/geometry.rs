@@ -165,17 +165,8 @@ impl DrawnMechanism {
             LoadSymbol::Coil(a, b) => vec![a, b],
             _ => vec![],
         });
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         let shapes = self.joints.iter().flat_map(|joint| joint.shapes_m.iter().flatten());
-        for point in bodies.chain(joints).chain(rails).chain(shapes).chain(coils) {
-            for axis in 0..2 {
-                // A value that is not a number must not be lost in a minimum.
-                let keep = |a: f64, b: f64, less: bool| if b.is_nan() || (b < a) == less { b } else { a };
-                low[axis] = keep(low[axis], point[axis], true);
-                high[axis] = keep(high[axis], point[axis], false);
-            }
-        }
-        [low, high]
+        mechanism::extent(bodies.chain(joints).chain(rails).chain(shapes).chain(coils).copied())
     }
 }
 

@@ -19,7 +19,7 @@ pub mod symbols;
 mod tests;
 
 pub use geometry::{DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, LoadSymbol};
-pub use labels::{Label, LabelArea, LabelOf, PlacedLabel};
+pub use labels::{Label, LabelArea, PlacedLabel};
 pub use sheet::{MechanismSheet, sheet};
 pub use sketch::sketch;
 

@@ -1,7 +1,7 @@
 //! The drawing of a mechanism in letters: lines of Braille dots, joints and loads as signs, names beside them.
 
 use super::geometry::{DrawnMechanism, FIXED, LoadSymbol, middle_of};
-use super::labels::{Label, LabelOf, LetterSize, place_labels};
+use super::labels::{Label, LetterSize, place_labels};
 use super::symbols::around;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -133,14 +133,14 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
     }
     for joint in &drawn.joints {
         let [x, y] = place(joint.at_m).map(|v| v.floor() + 0.5);
-        labels.push(Label { text: joint.name.clone(), at: [x, y], clear: 1.0, of: LabelOf::Joint });
+        labels.push(Label { text: joint.name.clone(), at: [x, y], clear: 1.0, body: None });
     }
     for (index, body) in drawn.bodies.iter().enumerate() {
         if body.motion == FIXED || body.outline_m.is_empty() {
             continue;
         }
         let (text, at) = (format!("[{}]", body.name), place(middle_of(&body.outline_m)));
-        labels.push(Label { text, at, clear: 1.0, of: LabelOf::Body(index) });
+        labels.push(Label { text, at, clear: 1.0, body: Some(index) });
     }
     for placed in place_labels(&labels, &canvas.used(), LETTERS) {
         let [x, y] = placed.area.from;

@@ -1,4 +1,5 @@
-//! The worn bores of the nominal mechanism in polar form, over life where the bores were stored.
+//! The worn bores of the nominal mechanism in polar form, over life where the bores were stored, and the orbits of
+//! the journals in them.
 
 use super::file_name;
 use crate::presentation::report::figure::{Figure, csv};

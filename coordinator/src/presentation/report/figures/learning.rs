@@ -1,4 +1,4 @@
-//! Figures of the rounds of learning.
+//! Figures of the rounds of learning, of the predictions of the surrogates, and of the numerical error.
 
 use super::{LifeAxis, capital, file_name, ink_of, range, rows_that_matter, span, stacked};
 use crate::presentation::report::figure::Figure;

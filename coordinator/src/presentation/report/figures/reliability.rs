@@ -1,4 +1,4 @@
-//! Figures of the failures over life: R with its bands, and the shares of first failures.
+//! Figures of the failures over life: R with its bands, the shares of first failures, and R of several studies.
 
 use super::{LifeAxis, file_name, ink_of, span, stacked};
 use crate::presentation::report::figure::Figure;

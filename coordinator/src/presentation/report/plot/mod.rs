@@ -2,13 +2,12 @@
 //! above, drawn by plotters as SVG; and its numbers as CSV.
 
 mod axis;
-mod canvas;
 mod series;
 mod shapes;
 
 pub use axis::{Axis, Scale, tick_label};
-pub use canvas::{Area, DrawError, LETTERS, draw, letters, px, stroke};
 pub use series::{Band, Points, Series, Shape};
+pub use shapes::{Area, DrawError, LETTERS, draw, letters, px, stroke};
 
 use super::figure::{Drawing, Figure};
 use super::palette::Ink;

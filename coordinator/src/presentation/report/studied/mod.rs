@@ -3,17 +3,15 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `mechanism_tables` | bodies, drives, joints, hinges with clearance |
-//! | `materials` | materials of hinges and guides |
-//! | `guide_table` | guides with clearance, and their wear |
+//! | `mechanism_tables` | bodies, drives, joints |
+//! | `clearance_tables` | hinges and guides with clearance, their materials and wear |
 //! | `load_tables` | loads, gravity, curves |
 //! | `variable_tables` | random variables, correlations, outputs, limit states, life, settings of the study |
 //! | `exact` | values with as few digits as give the same number |
 
+mod clearance_tables;
 mod exact;
-mod guide_table;
 mod load_tables;
-mod materials;
 mod mechanism_tables;
 mod variable_tables;
 
@@ -104,9 +102,13 @@ pub fn mechanism(scene: &Scene, source: &str) -> Markup {
 /// Bodies, joints and loads of a mechanism.
 fn elements(scene: &Scene, written: &WrittenScene) -> Markup {
     html! {
-        (mechanism_tables::tables(scene, written))
-        (guide_table::guides(scene, written))
-        (guide_table::guide_wear(scene, written))
+        (mechanism_tables::bodies(scene, written))
+        (mechanism_tables::starts(scene, written))
+        (mechanism_tables::joints(scene, written))
+        (clearance_tables::hinges(scene, written))
+        (clearance_tables::materials(scene, written))
+        (clearance_tables::guides(scene, written))
+        (clearance_tables::guide_wear(scene, written))
         (load_tables::tables(scene, written))
     }
 }
