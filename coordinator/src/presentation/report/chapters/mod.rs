@@ -38,7 +38,11 @@ pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
     );
     influences(&mut page, input);
     points::simulated(&mut page, input);
-    let scripts = input.summary.of_mechanism().then(|| mechanism(&mut page, input)).unwrap_or_default();
+    let scripts = if input.summary.of_mechanism() {
+        mechanism(&mut page, input)
+    } else {
+        html! {}
+    };
     quality(&mut page, input);
     end::effort(&mut page, input);
     appendix(&mut page, input);

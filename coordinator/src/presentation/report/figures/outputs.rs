@@ -259,7 +259,7 @@ mod tests {
         let mut input = test_study::report_input();
         let upper = input.scene.limit_states[0].threshold;
         let mentions = |figures: Vec<Figure>| figures[0].drawing.content.matches("threshold").count();
-        let single = [histories(&input), distributions(&input)].map(|f| mentions(f));
+        let single = [histories(&input), distributions(&input)].map(mentions);
         input.scene.limit_states[0].fails = Fails::Outside { lower: -0.5 * upper };
         for (figures, single) in [histories(&input), distributions(&input)].into_iter().zip(single) {
             let svg = &figures[0].drawing.content;
