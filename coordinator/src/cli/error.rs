@@ -1,6 +1,5 @@
 //! Errors of commands: one message and an exit code each.
 
-use super::signals::INTERRUPTED;
 use common::failure::SimulationFailure;
 use common::scene::{FaultKind, Faults, Motion, Scene};
 use coordinator::analyses::budget::BudgetError;
@@ -20,6 +19,9 @@ use worker::service::ServiceError;
 
 const FAILURE: u8 = 1;
 const BAD_INPUT: u8 = 2;
+
+/// Exit code after an interruption.
+pub const INTERRUPTED: u8 = 130;
 
 /// An error that ends a command.
 #[derive(Debug, Error)]

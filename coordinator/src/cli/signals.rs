@@ -1,15 +1,12 @@
 //! Ctrl-C and SIGTERM stop a study after saving what is done. A second signal ends the process at once; nothing is lost,
 //! since every outcome is recorded when it arrives.
 
-use super::error::CommandError;
+use super::error::{CommandError, INTERRUPTED};
 use coordinator::presentation::terminal::print_message;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use tokio::signal::unix::{SignalKind, signal};
-
-/// Exit code after an interruption.
-pub const INTERRUPTED: u8 = 130;
 
 /// The flag of this process that becomes true with the first signal.
 ///
