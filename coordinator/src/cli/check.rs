@@ -3,17 +3,17 @@
 use super::draw::{check_picture, look};
 use super::error::CommandError;
 use super::external;
-use super::measured::{MeasuredFinding, measured_findings};
+use super::measured::MeasuredFinding;
 use super::model::Model;
-use super::nominal::{nominal_check, nominal_evaluation};
+use super::nominal::{findings, nominal_evaluation};
 use super::output::{count, print, to_json};
 use super::scenes::check_linkage;
-use super::shared::{SetArguments, Verbosity};
+use super::shared::{SetArguments, Verbosity, load_with};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::external::SimulatorId;
 use common::scene::{Fault, FaultKind, Location, Scene, SceneSource, Warning};
-use coordinator::presentation::nominal_life::{NominalLife, Reached};
+use coordinator::presentation::nominal_life::Reached;
 use coordinator::presentation::report::format::count as with_separators;
 use coordinator::presentation::terminal::while_waiting;
 use serde_json::{Value, json};
@@ -71,8 +71,8 @@ pub struct CheckArguments {
 /// before it begins. As JSON, faults are printed too.
 ///
 /// # Errors
-/// [`CommandError::Scene`] with all faults, the errors of [`check_linkage`], [`CommandError::Simulator`], or
-/// [`CommandError::Simulation`] if the nominal mechanism cannot be simulated.
+/// [`CommandError::Scene`] with all faults, the errors of [`check_linkage`], [`CommandError::BadInput`], or
+/// [`CommandError::Failed`] if the nominal mechanism cannot be simulated.
 pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), CommandError> {
     let file = &arguments.file;
     check_picture(arguments.draw.as_deref())?;
@@ -112,40 +112,34 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), CommandEr
             .map_err(|failure| CommandError::of_simulation(source.origin(), scene, failure))?
     };
     let unused = source.unused_parameters();
-    let mut warnings = source.warnings();
-    let last =
-        evaluation.as_ref().and_then(|found| found.cycles.last().copied()).unwrap_or(scene.life.cycles);
-    let (lives, of_limits) = evaluation.map(|found| nominal_check(scene, &found)).unwrap_or_default();
-    warnings.extend(of_limits);
-    let measured = measured_findings(&source);
-    warnings.extend(measured.iter().filter_map(MeasuredFinding::warning));
+    let found = findings(&source, evaluation.as_ref());
     if verbosity.json {
-        let findings = warnings.iter().map(|Warning { key, message }| {
+        let warnings = found.warnings.iter().map(|Warning { key, message }| {
             let place = source.location(key);
             finding(place.as_ref().map_or(file, |place| &place.file), place.as_ref(), key, message)
         });
         return print(&to_json(&json!({ "file": file, "scene": scene.name, "valid": true, "faults": [],
                                        "cost": cost, "loads": loads,
-                                       "nominal": lives.iter().map(NominalLife::to_json).collect::<Value>(),
-                                       "measured": measured, "unused_parameters": unused,
-                                       "warnings": findings.collect::<Value>() }))?);
+                                       "nominal": found.lives_json(),
+                                       "measured": found.measured, "unused_parameters": unused,
+                                       "warnings": warnings.collect::<Value>() }))?);
     }
     let unused = unused.iter().map(|name| (format!("parameters.{name}"), "nothing reads it"));
-    let warnings = warnings.iter().map(|warning| (warning.key.clone(), warning.message.as_str()));
+    let warnings = found.warnings.iter().map(|warning| (warning.key.clone(), warning.message.as_str()));
     let lines = unused.chain(warnings).map(|(key, message)| {
         let place = source.location(&key).map_or_else(|| file.to_owned(), |place| place.to_string());
         format!("{place}: warning: {key}: {message}\n")
     });
-    let unworn = lives.iter().filter(|life| life.reached == Reached::FromTheStart);
+    let unworn = found.lives.iter().filter(|life| life.reached == Reached::FromTheStart);
     let mut text = match unworn.map(|life| life.limit.name.as_str()).collect::<Vec<_>>().as_slice() {
         [] => String::new(),
         names => format!("the nominal mechanism fails unworn by {}\n", names.join(" and ")),
     };
-    text.extend(lives.iter().map(|life| format!("nominal {}", life.line(last))));
+    text += &found.lines("nominal");
     if *quick && is_mechanism {
         text.push_str("its life was not simulated (--quick)\n");
     }
-    text.extend(measured.iter().map(MeasuredFinding::lines));
+    text.extend(found.measured.iter().map(MeasuredFinding::lines));
     text.extend(lines);
     text.extend(drawings.iter().map(|file| format!("drawing: {}\n", file.display())));
     match &scene.simulator {
@@ -158,10 +152,12 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), CommandEr
 
 /// The scene, if its text is valid and what it describes can be simulated.
 fn valid_scene(file: &str, set: &SetArguments) -> Result<SceneSource, CommandError> {
-    let source = set.load(file)?;
+    let source = load_with(file, &set.set)?;
     match &source.nominal().simulator {
         None => check_linkage(source.origin(), &source, source.nominal())?,
-        Some(simulator) => common::external::check(simulator, source.nominal())?,
+        Some(simulator) => {
+            common::external::check(simulator, source.nominal()).map_err(CommandError::bad_input)?
+        }
     }
     Ok(source)
 }

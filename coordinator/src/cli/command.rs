@@ -11,7 +11,7 @@ use super::init::InitArguments;
 use super::learn::LearnArguments;
 use super::optimise::OptimiseArguments;
 use super::replace::ReplaceArguments;
-use super::results::{ReportArguments, StudyFolder};
+use super::results::ReportArguments;
 use super::shared::{DEFAULT_SCENE, SetArguments, Verbosity};
 use super::simulate::SimulateArguments;
 use super::status::StatusArguments;
@@ -170,7 +170,10 @@ Examples:
     },
     /// Print the sensitivities of the failure probabilities of a finished study
     #[command(after_help = "Example:\n  coordinator sensitivity hingewise-flapping-wing --json")]
-    Sensitivity(StudyFolder),
+    Sensitivity {
+        /// Folder of the study
+        dir: PathBuf,
+    },
     /// Write the result files and the report of a finished study again
     #[command(after_help = "\
 Examples:

@@ -9,8 +9,7 @@ use coordinator::analyses::scene_difference::{DifferingKey, differing_keys};
 use coordinator::presentation::report::compare::{ComparedStudy, answer, check, gain};
 use coordinator::results::store::CampaignFile;
 use coordinator::study::LEVELS;
-use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `coordinator compare`.
@@ -33,7 +32,7 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     let names = names(&arguments.dirs);
     let studies: Vec<ComparedStudy> =
         arguments.dirs.iter().zip(names).map(|(dir, name)| study(dir, name)).collect::<Result<_, _>>()?;
-    check(&studies)?;
+    check(&studies).map_err(CommandError::bad_input)?;
     let scenes: Vec<SceneSource> =
         arguments.dirs.iter().map(|dir| scene_of(&CampaignFile::look(dir)?)).collect::<Result<_, _>>()?;
     let mut differing = differing_keys(&scenes.iter().collect::<Vec<_>>());
@@ -70,22 +69,8 @@ fn study(dir: &Path, name: String) -> Result<ComparedStudy, CommandError> {
     Ok(ComparedStudy { name, summary: summary_of(&CampaignFile::look(dir)?)? })
 }
 
-/// Gain in life of a study against the first one.
-#[derive(Debug, Serialize)]
-struct GainInLife {
-    study: String,
-    limit_state: String,
-    /// Level of R to which both lives belong [1].
-    reliability: f64,
-    /// Difference of the lives [cycles]; absent where one of them is not resolved.
-    cycles: Option<f64>,
-    /// Limits of its 95 % interval [cycles].
-    lower: Option<f64>,
-    upper: Option<f64>,
-}
-
 /// Gains of all studies but the first, per curve and level; none for studies of a single checkpoint.
-fn gains(studies: &[ComparedStudy]) -> Vec<GainInLife> {
+fn gains(studies: &[ComparedStudy]) -> Vec<Value> {
     let first = &studies[0];
     if first.summary.is_static() {
         return vec![];
@@ -94,14 +79,9 @@ fn gains(studies: &[ComparedStudy]) -> Vec<GainInLife> {
     let of_curve = |name: &str| {
         let of_study = |k: usize, level: f64| {
             let (change, _) = gain(studies, k, (name, level));
-            GainInLife {
-                study: studies[k].name.clone(),
-                limit_state: name.to_owned(),
-                reliability: level,
-                cycles: change.map(|change| change.value),
-                lower: change.and_then(|change| change.lower),
-                upper: change.and_then(|change| change.upper),
-            }
+            json!({ "study": studies[k].name, "limit_state": name, "reliability": level,
+    "cycles": change.map(|change| change.value), "lower": change.and_then(|change| change.lower),
+    "upper": change.and_then(|change| change.upper) })
         };
         (1..studies.len()).flat_map(|k| LEVELS.map(|level| of_study(k, level))).collect::<Vec<_>>()
     };

@@ -13,7 +13,6 @@ use coordinator::analyses::designs::{
     refine,
 };
 use coordinator::farm::evaluate::EvaluateError;
-use coordinator::presentation::report::ReportError;
 use coordinator::results::progress::Silent;
 use coordinator::results::store::FurtherEvaluations;
 use coordinator::study::{FurtherLearning, LEVELS, StoredOutcome, StudyError};
@@ -176,8 +175,7 @@ fn answer_for(
         simulations: (outcomes.len(), outcomes.len().saturating_sub(opened.summary.evaluations.total)),
         command: format!("coordinator designs {}", dir.display()),
     };
-    let answer = answer(&report).map_err(ReportError::from)?;
-    answer_with(&answer, &json(&report), out, verbosity.json)
+    answer_with(&answer(&report), &json(&report), out, verbosity.json)
 }
 
 fn of_designs(error: DesignError, dir: &Path) -> CommandError {

@@ -7,7 +7,6 @@ use clap::Args;
 use common::wire::{Claim, Offers, Status, WireError, WorkerId};
 use coordinator::farm::dispatch::{ClientError, ClientSession, clock_ms};
 use serde::Serialize;
-use std::fmt::Write;
 use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -47,42 +46,42 @@ struct CheckResult {
     says: String,
 }
 
-/// Results of the checks so far.
-#[derive(Default)]
-struct CheckResults(Vec<CheckResult>);
-
-impl CheckResults {
-    /// Records the result of a check and returns its value.
-    fn note<T>(&mut self, check: &'static str, found: Result<(T, String), String>) -> Option<T> {
-        let (ok, says, value) = match found {
-            Ok((value, says)) => (true, says, Some(value)),
-            Err(says) => (false, says, None),
-        };
-        self.0.push(CheckResult { check, ok, says });
-        value
-    }
+/// Notes the result of a check; its value if it passed.
+fn note<T>(
+    findings: &mut Vec<CheckResult>,
+    check: &'static str,
+    found: Result<(T, String), String>,
+) -> Option<T> {
+    let (ok, says, value) = match found {
+        Ok((value, says)) => (true, says, Some(value)),
+        Err(says) => (false, says, None),
+    };
+    findings.push(CheckResult { check, ok, says });
+    value
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// [`CommandError::Unhealthy`] if a check failed.
+/// [`CommandError::Failed`] if a check failed.
 pub fn doctor(arguments: &DoctorArguments, as_json: bool) -> Result<(), CommandError> {
     let (host, port) = host_and_port(&arguments.endpoint)?;
-    let mut findings = CheckResults::default();
+    let mut findings = Vec::new();
     examine(&mut findings, arguments, host, port)?;
-    let findings = findings.0;
     print(&if as_json { to_json(&findings)? } else { lines(&findings) })?;
     let failed = findings.iter().filter(|finding| !finding.ok).count();
-    if failed == 0 { Ok(()) } else { Err(CommandError::Unhealthy { failed, tried: findings.len() }) }
+    if failed == 0 {
+        Ok(())
+    } else {
+        Err(CommandError::Failed(format!("{failed} of {} checks failed", findings.len())))
+    }
 }
 
 fn lines(findings: &[CheckResult]) -> String {
-    findings.iter().fold(String::new(), |mut text, CheckResult { check, ok, says }| {
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "{:6}  {check:10}  {says}", if *ok { "ok" } else { "failed" });
-        text
-    })
+    let line = |CheckResult { check, ok, says }: &CheckResult| {
+        format!("{:6}  {check:10}  {says}\n", if *ok { "ok" } else { "failed" })
+    };
+    findings.iter().map(line).collect()
 }
 
 /// Host and port of `tcp/HOST:PORT` or `tls/HOST:PORT`.
@@ -102,13 +101,13 @@ fn host_and_port(endpoint: &str) -> Result<(&str, u16), CommandError> {
 
 /// Makes the checks in their order, up to a failure that prevents the following ones.
 fn examine(
-    findings: &mut CheckResults,
+    findings: &mut Vec<CheckResult>,
     arguments: &DoctorArguments,
     host: &str,
     port: u16,
 ) -> Result<(), CommandError> {
-    let Some(addresses) = findings.note("name", resolve(host, port)) else { return Ok(()) };
-    if findings.note("reach", reach(&addresses)).is_none() {
+    let Some(addresses) = note(findings, "name", resolve(host, port)) else { return Ok(()) };
+    if note(findings, "reach", reach(&addresses)).is_none() {
         return Ok(());
     }
     let begun = Instant::now();
@@ -118,15 +117,15 @@ fn examine(
     };
     let encrypted = if arguments.endpoint.starts_with("tls/") { "encrypted" } else { "not encrypted" };
     let opened = session.map(|session| (session, format!("open, {encrypted}; we are let in")));
-    let Some(session) = findings.note("session", opened) else { return Ok(()) };
+    let Some(session) = note(findings, "session", opened) else { return Ok(()) };
     let worker = WorkerId { name: format!("doctor-{}", std::process::id()), epoch: clock_ms() };
-    if findings.note("claim", claim(&session, &worker)).is_none() {
+    if note(findings, "claim", claim(&session, &worker)).is_none() {
         return Ok(());
     }
     let asked = clock_ms();
-    let Some(status) = findings.note("status", status(&session)) else { return Ok(()) };
-    findings.note("clock", clock(&status, asked, clock_ms()));
-    findings.note("liveliness", liveliness(&session, &worker));
+    let Some(status) = note(findings, "status", status(&session)) else { return Ok(()) };
+    note(findings, "clock", clock(&status, asked, clock_ms()));
+    note(findings, "liveliness", liveliness(&session, &worker));
     Ok(())
 }
 

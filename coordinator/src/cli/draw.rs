@@ -3,11 +3,11 @@
 use super::error::CommandError;
 use super::output::{check_destination, print, to_json, unusable};
 use super::scenes::check_linkage;
-use super::shared::SetArguments;
+use super::shared::{SetArguments, load_with};
 use clap::Args;
 use common::scene::{Motion, Scene, SceneSource};
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
-use coordinator::presentation::report::{Figure, ReportError, VaryingLoads, standalone};
+use coordinator::presentation::report::{Figure, VaryingLoads, standalone};
 use coordinator::results::result_files::write_text;
 use std::path::{Path, PathBuf};
 use worker::mechanism::Prescribed;
@@ -49,11 +49,11 @@ fn share(text: &str) -> Result<f64, String> {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CommandError::Scene`], [`CommandError::Refused`] for a scene without a mechanism or one without extent, the failure of a linkage that does
+/// [`CommandError::Scene`], [`CommandError::BadInput`] for a scene without a mechanism or one without extent, the failure of a linkage that does
 /// not close, or the error of a file that cannot be written.
 pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError> {
     check_picture(arguments.out.as_deref())?;
-    let source = arguments.set.load(&arguments.scene)?;
+    let source = load_with(&arguments.scene, &arguments.set.set)?;
     let scene = source.nominal();
     check_linkage(source.origin(), &source, scene)?;
     let (drawn, loads) = drawn(source.origin(), scene, arguments.at)?;
@@ -84,7 +84,7 @@ fn write_figures(
     loads: Option<&VaryingLoads>,
     file: &Path,
 ) -> Result<Vec<PathBuf>, CommandError> {
-    let of_loads = loads.map_or(Ok(vec![]), VaryingLoads::figures).map_err(ReportError::from)?;
+    let of_loads = loads.map_or(vec![], VaryingLoads::figures);
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let beside = |figure: Figure| (file.with_file_name(format!("{stem}-{}.svg", figure.name)), figure);
     let drawing = (file.to_owned(), drawing::figure(drawn, scene));
@@ -98,7 +98,7 @@ fn write_figures(
 /// Checks that a picture can be written under this name.
 ///
 /// # Errors
-/// [`CommandError::Refused`].
+/// [`CommandError::BadInput`].
 pub fn check_picture(file: Option<&Path>) -> Result<(), CommandError> {
     check_destination(file)?;
     let Some(file) = file else { return Ok(()) };
@@ -139,7 +139,7 @@ pub fn drawing_figure(origin: &str, scene: &Scene) -> Option<Figure> {
 /// that vary over the cycle.
 ///
 /// # Errors
-/// [`CommandError::Refused`] for a mechanism without extent, or the failure of a linkage that does not close.
+/// [`CommandError::BadInput`] for a mechanism without extent, or the failure of a linkage that does not close.
 fn drawn(
     origin: &str,
     scene: &Scene,

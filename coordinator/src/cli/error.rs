@@ -1,30 +1,27 @@
 //! Errors of commands: one message and an exit code each.
 
-use super::drive_angles::drive_at;
-use super::{pdf::PdfError, signals::INTERRUPTED};
-use common::external::SimulatorError;
 use common::failure::SimulationFailure;
-use common::scene::{FaultKind, Faults, Scene};
+use common::scene::{FaultKind, Faults, Motion, Scene};
 use coordinator::analyses::budget::BudgetError;
 use coordinator::analyses::calibrate::CalibrationError;
 use coordinator::analyses::optimise::OptimiseError;
-use coordinator::analyses::replace::ReplacementError;
-use coordinator::analyses::test_plan::TestPlanError;
 use coordinator::farm::dispatch::{ClientError, DispatchError};
 use coordinator::farm::evaluate::EvaluateError;
-use coordinator::presentation::monitor::MonitorError;
 use coordinator::presentation::report::ReportError;
-use coordinator::presentation::report::compare::Incomparable;
 use coordinator::results::result_files::ResultFileError;
 use coordinator::results::store::{StoreError, is_unusable_path};
 use coordinator::study::{CampaignError, SettingError, StudyError};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+use worker::mechanism::Prescribed;
 use worker::service::ServiceError;
 
 const FAILURE: u8 = 1;
 const BAD_INPUT: u8 = 2;
+
+/// Exit code after an interruption.
+pub const INTERRUPTED: u8 = 130;
 
 /// An error that ends a command.
 #[derive(Debug, Error)]
@@ -33,51 +30,26 @@ pub enum CommandError {
     #[error(transparent)]
     Scene(#[from] Faults),
     /// What was given, an option, a file or a study, is not what the command can use.
-    #[error("{subject}: {fault}")]
-    Refused {
-        /// The option, file or folder.
-        subject: String,
-        /// Fault, with what is allowed or what to do.
-        fault: String,
-    },
-    /// A page that cannot be printed.
-    #[error(transparent)]
-    Pdf(#[from] PdfError),
-    /// The simulator that the scene names cannot be used.
-    #[error(transparent)]
-    Simulator(#[from] SimulatorError),
+    #[error("{0}")]
+    BadInput(String),
+    /// What a command had to do and could not, in words.
+    #[error("{0}")]
+    Failed(String),
     /// The evaluations were interrupted or cannot be distributed.
     #[error(transparent)]
     Evaluate(EvaluateError),
     /// No accuracy keeps the error budget.
     #[error("--max-error: {0}")]
     Budget(#[from] BudgetError),
-    /// The simulations of a scene failed, or disagree.
-    #[error("{origin}: {what}")]
-    Simulation {
-        /// File or name of the scene.
-        origin: String,
-        /// The failure or disagreement in words.
-        what: String,
-    },
     /// A setting of the study that is out of range.
     #[error("{} {} is out of range, allowed: {}", option_of(.0.key), .0.value, .0.allowed)]
     Setting(#[from] SettingError),
-    /// Studies that cannot be compared.
-    #[error(transparent)]
-    Incomparable(#[from] Incomparable),
     /// Parameters that could not be fitted.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
     /// A design that could not be optimised.
     #[error(transparent)]
     Optimise(#[from] OptimiseError),
-    /// The question about a replacement has no answer.
-    #[error(transparent)]
-    Replacement(#[from] ReplacementError),
-    /// There is no plan of a test.
-    #[error(transparent)]
-    TestPlan(#[from] TestPlanError),
     /// The user stopped the study.
     #[error("interrupted; everything done so far is saved, continue with `coordinator resume {}`", dir.display())]
     Interrupted {
@@ -98,20 +70,9 @@ pub enum CommandError {
     /// The coordinator cannot listen.
     #[error(transparent)]
     Dispatch(#[from] DispatchError),
-    /// The live page cannot be served.
-    #[error(transparent)]
-    Monitor(#[from] MonitorError),
     /// A coordinator does not report its status.
     #[error("{0}")]
     Client(#[from] ClientError),
-    /// Checks of `coordinator doctor` failed.
-    #[error("{failed} of {tried} checks failed")]
-    Unhealthy {
-        /// Number of failed checks.
-        failed: usize,
-        /// Number of all checks.
-        tried: usize,
-    },
     /// A local worker cannot be started.
     #[error("local worker: {0}")]
     Worker(#[from] ServiceError),
@@ -121,12 +82,6 @@ pub enum CommandError {
     /// The report cannot be written.
     #[error(transparent)]
     Report(#[from] ReportError),
-    /// The operating system refused a signal handler.
-    #[error("signals: {0}")]
-    Signals(#[source] std::io::Error),
-    /// The thread that asks a batch system for workers could not be started.
-    #[error("workers cannot be asked for")]
-    Scale(#[source] std::io::Error),
     /// A result that cannot be represented in JSON.
     #[error("the result cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
@@ -137,8 +92,13 @@ pub enum CommandError {
 
 impl CommandError {
     /// What was given, an option, a file or a study, and why the command cannot use it.
-    pub fn refused(subject: impl Display, fault: impl Into<String>) -> Self {
-        Self::Refused { subject: subject.to_string(), fault: fault.into() }
+    pub fn refused(subject: impl Display, fault: impl Display) -> Self {
+        Self::BadInput(format!("{subject}: {fault}"))
+    }
+
+    /// Input that the command cannot use, by the error that says why.
+    pub fn bad_input(error: impl Display) -> Self {
+        Self::BadInput(error.to_string())
     }
 
     /// A command on mechanisms, and a scene without one.
@@ -148,24 +108,19 @@ impl CommandError {
 
     /// The failure of a simulation.
     pub fn failed_simulation(origin: &str, failure: &SimulationFailure) -> Self {
-        Self::Simulation { origin: origin.to_owned(), what: format!("the simulation failed: {failure}") }
+        Self::Failed(format!("{origin}: the simulation failed: {failure}"))
     }
 
     /// Exit code of the process.
     pub fn exit_code(&self) -> u8 {
         let is_bad_input = match self {
             Self::Scene(_)
-            | Self::Refused { .. }
-            | Self::Simulator(_)
+            | Self::BadInput(_)
             | Self::Setting(_)
-            | Self::Incomparable(_)
-            | Self::Replacement(_)
-            | Self::TestPlan(_)
             | Self::Calibration(CalibrationError::Scene(_))
             | Self::Budget(BudgetError::OutOfReach { .. } | BudgetError::NothingToHold)
             | Self::Study { error: StudyError::Setting(_), .. }
-            | Self::Worker(ServiceError::Settings { .. })
-            | Self::Monitor(_) => true,
+            | Self::Worker(ServiceError::Settings { .. }) => true,
             Self::Interrupted { .. }
             | Self::Calibration(CalibrationError::Evaluate(EvaluateError::Interrupted))
             | Self::Optimise(OptimiseError::Evaluate(EvaluateError::Interrupted))
@@ -252,4 +207,18 @@ fn what_to_do(error: &StudyError, dir: &Path) -> String {
 /// The command-line option of a setting, e.g. `--max-evaluations`.
 fn option_of(key: &str) -> String {
     format!("--{}", key.replace('_', "-"))
+}
+
+/// Angles of the driven bodies at a time [s], e.g. `crank angle 123.4 deg`.
+fn drive_at(scene: &Scene, time: f64) -> String {
+    let angles: Vec<String> = scene
+        .bodies
+        .iter()
+        .filter_map(|body| {
+            let motion = Prescribed::from_body(body).filter(|_| body.motion != Motion::Fixed)?;
+            let turned = motion.angle(time).to_degrees().rem_euclid(360.0);
+            Some(format!("{} angle {turned:.1} deg", body.name))
+        })
+        .collect();
+    if angles.is_empty() { format!("t = {time} s") } else { angles.join(", ") }
 }

@@ -4,16 +4,14 @@ mod variables;
 
 use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
-use super::external;
+use super::external::{self, failed};
 use super::farm::cores;
-use super::limit_text::failed;
-use super::measured::{MeasuredFinding, measured_findings};
+use super::measured::MeasuredFinding;
 use super::model::Model;
-use super::nominal::{nominal_check, nominal_evaluation};
+use super::nominal::{findings, nominal_evaluation};
 use super::output::{count, print, to_json};
-use super::shared::{SetArguments, Verbosity};
+use super::shared::{SetArguments, Verbosity, load_with};
 use common::scene::*;
-use coordinator::presentation::nominal_life::NominalLife;
 use coordinator::presentation::terminal::while_waiting;
 use coordinator::study::Settings;
 use std::fmt::Write;
@@ -30,7 +28,7 @@ pub fn explain(
     accuracy: &AccuracyArguments,
     verbosity: Verbosity,
 ) -> Result<(), CommandError> {
-    let source = set.load(name)?;
+    let source = load_with(name, &set.set)?;
     let scene = source.nominal();
     if let Some(simulator) = &scene.simulator {
         external::check_accuracy(source.origin(), accuracy)?;
@@ -47,37 +45,26 @@ pub fn explain(
     if !verbosity.json {
         print(&text(&source, &model))?;
     }
-    let mut warnings = source.warnings();
     let doing = "simulating the nominal mechanism until every limit is passed".to_owned();
-    let mut last = scene.life.cycles;
     let given = is_given.then_some(&accuracy.setting.accuracy);
     let evaluate = |say: &dyn Fn(String)| nominal_evaluation(scene, given, say);
-    let (lives, of_limits) = match while_waiting(verbosity.quiet, doing, evaluate) {
-        Ok(evaluation) => {
-            let found = evaluation.inspect(|found| last = found.cycles.last().copied().unwrap_or(last));
-            found.map(|found| nominal_check(scene, &found)).unwrap_or_default()
-        }
-        Err(failure) => {
-            let message = format!("the nominal mechanism cannot be simulated: {failure}");
-            (vec![], vec![Warning { key: "scene".to_owned(), message }])
-        }
-    };
-    warnings.extend(of_limits);
-    let measured = measured_findings(&source);
-    warnings.extend(measured.iter().filter_map(MeasuredFinding::warning));
+    let evaluated = while_waiting(verbosity.quiet, doing, evaluate);
+    let mut found = findings(&source, evaluated.as_ref().ok().and_then(Option::as_ref));
+    if let Err(failure) = &evaluated {
+        let message = format!("the nominal mechanism cannot be simulated: {failure}");
+        found.warnings.push(Warning { key: "scene".to_owned(), message });
+    }
     if verbosity.json {
         let mut value = serde_json::to_value(scene)?;
         value["model"] = model.to_json();
-        let lives: Vec<_> = lives.iter().map(NominalLife::to_json).collect();
-        value["nominal"] = serde_json::to_value(lives)?;
-        value["measured"] = serde_json::to_value(measured)?;
-        value["warnings"] = serde_json::to_value(warnings)?;
+        value["nominal"] = found.lives_json();
+        value["measured"] = serde_json::to_value(&found.measured)?;
+        value["warnings"] = serde_json::to_value(&found.warnings)?;
         return print(&to_json(&value)?);
     }
-    let warnings = warnings.iter().map(|warning| format!("Warning: {warning}\n"));
-    let lives = lives.iter().map(|life| format!("Nominal {}", life.line(last)));
-    let measured = measured.iter().map(MeasuredFinding::lines);
-    print(&measured.chain(lives).chain(warnings).collect::<String>())
+    let warnings = found.warnings.iter().map(|warning| format!("Warning: {warning}\n"));
+    let measured = found.measured.iter().map(MeasuredFinding::lines);
+    print(&measured.chain([found.lines("Nominal")]).chain(warnings).collect::<String>())
 }
 
 fn text(source: &SceneSource, model: &Model) -> String {

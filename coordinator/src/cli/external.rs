@@ -3,14 +3,13 @@
 use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
 use super::evaluation_json::of_outputs;
-use super::limit_text::failed;
 use super::output::{count, to_json};
 use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;
 use common::external::SimulatorId;
 use common::scene::{
-    CycleTier, Exchange, ExternalSimulator, FileExchange, Gives, OutputKind, Program, Scene, SceneSource,
-    SimulatorKind,
+    CycleTier, Exchange, ExternalSimulator, Fails, FileExchange, Gives, LimitState, OutputKind, Program,
+    Scene, SceneSource, SimulatorKind,
 };
 use coordinator::farm::evaluate::external::on_slots;
 use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
@@ -24,22 +23,29 @@ use worker::simulator::simulator;
 /// Starts the simulator on `slots` slots; Ctrl-C and SIGTERM end its batches.
 ///
 /// # Errors
-/// [`CommandError::Signals`], [`CommandError::Simulator`].
+/// [`CommandError::Failed`], [`CommandError::BadInput`].
 pub fn open_simulator(source: &SceneSource, slots: usize) -> Result<Box<dyn Evaluator>, CommandError> {
-    let interrupted = interruption().map_err(CommandError::Signals)?;
-    let Some(opened) = EvaluationSlots::open(source).transpose()? else {
+    let interrupted = interruption()?;
+    let Some(opened) = EvaluationSlots::open(source).transpose().map_err(CommandError::bad_input)? else {
         unreachable!("only scenes that name a simulator come here")
     };
-    Ok(on_slots((0..slots).map(|number| opened.slot(number)).collect(), interrupted)?)
+    on_slots((0..slots).map(|number| opened.slot(number)).collect(), interrupted)
+        .map_err(CommandError::bad_input)
 }
 
 /// Refuses options on accuracy: they are for mechanisms.
 ///
 /// # Errors
-/// [`CommandError::Refused`].
+/// [`CommandError::BadInput`].
 pub fn check_accuracy(origin: &str, accuracy: &AccuracyArguments) -> Result<(), CommandError> {
     let given = [("--accuracy", accuracy.accuracy.is_some()), ("--max-error", accuracy.max_error.is_some())];
-    refuse(origin, &given, "the simulator determines its own accuracy")
+    match given.iter().find(|(_, given)| *given) {
+        Some((option, _)) => Err(CommandError::refused(
+            format_args!("{option} is not for {origin}"),
+            "the simulator determines its own accuracy",
+        )),
+        None => Ok(()),
+    }
 }
 
 /// True if the options ask for remote workers; otherwise this process runs the simulator without messages.
@@ -51,22 +57,15 @@ pub fn has_remote_workers(farm: &FarmArguments) -> bool {
 /// The simulator of local workers next to remote ones; without local slots it is not used, and not opened.
 ///
 /// # Errors
-/// [`CommandError::Simulator`].
+/// [`CommandError::BadInput`].
 pub fn own_simulator(source: &SceneSource, slots: usize) -> Result<Arc<dyn Simulator>, CommandError> {
     if slots == 0 {
         return Ok(simulator());
     }
     match OwnSimulators::open(std::slice::from_ref(source)) {
         Ok(own) => Ok(Arc::new(own)),
-        Err(OfferError::Simulator { error, .. }) => Err(error.into()),
+        Err(OfferError::Simulator { error, .. }) => Err(CommandError::bad_input(error)),
         Err(other) => unreachable!("one scene that names its simulator: {other}"),
-    }
-}
-
-fn refuse(origin: &str, given: &[(&'static str, bool)], reason: &'static str) -> Result<(), CommandError> {
-    match given.iter().find(|(_, given)| *given) {
-        Some((option, _)) => Err(CommandError::refused(format_args!("{option} is not for {origin}"), reason)),
-        None => Ok(()),
     }
 }
 
@@ -149,4 +148,14 @@ pub fn counts(scene: &Scene) -> String {
         count(scene.life.checkpoints().len(), "checkpoint"),
     ]
     .join(", ")
+}
+
+/// The values with which a limit state has failed, e.g. `failed from 8 um on`; `shown` writes a threshold.
+pub(super) fn failed(limit: &LimitState, shown: impl Fn(f64) -> String) -> String {
+    let threshold = shown(limit.threshold);
+    match limit.fails {
+        Fails::Above => format!("failed from {threshold} on"),
+        Fails::Below => format!("failed from {threshold} down"),
+        Fails::Outside { lower } => format!("failed from {} down and from {threshold} on", shown(lower)),
+    }
 }

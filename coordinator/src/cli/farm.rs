@@ -62,22 +62,20 @@ impl CommandEvaluator {
     /// [`CommandError`] if the simulator cannot be used, or the address cannot be listened on.
     pub fn open(
         source: &SceneSource,
-        campaign: impl FnOnce() -> Result<CampaignSpec, CommandError>,
+        settings: &Settings,
+        resumed: bool,
         arguments: &FarmArguments,
     ) -> Result<Self, CommandError> {
-        let scene = source.nominal();
-        if scene.simulator.is_none() {
-            return Ok(Self::Workers(Box::new(WorkerFarm::listen(campaign()?, arguments)?)));
+        let is_external = source.nominal().simulator.is_some();
+        if is_external && !external::has_remote_workers(arguments) {
+            let licences = arguments.licences.map_or(usize::MAX, |licences| licences as usize);
+            let slots = local_slots(arguments).min(licences);
+            return Ok(Self::Simulator(external::open_simulator(source, slots)?, slots as u32));
         }
-        if external::has_remote_workers(arguments) {
-            let own = external::own_simulator(source, local_slots(arguments))?;
-            let mut farm = WorkerFarm::listen(campaign()?, arguments)?;
-            farm.simulator = own;
-            return Ok(Self::Workers(Box::new(farm)));
-        }
-        let licences = arguments.licences.map_or(usize::MAX, |licences| licences as usize);
-        let slots = local_slots(arguments).min(licences);
-        Ok(Self::Simulator(external::open_simulator(source, slots)?, slots as u32))
+        let own = is_external.then(|| external::own_simulator(source, local_slots(arguments))).transpose()?;
+        let mut farm = WorkerFarm::listen(announced(source, settings, resumed)?, arguments)?;
+        farm.simulator = own.unwrap_or(farm.simulator);
+        Ok(Self::Workers(Box::new(farm)))
     }
 
     /// The status board of the study, and the source of its status.
@@ -165,7 +163,7 @@ impl WorkerFarm {
     /// Listens for workers of a campaign; Ctrl-C and SIGTERM end its batches.
     ///
     /// # Errors
-    /// [`CommandError::Signals`], [`CommandError::Dispatch`], [`CommandError::Refused`].
+    /// [`CommandError::Failed`], [`CommandError::Dispatch`], [`CommandError::BadInput`].
     pub fn listen(mut campaign: CampaignSpec, arguments: &FarmArguments) -> Result<Self, CommandError> {
         let FarmArguments { listen, config, insecure, licences, mixed_builds, cross_check, .. } =
             arguments.clone();
@@ -183,7 +181,7 @@ impl WorkerFarm {
         let share = cross_check.or(is_exact.then_some(0.0));
         campaign.cross_check = share.map(|share| CrossCheck { share, is_exact });
         let listen = Listen { endpoint: listen, config, insecure };
-        let interrupted = interruption().map_err(CommandError::Signals)?;
+        let interrupted = interruption()?;
         let number = campaign.id;
         let evaluator = ZenohEvaluator::open(campaign, &listen, interrupted)?;
         let (arguments, simulator) = (arguments.clone(), simulator());
@@ -227,7 +225,8 @@ impl WorkerFarm {
             }
             let (status, board) = (self.evaluator.status_handle(), self.evaluator.status_board());
             let scaling = Scaling::start(settings, (endpoint, self.campaign), status, board);
-            self.scaling = Some(scaling.map_err(CommandError::Scale)?);
+            self.scaling =
+                Some(scaling.map_err(|_| CommandError::Failed("workers cannot be asked for".to_owned()))?);
         }
         Ok(())
     }
@@ -257,11 +256,7 @@ impl WorkerFarm {
 ///
 /// # Errors
 /// [`CommandError::Json`].
-pub fn announced(
-    source: &SceneSource,
-    settings: &Settings,
-    resumed: bool,
-) -> Result<CampaignSpec, CommandError> {
+fn announced(source: &SceneSource, settings: &Settings, resumed: bool) -> Result<CampaignSpec, CommandError> {
     let scene = source.nominal();
     let simulator = scene.simulator.as_ref().map(|simulator| CampaignSimulator {
         id: SimulatorId::new(simulator, scene),

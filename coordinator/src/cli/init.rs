@@ -32,7 +32,7 @@ const NAME: &str = "@name@";
 /// Writes the scene to a new file and prints the next commands.
 ///
 /// # Errors
-/// [`CommandError::Refused`].
+/// [`CommandError::BadInput`].
 pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError> {
     let name = &arguments.name;
     let tame = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));

@@ -8,7 +8,6 @@ use clap::Args;
 use coordinator::analyses::learn::{LearnSettings, Learned, answer, laws_of, learn as learn_fleet};
 use coordinator::analyses::scene_settings::fixed_bounds;
 use coordinator::analyses::update::read_fleet;
-use coordinator::presentation::report::ReportError;
 use coordinator::statistics::design::InputModel;
 use std::path::PathBuf;
 
@@ -83,6 +82,5 @@ pub fn learn(arguments: &LearnArguments, as_json: bool) -> Result<(), CommandErr
     let fixed = fixed_bounds(&opened.study.source);
     let Learned { report, .. } = learn_fleet(studied, summary, model, &data, &designs, &fixed, &settings)
         .map_err(|error| CommandError::refused(arguments.data.display(), error.to_string()))?;
-    let answer = answer(&report).map_err(ReportError::from)?;
-    answer_with(&answer, &report, arguments.out.as_deref(), as_json)
+    answer_with(&answer(&report), &report, arguments.out.as_deref(), as_json)
 }

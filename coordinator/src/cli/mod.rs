@@ -7,10 +7,8 @@ mod check;
 mod command;
 mod compare;
 mod designs;
-mod distributions;
 mod doctor;
 mod draw;
-mod drive_angles;
 mod error;
 mod evaluation_json;
 mod explain;
@@ -19,7 +17,6 @@ mod farm;
 mod imported;
 mod init;
 mod learn;
-mod limit_text;
 mod measured;
 mod model;
 mod monitor;
@@ -31,12 +28,10 @@ mod replace;
 mod results;
 mod run;
 mod scenes;
-mod schema;
 mod shared;
 mod shell;
 mod signals;
 mod simulate;
-mod simulated;
 mod status;
 mod stored_study;
 mod study_options;
@@ -104,7 +99,7 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
     match command {
         CommandArguments::Run(options) => run::run(&options, verbosity),
         CommandArguments::Resume(options) => run::resume(&options, verbosity),
-        CommandArguments::Sensitivity(study) => results::sensitivity(&study.dir, json),
+        CommandArguments::Sensitivity { dir } => results::sensitivity(&dir, json),
         CommandArguments::Report(study) => results::report(&study, json),
         CommandArguments::Compare(options) => compare::compare(&options, json),
         CommandArguments::Learn(options) => learn::learn(&options, json),
@@ -127,7 +122,7 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Doctor(options) => doctor::doctor(&options, json),
         CommandArguments::Scenes { show } => scenes::scenes(show.as_deref(), json),
         CommandArguments::Draw(options) => draw::draw(&options, json),
-        CommandArguments::Schema { results } => schema::schema(results),
+        CommandArguments::Schema { results } => shell::schema(results),
         CommandArguments::Completions { shell } => shell::completions(shell),
         CommandArguments::Man { out } => shell::man(out.as_deref()),
         CommandArguments::Check(options) => check::check(&options, verbosity),

@@ -32,16 +32,6 @@ pub struct MonitorArguments {
     pub live_keep: bool,
 }
 
-/// The study that a monitor shows.
-pub struct WatchedStudy<'a> {
-    /// Folder of the study.
-    pub dir: &'a Path,
-    /// Scene of the study.
-    pub scene: &'a Scene,
-    /// Settings of the study.
-    pub settings: &'a Settings,
-}
-
 /// The views of a running study.
 pub struct Monitor {
     board: StatusBoard,
@@ -50,48 +40,28 @@ pub struct Monitor {
     keep: bool,
 }
 
-/// A live page that stays after the end of its study.
-pub struct StayingPage {
-    live: Arc<LivePage>,
-    server: MonitorServer,
-}
-
-impl StayingPage {
-    /// Serves the page until Ctrl-C or SIGTERM.
-    ///
-    /// # Errors
-    /// [`CommandError::Signals`].
-    pub fn serve(self) -> Result<(), CommandError> {
-        let interrupted = interruption().map_err(CommandError::Signals)?;
-        let file = self.live.report_file();
-        print_message(format_args!(
-            "the live page stays at http://{} until Ctrl-C; its report is {}",
-            self.server.address(),
-            file.display()
-        ));
-        while !interrupted.load(Ordering::Relaxed) {
-            std::thread::sleep(POLL_INTERVAL);
-        }
-        Ok(())
-    }
-}
-
 impl Monitor {
     /// Starts the server that the arguments ask for.
     ///
     /// # Errors
-    /// [`CommandError::Monitor`] if an address is not allowed or cannot be used.
+    /// [`CommandError::BadInput`] if an address is not allowed or cannot be used.
     pub fn open(
         arguments: &MonitorArguments,
         evaluator: &CommandEvaluator,
-        study: &WatchedStudy<'_>,
+        dir: &Path,
+        scene: &Scene,
+        settings: &Settings,
     ) -> Result<Self, CommandError> {
         let (board, look) = evaluator.status();
-        let live = arguments.live.as_deref().map(|given| listen_address("--live", given)).transpose()?;
+        let live =
+            arguments.live.as_deref().map(listen_address).transpose().map_err(CommandError::bad_input)?;
         let page = |address| {
-            let drawing = drawing_figure(&study.scene.name, study.scene);
-            let live = Arc::new(LivePage::new(study.dir, study.scene, study.settings, look.clone(), drawing));
-            Ok::<_, CommandError>((Arc::clone(&live), MonitorServer::live(address, live)?))
+            let drawing = drawing_figure(&scene.name, scene);
+            let live = Arc::new(LivePage::new(dir, scene, settings, look.clone(), drawing));
+            Ok::<_, CommandError>((
+                Arc::clone(&live),
+                MonitorServer::live(address, live).map_err(CommandError::bad_input)?,
+            ))
         };
         Ok(Monitor { board, live: live.map(page).transpose()?, keep: arguments.live_keep })
     }
@@ -105,24 +75,40 @@ impl Monitor {
 
     /// An observer that serves the monitor and forwards to `next`.
     pub fn watch<'a>(&self, scene: &str, next: &'a mut dyn Observer) -> ProgressRelay<'a> {
-        ProgressRelay::new(
-            scene,
-            next,
-            self.board.clone(),
-            self.live.as_ref().map(|(live, _)| Arc::clone(live)),
-        )
+        self.board.post(|study| scene.clone_into(&mut study.scene));
+        let live = self.live.as_ref().map(|(live, _)| Arc::clone(live));
+        ProgressRelay { next, board: self.board.clone(), live }
     }
 
     /// Shows the end of the study and stops the server, except for a live page that stays: with `--live-keep`, and on a terminal
     /// unless `quiet`.
-    pub fn end(self, quiet: bool) -> Option<StayingPage> {
-        let (live, server) = self.live?;
+    pub fn end(&mut self, quiet: bool) {
         let stays = self.keep || (!quiet && std::io::stderr().is_terminal());
-        if stays {
-            live.mark_ended();
-        } else {
-            live.end();
+        match &self.live {
+            Some((live, _)) if stays => live.mark_ended(),
+            Some((live, _)) => {
+                live.end();
+                self.live = None;
+            }
+            None => {}
         }
-        stays.then_some(StayingPage { live, server })
+    }
+
+    /// Serves a page that stays until the user interrupts.
+    ///
+    /// # Errors
+    /// [`CommandError::Failed`].
+    pub fn serve(self) -> Result<(), CommandError> {
+        let Some((live, server)) = self.live else { return Ok(()) };
+        let interrupted = interruption()?;
+        print_message(format_args!(
+            "the live page stays at http://{} until Ctrl-C; its report is {}",
+            server.address(),
+            live.report_file().display()
+        ));
+        while !interrupted.load(Ordering::Relaxed) {
+            std::thread::sleep(POLL_INTERVAL);
+        }
+        Ok(())
     }
 }

@@ -1,13 +1,15 @@
 //! The nominal mechanism against its limits, for `coordinator check`: expected lives, and warnings about limits that it has passed before
 //! the first checkpoint or is far from.
 
+use super::measured::{MeasuredFinding, measured_findings};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::scene::{Fails, JointKind, Scene, Warning};
+use common::scene::{Fails, JointKind, Scene, SceneSource, Warning};
 use coordinator::presentation::motion_cautions::cautions;
 use coordinator::presentation::nominal_life::{NominalLife, Reached, nominal_lives};
 use coordinator::presentation::report::format::{count as grouped, three_digits};
+use serde_json::Value;
 use worker::simulate::{SimulateOptions, simulate};
 
 /// Longest block of wear that an accuracy may have [cycles].
@@ -119,7 +121,31 @@ fn with_life(scene: &Scene, cycles: u32) -> Scene {
 }
 
 /// Expected lives of the nominal mechanism from its `evaluation`, and warnings about its limits and contacts.
-pub fn nominal_check<'s>(scene: &'s Scene, evaluation: &Evaluation) -> (Vec<NominalLife<'s>>, Vec<Warning>) {
+pub fn findings<'s>(source: &'s SceneSource, evaluation: Option<&Evaluation>) -> SceneFindings<'s> {
+    let scene = source.nominal();
+    let (lives, of_limits) = evaluation.map(|found| nominal_check(scene, found)).unwrap_or_default();
+    let mut warnings = source.warnings();
+    warnings.extend(of_limits);
+    let measured = measured_findings(source);
+    warnings.extend(measured.iter().filter_map(MeasuredFinding::warning));
+    let last = evaluation.and_then(|found| found.cycles.last().copied()).unwrap_or(scene.life.cycles);
+    SceneFindings { lives, last, measured, warnings }
+}
+
+impl SceneFindings<'_> {
+    /// A line per life, which `word` begins.
+    pub fn lines(&self, word: &str) -> String {
+        self.lives.iter().map(|life| format!("{word} {}", life.line(self.last))).collect()
+    }
+
+    /// The lives for programs.
+    pub fn lives_json(&self) -> Value {
+        self.lives.iter().map(NominalLife::to_json).collect()
+    }
+}
+
+/// The lives of the nominal mechanism, and what is wrong with it.
+fn nominal_check<'s>(scene: &'s Scene, evaluation: &Evaluation) -> (Vec<NominalLife<'s>>, Vec<Warning>) {
     let lives = nominal_lives(scene, evaluation);
     let warnings = lives.iter().filter_map(|life| {
         Some(Warning { key: format!("limit_states.{}", life.limit.name), message: warning(scene, life)? })
@@ -127,6 +153,18 @@ pub fn nominal_check<'s>(scene: &'s Scene, evaluation: &Evaluation) -> (Vec<Nomi
     let of_simulation = cautions(scene, &evaluation.diagnostics);
     let warnings = warnings.chain(of_hinges(scene, evaluation)).chain(of_simulation).collect();
     (lives, warnings)
+}
+
+/// What is known of a scene before it is studied.
+pub struct SceneFindings<'s> {
+    /// Life of the nominal mechanism per limit state; empty if it was not simulated.
+    pub lives: Vec<NominalLife<'s>>,
+    /// Cycles simulated.
+    pub last: u32,
+    /// Laws of the variables with measured samples.
+    pub measured: Vec<MeasuredFinding>,
+    /// Warnings of the scene, of its nominal mechanism and of its measured samples.
+    pub warnings: Vec<Warning>,
 }
 
 /// Warnings about hinges that are never in contact, and about pressures that no material bears.

@@ -12,7 +12,6 @@ use coordinator::analyses::optimise::{
     design_settings, optimise as find, read_problem,
 };
 use coordinator::analyses::what_if::{json, redistributed};
-use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::compare::ComparedStudy;
 use coordinator::results::store::FurtherEvaluations;
 use coordinator::study::{ObservedOutcome, Problem, SampleRequest, complete_outcomes, simulate_samples};
@@ -78,7 +77,7 @@ pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(
     let curves = [("study", found.before), ("optimum", found.after)]
         .map(|(name, summary)| ComparedStudy { name: name.to_owned(), summary })
         .to_vec();
-    let mut answer = answer(&result, &opened.study.scene().name, curves).map_err(ReportError::from)?;
+    let mut answer = answer(&result, &opened.study.scene().name, curves);
     answer.files.push(("scene.toml".to_owned(), changed.text().to_owned()));
     answer_with(&answer, &document, arguments.out.as_deref(), verbosity.json)
 }

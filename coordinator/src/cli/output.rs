@@ -34,7 +34,7 @@ pub fn print(text: &str) -> Result<(), CommandError> {
 /// Checks the destination of a result before the result is computed.
 ///
 /// # Errors
-/// [`CommandError::Refused`].
+/// [`CommandError::BadInput`].
 pub fn check_destination(file: Option<&Path>) -> Result<(), CommandError> {
     let Some(file) = file else { return Ok(()) };
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -74,7 +74,7 @@ pub fn is_file(out: &Path) -> bool {
 /// Checks the destination of an answer, a file or a folder, before it is computed.
 ///
 /// # Errors
-/// [`CommandError::Refused`].
+/// [`CommandError::BadInput`].
 pub fn check_answer_destination(out: Option<&Path>) -> Result<(), CommandError> {
     check_destination(out.filter(|out| is_file(out)))
 }

@@ -77,13 +77,15 @@ fn cost_or_zero(text: &str) -> Result<f64, String> {
 pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Result<(), CommandError> {
     check_answer_destination(arguments.out.as_deref())?;
     let costs = ReplacementCosts { planned: arguments.planned_cost, failure: arguments.failure_cost };
-    check_costs(&costs)?;
+    check_costs(&costs).map_err(CommandError::bad_input)?;
     let opened = OpenedStudy::open(&arguments.dir, false)?;
     let OpenedStudy { study, summary, .. } = &opened;
-    let mut report = age_of_replacement(summary, &arguments.curve, &costs)?;
+    let mut report =
+        age_of_replacement(summary, &arguments.curve, &costs).map_err(CommandError::bad_input)?;
     if !(arguments.inspect_every.is_empty() && arguments.inspect_at.is_empty()) {
         let plan = plan(arguments, study.scene())?;
-        report.inspections = inspect(study.scene(), &opened.life_model()?, &plan, study.settings.seed)?;
+        report.inspections = inspect(study.scene(), &opened.life_model()?, &plan, study.settings.seed)
+            .map_err(CommandError::bad_input)?;
     }
     answer_with(&answer(&report, study.scene()), &report, arguments.out.as_deref(), as_json)
 }

@@ -2,7 +2,7 @@
 
 use super::error::CommandError;
 use super::output::{print, to_json};
-use super::pdf::print_page;
+use super::pdf::{PdfError, print_page};
 use super::stored_study::{not_finished, scene_of, summary_of};
 use clap::Args;
 use coordinator::presentation::report;
@@ -16,13 +16,6 @@ use std::path::{Path, PathBuf};
 
 /// Number of variables shown per limit state.
 const SHOWN: usize = 10;
-
-/// Arguments of commands on a finished study.
-#[derive(Debug, Clone, Args)]
-pub struct StudyFolder {
-    /// Folder of the study
-    pub dir: PathBuf,
-}
 
 /// Arguments of `coordinator report`.
 #[derive(Debug, Clone, Args)]
@@ -40,7 +33,7 @@ pub struct ReportArguments {
 /// Writes the result files and the report of a finished study again.
 ///
 /// # Errors
-/// [`CommandError::Store`], [`CommandError::Refused`], [`CommandError::Pdf`], or the error of a file that cannot be written.
+/// [`CommandError::Store`], [`CommandError::BadInput`], [`CommandError::Failed`], or the error of a file that cannot be written.
 pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandError> {
     let ReportArguments { dir, out, pdf } = arguments;
     let campaign = CampaignFile::look(dir)?;
@@ -48,8 +41,9 @@ pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandE
         Some(out) => write_results(&campaign, out)?,
         None => write_results(&campaign, dir).map_err(|error| error.of_report_in(dir))?,
     };
+    let failed = |error: PdfError| CommandError::Failed(error.to_string());
     let printed = match pdf {
-        true => Some(print_page(&page, &std::env::var_os("PATH").unwrap_or_default())?),
+        true => Some(print_page(&page, &std::env::var_os("PATH").unwrap_or_default()).map_err(failed)?),
         false => None,
     };
     if as_json {
@@ -66,7 +60,7 @@ pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandE
 /// Writes every result file of a finished study to the folder `out`; returns the path of the report.
 ///
 /// # Errors
-/// [`CommandError::Refused`], or the error of a file that cannot be written.
+/// [`CommandError::BadInput`], or the error of a file that cannot be written.
 pub fn write_results(campaign: &CampaignFile, out: &Path) -> Result<PathBuf, CommandError> {
     let source = scene_of(campaign)?;
     report::write_all(campaign, source.nominal(), out)?.ok_or_else(|| not_finished(campaign))
@@ -75,7 +69,7 @@ pub fn write_results(campaign: &CampaignFile, out: &Path) -> Result<PathBuf, Com
 /// Prints the sensitivities of the failure probabilities of a finished study.
 ///
 /// # Errors
-/// [`CommandError::Store`], [`CommandError::Refused`].
+/// [`CommandError::Store`], [`CommandError::BadInput`].
 pub fn sensitivity(dir: &Path, as_json: bool) -> Result<(), CommandError> {
     let summary = summary_of(&CampaignFile::look(dir)?)?;
     if as_json {
@@ -137,16 +131,11 @@ fn of_state(summary: &StudySummary, state: &str) -> Vec<AnswerPart> {
 }
 
 fn cells(summary: &StudySummary, row: &SensitivityRow) -> Vec<String> {
-    let pair = |value: f64, error: f64| signed_with_width(value, REACH * error);
-    // The errors of the derivatives, on the scale of the scaled derivatives.
-    let std_of =
-        |derivative: f64, scaled: f64| if derivative == 0.0 { 0.0 } else { (scaled / derivative).abs() };
-    let mean_std = std_of(row.d_pf_d_mean, row.scaled.d_pf_d_mean);
-    let std_std = std_of(row.d_pf_d_std, row.scaled.d_pf_d_std);
+    let [of_mean, of_std] = row.scaled_errors().map(|error| REACH * error);
     let own = [
         row.variable.clone(),
-        pair(row.scaled.d_pf_d_mean, row.standard_error.d_pf_d_mean * mean_std),
-        pair(row.scaled.d_pf_d_std, row.standard_error.d_pf_d_std * std_std),
+        signed_with_width(row.scaled.d_pf_d_mean, of_mean),
+        signed_with_width(row.scaled.d_pf_d_std, of_std),
     ];
     let of_variance =
         |s: &SobolRow| [(s.first_order, s.standard_error.first_order), (s.total, s.standard_error.total)];
@@ -173,7 +162,6 @@ fn checkpoint_nearest_one_half(summary: &StudySummary, state: &str) -> Option<u3
 fn strongest<'s>(summary: &'s StudySummary, state: &str, cycles: u32) -> Vec<&'s SensitivityRow> {
     let of_state = |row: &&SensitivityRow| row.cycles == cycles && row.limit_state == state;
     let mut rows: Vec<_> = summary.sensitivity.iter().filter(of_state).collect();
-    let strength = |row: &SensitivityRow| row.scaled.d_pf_d_mean.abs().max(row.scaled.d_pf_d_std.abs());
-    rows.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
+    rows.sort_by(|a, b| b.strength().total_cmp(&a.strength()));
     rows
 }

@@ -3,28 +3,26 @@
 //! scene -> checks -> listen -> folder -> local workers -> study -> result files -> report
 
 use super::designs::{Machines, after_study};
-use super::distributions::for_report;
 use super::error::CommandError;
 use super::external;
-use super::farm::{CommandEvaluator, announced, cores, local_slots};
-use super::monitor::{Monitor, StayingPage, WatchedStudy};
+use super::farm::{CommandEvaluator, cores, local_slots};
+use super::monitor::Monitor;
 use super::output::{print, to_json};
 use super::results::write_results;
 use super::scenes::check_linkage;
-use super::shared::{DEFAULT_SCENE, Verbosity};
+use super::shared::{DEFAULT_SCENE, Verbosity, load_with};
 use super::signals::interruption;
 use super::stored_study::{END_DOCUMENT, StoredStudy, design_keys};
 use super::study_options::{ResumeArguments, RunArguments};
-use common::scene::SceneSource;
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
-use coordinator::analyses::scene_settings::scene_with;
 use coordinator::presentation::motion_cautions::motion_cautions;
-use coordinator::presentation::report::{self, SUMMARY_DOCUMENT};
+use coordinator::presentation::report::{self, CheckpointDistribution, SUMMARY_DOCUMENT};
 use coordinator::presentation::terminal::{Terminal, final_text, print_message};
 use coordinator::results::control_points::control_points_rows;
 use coordinator::results::store::{CampaignFile, CampaignMeta};
 use coordinator::results::summary::StudySummary;
-use coordinator::study::Settings;
+use coordinator::statistics::reliability::{Histogram, PROBABILITIES};
+use coordinator::study::{OutputHistory, Settings};
 use std::path::{Path, PathBuf};
 
 /// Starts a study and runs it to its end.
@@ -32,10 +30,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// [`CommandError`].
 pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    let mut source = SceneSource::load(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
-    if !arguments.set.is_empty() {
-        source = scene_with(&source, &arguments.set)?;
-    }
+    let mut source = load_with(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE), &arguments.set)?;
     let space = match arguments.design.as_slice() {
         [] => None,
         ranges => Some(DesignSpace::new(source.clone(), ranges)?),
@@ -65,7 +60,7 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     let mut settings = arguments.settings(scene);
     settings.check(scene)?;
     let threads = Some(local_slots(&arguments.farm)).filter(|slots| *slots > 0).unwrap_or_else(cores);
-    let interrupted = interruption().map_err(CommandError::Signals)?;
+    let interrupted = interruption()?;
     let accuracy = arguments.working_accuracy();
     if accuracy.max_error.is_some() {
         settings.accuracy =
@@ -80,10 +75,8 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
         version: program(),
     };
     // Listen first: an address that cannot be used must not leave a folder behind.
-    let campaign = || announced(&source, &settings, false);
-    let evaluator = CommandEvaluator::open(&source, campaign, &arguments.farm)?;
-    let watched = WatchedStudy { dir: &dir, scene, settings: &settings };
-    let monitor = Monitor::open(&arguments.monitor, &evaluator, &watched)?;
+    let evaluator = CommandEvaluator::open(&source, &settings, false, &arguments.farm)?;
+    let monitor = Monitor::open(&arguments.monitor, &evaluator, &dir, scene, &settings)?;
     let mut campaign = CampaignFile::create(&dir, &meta, scene)?;
     if let Some(space) = &space {
         campaign.put_document(DESIGNS_DOCUMENT, &space.stored())?;
@@ -123,10 +116,8 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
         say_what_is_done(&study, &extended)?;
     }
     study.settings = extended;
-    let campaign = || announced(&study.source, &study.settings, true);
-    let evaluator = CommandEvaluator::open(&study.source, campaign, farm)?;
-    let watched = WatchedStudy { dir, scene: study.scene(), settings: &study.settings };
-    let monitor = Monitor::open(monitor, &evaluator, &watched)?;
+    let evaluator = CommandEvaluator::open(&study.source, &study.settings, true, farm)?;
+    let monitor = Monitor::open(monitor, &evaluator, dir, study.scene(), &study.settings)?;
     study.campaign.forget_failed_start()?;
     // Another build computes what follows: from which evaluation on, the legs say.
     let by_another = study.campaign.legs()?.last().is_none_or(|leg| leg.version != program());
@@ -176,7 +167,7 @@ fn command_line() -> String {
 fn finish(
     mut study: StoredStudy,
     mut evaluator: CommandEvaluator,
-    monitor: Monitor,
+    mut monitor: Monitor,
     verbosity: Verbosity,
 ) -> Result<(), CommandError> {
     evaluator.start_workers()?;
@@ -203,13 +194,13 @@ fn finish(
         result.summary.control_points = control_points_rows(scene, &nominal.diagnostics);
     }
     report::deliver(campaign, scene, &result.summary, &for_report(&result.distributions))?;
-    let staying = monitor.end(verbosity.quiet);
+    monitor.end(verbosity.quiet);
     let unanswered = after_study(study, Machines::Open(&mut evaluator), verbosity)?;
     evaluator.close();
     if let Some(study) = unanswered {
         print_summary(&result.summary, &study.campaign, verbosity)?;
     }
-    staying.map_or(Ok(()), StayingPage::serve)
+    monitor.serve()
 }
 
 /// Checks that the linkage can be assembled and turns at every end of the ranges of the design variables.
@@ -246,4 +237,53 @@ fn print_summary(
     let cautions = nominal.map(|nominal| motion_cautions(&nominal.diagnostics)).unwrap_or_default();
     let caution: String = cautions.iter().map(|caution| format!("caution: {}\n", caution.message)).collect();
     print(&format!("{caution}{}", final_text(summary, campaign.dir())))
+}
+
+/// One entry per output and checkpoint of the histories.
+fn for_report(histories: &[OutputHistory]) -> Vec<CheckpointDistribution> {
+    let mut all = Vec::new();
+    for history in histories {
+        for (&cycles, at) in history.cycles.iter().zip(&history.at) {
+            let (edges, counts) = bins(&at.histogram);
+            all.push(CheckpointDistribution {
+                output: history.output.clone(),
+                cycles,
+                mean: at.mean,
+                std: at.std,
+                edges,
+                counts,
+                quantiles: PROBABILITIES.iter().copied().zip(at.quantiles.iter().copied()).collect(),
+            });
+        }
+    }
+    all
+}
+
+/// Edges `(bins + 1,)`, increasing, and counts `(bins,)`; one narrow bin if every value is the same.
+fn bins(histogram: &Histogram) -> (Vec<f64>, Vec<u64>) {
+    let Histogram { from, to, counts } = histogram;
+    let width = (to - from) / counts.len() as f64;
+    let edges: Vec<f64> = (0..=counts.len()).map(|i| from + width * i as f64).collect();
+    if edges.is_sorted_by(|a, b| a < b) {
+        return (edges, counts.clone());
+    }
+    // Wide enough for different edges at any magnitude.
+    let half = (1e-9 * from.abs()).max(f64::MIN_POSITIVE);
+    (vec![from - half, to + half], vec![counts.iter().sum()])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_increase_whatever_the_histogram() {
+        let (edges, counts) = bins(&Histogram { from: 1.0, to: 3.0, counts: vec![5, 0, 2, 1] });
+        assert_eq!((edges, counts), (vec![1.0, 1.5, 2.0, 2.5, 3.0], vec![5, 0, 2, 1]));
+        for value in [0.0, 2e-5, -7.0] {
+            let (edges, counts) = bins(&Histogram { from: value, to: value, counts: vec![9, 0, 0] });
+            assert_eq!(counts, [9]);
+            assert!(edges[0] < value && value < edges[1], "{edges:?}");
+        }
+    }
 }

@@ -33,7 +33,7 @@ pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
 /// cycle. Messages name it by `origin`.
 ///
 /// # Errors
-/// [`CommandError::Refused`], or what the linkage does not allow.
+/// [`CommandError::BadInput`], or what the linkage does not allow.
 pub fn check_linkage(origin: &str, source: &SceneSource, scene: &Scene) -> Result<(), CommandError> {
     if scene.simulator.is_some() {
         return Err(CommandError::no_mechanism(origin));

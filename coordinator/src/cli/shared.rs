@@ -53,15 +53,13 @@ pub struct SetArguments {
     pub set: Vec<String>,
 }
 
-impl SetArguments {
-    /// The scene of this name or file with these values.
-    ///
-    /// # Errors
-    /// [`Faults`] of the scene or of the values.
-    pub fn load(&self, name: &str) -> Result<SceneSource, Faults> {
-        let source = SceneSource::load(name)?;
-        if self.set.is_empty() { Ok(source) } else { scene_with(&source, &self.set) }
-    }
+/// The scene of this name or file with these settings.
+///
+/// # Errors
+/// [`Faults`] of the scene and of the settings.
+pub fn load_with(name: &str, set: &[String]) -> Result<SceneSource, Faults> {
+    let source = SceneSource::load(name)?;
+    if set.is_empty() { Ok(source) } else { scene_with(&source, set) }
 }
 
 /// Local and remote workers.

@@ -1,4 +1,4 @@
-//! `coordinator completions` and `coordinator man`: the command line for shells and for `man`.
+//! `coordinator completions`, `coordinator man` and `coordinator schema`: the command line for shells and for `man`, files for editors.
 
 use super::command::{CommandLine, grouped};
 use super::error::CommandError;
@@ -36,6 +36,20 @@ pub fn man(out: Option<&Path>) -> Result<(), CommandError> {
     let mut text = Vec::new();
     clap_mangen::Man::new(whole).render(&mut text).map_err(CommandError::Output)?;
     print(&String::from_utf8_lossy(&text))
+}
+
+/// JSON Schema (2020-12) of the language of scenes.
+const SCENE: &str = include_str!("../../schemas/scene.schema.json");
+
+/// JSON Schema (2020-12) of `summary.json`.
+const SUMMARY: &str = include_str!("../../schemas/summary.schema.json");
+
+/// Prints the schema of scenes, or of `summary.json`.
+///
+/// # Errors
+/// [`CommandError::Output`].
+pub fn schema(results: bool) -> Result<(), CommandError> {
+    print(if results { SUMMARY } else { SCENE })
 }
 
 #[cfg(test)]

@@ -1,20 +1,22 @@
 //! Ctrl-C and SIGTERM stop a study after saving what is done. A second signal ends the process at once; nothing is lost,
 //! since every outcome is recorded when it arrives.
 
+use super::error::{CommandError, INTERRUPTED};
 use coordinator::presentation::terminal::print_message;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use tokio::signal::unix::{SignalKind, signal};
 
-/// Exit code after an interruption.
-pub const INTERRUPTED: u8 = 130;
-
 /// The flag of this process that becomes true with the first signal.
 ///
 /// # Errors
 /// The error of the operating system if it refuses a handler or a thread.
-pub fn interruption() -> io::Result<Arc<AtomicBool>> {
+pub fn interruption() -> Result<Arc<AtomicBool>, CommandError> {
+    watch_signals().map_err(|error| CommandError::Failed(format!("signals: {error}")))
+}
+
+fn watch_signals() -> io::Result<Arc<AtomicBool>> {
     static FLAG: OnceLock<Arc<AtomicBool>> = OnceLock::new();
     if let Some(flag) = FLAG.get() {
         return Ok(Arc::clone(flag));

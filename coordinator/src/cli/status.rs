@@ -6,7 +6,7 @@ use super::stored_study::END_DOCUMENT;
 use clap::Args;
 use common::wire::{Phase, Status};
 use coordinator::farm::dispatch::{ClientError, ClientSession};
-use coordinator::presentation::monitor::text::status_text;
+use coordinator::presentation::monitor::status_text;
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, is_running};
 use coordinator::results::summary::Round;

@@ -2,7 +2,7 @@
 //! workers for the simulations that a question needs.
 
 use super::error::CommandError;
-use super::farm::{CommandEvaluator, announced};
+use super::farm::CommandEvaluator;
 use super::shared::FarmArguments;
 use common::scene::{Scene, SceneSource};
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace, StoredSpace};
@@ -34,7 +34,7 @@ impl StoredStudy {
     /// Opens the folder of a study for reading, which may be running.
     ///
     /// # Errors
-    /// [`CommandError::Store`] or [`CommandError::Refused`].
+    /// [`CommandError::Store`] or [`CommandError::BadInput`].
     pub fn look(dir: &Path) -> Result<Self, CommandError> {
         Self::read(CampaignFile::look(dir)?)
     }
@@ -42,7 +42,7 @@ impl StoredStudy {
     /// Reads scene and settings of an open campaign file.
     ///
     /// # Errors
-    /// [`CommandError::Refused`].
+    /// [`CommandError::BadInput`].
     pub fn read(campaign: CampaignFile) -> Result<Self, CommandError> {
         let source = scene_of(&campaign)?;
         let settings = Settings::from_stored(&campaign.meta().settings).map_err(|error| {
@@ -93,7 +93,7 @@ pub fn not_finished(campaign: &CampaignFile) -> CommandError {
 /// The summary of a finished study.
 ///
 /// # Errors
-/// [`CommandError::Store`] or [`CommandError::Refused`].
+/// [`CommandError::Store`] or [`CommandError::BadInput`].
 pub fn summary_of(campaign: &CampaignFile) -> Result<StudySummary, CommandError> {
     campaign.document(SUMMARY_DOCUMENT)?.ok_or_else(|| not_finished(campaign))
 }
@@ -101,7 +101,7 @@ pub fn summary_of(campaign: &CampaignFile) -> Result<StudySummary, CommandError>
 /// The scene stored in a campaign file.
 ///
 /// # Errors
-/// [`CommandError::Refused`].
+/// [`CommandError::BadInput`].
 pub fn scene_of(campaign: &CampaignFile) -> Result<SceneSource, CommandError> {
     SceneSource::parse(&campaign.meta().scene_source, &origin(campaign))
         .map_err(|faults| foreign(campaign, &format!("the scene of this study is not accepted:\n{faults}")))
@@ -158,7 +158,7 @@ impl OpenedStudy {
     /// Opens the folder of a study, for reading or to add simulations.
     ///
     /// # Errors
-    /// [`CommandError::Store`] or [`CommandError::Refused`].
+    /// [`CommandError::Store`] or [`CommandError::BadInput`].
     pub fn open(dir: &Path, simulates: bool) -> Result<Self, CommandError> {
         let campaign = if simulates { CampaignFile::open(dir)? } else { CampaignFile::look(dir)? };
         Self::of(StoredStudy::read(campaign)?)
@@ -167,7 +167,7 @@ impl OpenedStudy {
     /// The study of an open campaign file.
     ///
     /// # Errors
-    /// [`CommandError::Store`] or [`CommandError::Refused`].
+    /// [`CommandError::Store`] or [`CommandError::BadInput`].
     pub fn of(study: StoredStudy) -> Result<Self, CommandError> {
         let summary = summary_of(&study.campaign)?;
         let space = stored_space(&study.campaign)?;
@@ -219,7 +219,7 @@ impl OpenedStudy {
     /// R and lives of a changed scene at a confidence, with what the samples of its measured variables leave open.
     ///
     /// # Errors
-    /// [`CommandError::Study`], or [`CommandError::Refused`] without such a variable.
+    /// [`CommandError::Study`], or [`CommandError::BadInput`] without such a variable.
     pub fn confident(
         &self,
         changed: &SceneSource,
@@ -244,8 +244,7 @@ impl OpenedStudy {
     /// [`CommandError`].
     pub fn evaluator(&self, farm: &FarmArguments, quiet: bool) -> Result<CommandEvaluator, CommandError> {
         // Samples and accuracy determine what is simulated, so the workers receive the scene of the study.
-        let campaign = || announced(&self.study.source, &self.settings, true);
-        let mut evaluator = CommandEvaluator::open(&self.study.source, campaign, farm)?;
+        let mut evaluator = CommandEvaluator::open(&self.study.source, &self.settings, true, farm)?;
         evaluator.start_workers()?;
         if !quiet {
             evaluator.print_endpoints();
@@ -256,7 +255,7 @@ impl OpenedStudy {
     /// The predictor of lives by the surrogates of the study.
     ///
     /// # Errors
-    /// [`CommandError::Refused`] without surrogates, or the error of the campaign file or the surrogates.
+    /// [`CommandError::BadInput`] without surrogates, or the error of the campaign file or the surrogates.
     pub fn life_model(&self) -> Result<LifeModel, CommandError> {
         let StoredStudy { campaign, settings, .. } = &self.study;
         let (dir, scene) = (campaign.dir(), self.study.scene());

@@ -31,8 +31,6 @@ pub struct RunArguments {
     #[command(flatten)]
     pub method: MethodArguments,
     #[command(flatten)]
-    pub learner: LearnerArguments,
-    #[command(flatten)]
     pub accuracy: AccuracyArguments,
     /// Levels of accuracy, e.g. draft,balanced+jump-2000,reference (ak): surrogates learn at the first one, pairs of evaluations at the
     /// same points correct their results to the second and third. One level alone: the errors that evaluations state remain [default: the
@@ -154,12 +152,6 @@ pub struct MethodArguments {
     /// Share of failed evaluations above which the study ends, e.g. 20% [default: 20%]
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub max_failed: Option<f64>,
-}
-
-/// Options of active learning.
-#[derive(Debug, Clone, Default, Args, PartialEq)]
-#[command(next_help_heading = "Method")]
-pub struct LearnerArguments {
     /// Evaluations of the initial design (ak)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub initial: Option<usize>,
@@ -241,8 +233,8 @@ impl RunArguments {
         }
         replace(&mut settings.accuracy.setting, self.accuracy.accuracy.clone());
         settings.accuracy.max_error = self.accuracy.max_error;
-        let MethodArguments { method, samples, seed, max_failed } = self.method;
-        settings.method = method.unwrap_or_default();
+        let method = &self.method;
+        settings.method = method.method.unwrap_or_default();
         if settings.method != Method::ActiveLearning && self.levels.is_empty() {
             // Without levels the accuracy of single evaluations counts.
             settings.accuracy.setting =
@@ -255,26 +247,19 @@ impl RunArguments {
             // Simulating a whole population would take too long: the budget is the default.
             settings.samples = settings.max_evaluations;
         }
-        replace(&mut settings.samples, samples);
-        replace(&mut settings.seed, seed);
-        replace(&mut settings.max_failed, max_failed);
-        self.learner.apply_to(&mut settings);
+        replace(&mut settings.samples, method.samples);
+        replace(&mut settings.seed, method.seed);
+        replace(&mut settings.max_failed, method.max_failed);
+        replace(&mut settings.initial, method.initial);
+        replace(&mut settings.max_evaluations, method.max_evaluations);
+        replace(&mut settings.batch, method.batch);
+        replace(&mut settings.learning, method.learning);
+        replace(&mut settings.forms.kernel, method.kernel);
+        replace(&mut settings.forms.trend, method.trend);
+        replace(&mut settings.stated_errors, method.stated_errors);
+        replace(&mut settings.memory, method.memory);
+        settings.target_error = method.target_error.or(settings.target_error);
         settings
-    }
-}
-
-impl LearnerArguments {
-    /// Changes the settings for which an option is given.
-    pub fn apply_to(&self, settings: &mut Settings) {
-        replace(&mut settings.initial, self.initial);
-        replace(&mut settings.max_evaluations, self.max_evaluations);
-        replace(&mut settings.batch, self.batch);
-        replace(&mut settings.learning, self.learning);
-        replace(&mut settings.forms.kernel, self.kernel);
-        replace(&mut settings.forms.trend, self.trend);
-        replace(&mut settings.stated_errors, self.stated_errors);
-        replace(&mut settings.memory, self.memory);
-        settings.target_error = self.target_error.or(settings.target_error);
     }
 }
 
@@ -294,14 +279,14 @@ mod tests {
     fn options_take_precedence_over_the_scene() {
         let source = SceneSource::builtin("four-bar").unwrap();
         let scene = source.nominal();
-        let learner = LearnerArguments {
+        let method = MethodArguments {
             initial: Some(20),
             kernel: Some(Some(Kernel::Matern52)),
             target_error: Some(0.003),
+            seed: Some(9),
             ..Default::default()
         };
-        let method = MethodArguments { seed: Some(9), ..Default::default() };
-        let found = RunArguments { learner, method, ..Default::default() }.settings(scene);
+        let found = RunArguments { method, ..Default::default() }.settings(scene);
         assert_eq!((found.initial, found.seed, found.samples), (20, 9, scene.study.population));
         assert_eq!(found.max_evaluations, scene.study.max_evaluations);
         assert_eq!((found.forms.kernel, found.forms.trend), (Some(Kernel::Matern52), None));

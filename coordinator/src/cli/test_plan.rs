@@ -96,6 +96,6 @@ pub fn test_plan(arguments: &TestPlanArguments, as_json: bool) -> Result<(), Com
         prior_units: arguments.prior_units.unwrap_or(f64::INFINITY),
     };
     let study = summary.as_ref().map(|summary| (summary, arguments.curve.as_str()));
-    let report = plan(&question, study)?;
+    let report = plan(&question, study).map_err(CommandError::bad_input)?;
     answer_with(&answer(&report), &report, arguments.out.as_deref(), as_json)
 }

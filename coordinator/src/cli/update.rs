@@ -6,7 +6,6 @@ use super::shared::value;
 use super::stored_study::OpenedStudy;
 use clap::Args;
 use coordinator::analyses::update::{FleetSettings, answer, read_units, update as update_fleet};
-use coordinator::presentation::report::ReportError;
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
@@ -70,6 +69,5 @@ pub fn update(arguments: &UpdateArguments, as_json: bool) -> Result<(), CommandE
     settings.monte_carlo.particles = arguments.particles;
     settings.monte_carlo.least = KEPT * arguments.points as f64;
     let report = update_fleet(study.scene(), summary, &model, &units, &settings);
-    let answer = answer(&report).map_err(ReportError::from)?;
-    answer_with(&answer, &report, arguments.out.as_deref(), as_json)
+    answer_with(&answer(&report), &report, arguments.out.as_deref(), as_json)
 }

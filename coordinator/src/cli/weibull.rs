@@ -6,7 +6,6 @@ use super::shared::probability;
 use super::stored_study::{StoredStudy, summary_of};
 use clap::Args;
 use coordinator::analyses::weibull::{LifeQuestion, WeibullReport, answer, json, read_lives};
-use coordinator::presentation::report::ReportError;
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
@@ -69,8 +68,7 @@ pub fn weibull(arguments: &WeibullArguments, as_json: bool) -> Result<(), Comman
     let mut report = WeibullReport::new(lives, *confidence, *reliability)
         .map_err(|error| CommandError::refused(file.display(), error.to_string()))?;
     if let Some(summary) = &summary {
-        report.compare(summary, mode.as_deref().unwrap_or("total"))?;
+        report.compare(summary, mode.as_deref().unwrap_or("total")).map_err(CommandError::bad_input)?;
     }
-    let answer = answer(&report).map_err(ReportError::from)?;
-    answer_with(&answer, &json(&report), out.as_deref(), as_json)
+    answer_with(&answer(&report), &json(&report), out.as_deref(), as_json)
 }

@@ -9,7 +9,6 @@ use super::stored_study::{OpenedStudy, StoredStudy, failed, stored_correction};
 use clap::Args;
 use coordinator::analyses::learn::{confident_figure, confident_tables};
 use coordinator::analyses::what_if::{answer, changed_scene, json, redistributed};
-use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::answer::AnswerPart;
 use coordinator::presentation::terminal::Terminal;
 use coordinator::results::store::FurtherEvaluations;
@@ -122,9 +121,7 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), 
         let end = f64::from(changed.nominal().life.cycles);
         let tables = confident_tables(&confident, end).map(AnswerPart::Table);
         answer.parts.splice(1..1, tables);
-        let figure =
-            confident_figure(&confident, &found.after.reliability, end).map_err(ReportError::from)?;
-        answer.figures.push(figure);
+        answer.figures.push(confident_figure(&confident, &found.after.reliability, end));
         as_json["confident"] = serde_json::to_value(&confident)?;
     }
     answer_with(&answer, &as_json, out.as_deref(), verbosity.json)

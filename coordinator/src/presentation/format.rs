@@ -178,16 +178,11 @@ pub fn significant(value: f64, digits: usize) -> String {
 /// A share in per cent.
 pub fn percent(share: f64) -> String {
     let value = 100.0 * share;
-    if !value.is_finite() {
-        UNKNOWN.to_string()
-    } else if value != 0.0 && value.abs() < 0.1 {
-        if value.abs() < 0.005 {
-            "<\u{a0}0.01\u{a0}%".to_string()
-        } else {
-            format!("{}\u{a0}%", fixed(value, 2))
-        }
-    } else {
-        format!("{}\u{a0}%", fixed(value, 1))
+    match value.abs() {
+        size if !size.is_finite() => UNKNOWN.to_string(),
+        0.0 => "0.0\u{a0}%".to_string(),
+        size if size < 0.005 => "<\u{a0}0.01\u{a0}%".to_string(),
+        size => format!("{}\u{a0}%", fixed(value, if size < 0.1 { 2 } else { 1 })),
     }
 }
 
@@ -200,11 +195,9 @@ pub fn duration(seconds: f64) -> String {
         return format!("{}\u{a0}s", fixed(seconds, 1));
     }
     let whole = seconds.round() as u64;
-    let (hours, minutes, rest) = (whole / 3600, whole / 60 % 60, whole % 60);
-    if hours > 0 {
-        format!("{hours}\u{a0}h {minutes:02}\u{a0}min")
-    } else {
-        format!("{minutes}\u{a0}min {rest:02}\u{a0}s")
+    match (whole / 3600, whole / 60 % 60, whole % 60) {
+        (0, minutes, rest) => format!("{minutes}\u{a0}min {rest:02}\u{a0}s"),
+        (hours, minutes, _) => format!("{hours}\u{a0}h {minutes:02}\u{a0}min"),
     }
 }
 
@@ -212,9 +205,7 @@ pub fn duration(seconds: f64) -> String {
 pub fn short_percent(share: f64) -> String {
     let percent = 100.0 * share;
     let decimals = if percent > 0.0 { (1.0 - percent.log10().floor()).clamp(0.0, 9.0) as usize } else { 0 };
-    let text = format!("{percent:.decimals$}");
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    format!("{text} %")
+    format!("{} %", plain(percent, decimals))
 }
 
 /// A name of a scene as part of a file's name.
@@ -231,6 +222,27 @@ pub fn words(name: &str) -> String {
 pub fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The rows as lines. Columns stand to the right, those numbered in `to_the_left` to the left; a row may have fewer cells.
+pub fn in_columns(rows: &[Vec<String>], to_the_left: &[usize]) -> String {
+    let length = |text: &String| text.chars().count();
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |k: usize| rows.iter().filter_map(|row| row.get(k)).map(length).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&widths).enumerate().map(|(k, (cell, width))| {
+            let space = " ".repeat(width - length(cell));
+            let gap = if k == 0 { "" } else { "  " };
+            if to_the_left.contains(&k) {
+                format!("{gap}{cell}{space}")
+            } else {
+                format!("{gap}{space}{cell}")
+            }
+        });
+        format!("{}\n", cells.collect::<String>().trim_end())
+    };
+    rows.iter().map(line).collect()
 }
 
 #[cfg(test)]
@@ -293,5 +305,15 @@ mod tests {
     fn shares_are_written_as_people_read_them() {
         let found = [0.01, 0.0013, 0.26, 0.0, 0.12345, 1e-9].map(short_percent);
         assert_eq!(found, ["1 %", "0.13 %", "26 %", "0 %", "12 %", "0.0000001 %"]);
+    }
+
+    #[test]
+    fn issue_columns_of_long_numbers_touched_each_other() {
+        let rows = [["cycles", "R wear", "form"], ["4", "0.999815 ± 0.000068", "a"]];
+        let rows = rows.map(|row| row.map(str::to_owned).to_vec());
+        assert_eq!(
+            in_columns(&rows, &[2]),
+            "cycles               R wear  form\n     4  0.999815 ± 0.000068  a\n"
+        );
     }
 }

@@ -4,15 +4,12 @@
 //! |---|---|
 //! | [`report`] | the report of a finished study, and the comparison of several |
 //! | [`monitor`] | status and live report of a running study |
-//! | [`control_points`] | outputs that depend on the number of control points |
 //! | [`mod@format`] | numbers as text for people |
-//! | [`motion_cautions`] | cautions about energy and settling of the simulated motion |
+//! | [`motion_cautions`] | cautions about energy and settling of the simulated motion, and about the number of control points |
 //! | [`nominal_life`] | one mechanism against the limits of its scene |
 //! | [`progress`] | progress of a study, and the time that it still takes |
 //! | [`terminal`] | progress and final summary on the terminal |
-//! | [`text_table`] | a table as text |
 
-pub mod control_points;
 pub mod format;
 pub mod monitor;
 pub mod motion_cautions;
@@ -20,4 +17,3 @@ pub mod nominal_life;
 pub mod progress;
 pub mod report;
 pub mod terminal;
-pub mod text_table;

@@ -2,20 +2,18 @@
 //! [`ProgressText`] decides on text and time of the lines; it uses neither terminal nor clock.
 
 mod ending;
-mod message;
-mod waiting;
 
 pub use ending::final_text;
-pub use message::print_message;
-pub use waiting::while_waiting;
 
-use crate::presentation::format::{fixed, percent};
-use crate::presentation::progress::{record, reliability_so_far, state_of_study};
+use super::format::{fixed, percent};
+use super::progress::{record, reliability_so_far, state_of_study};
 use crate::results::progress::{Observer, Progress};
 use crate::results::summary::Round;
 use common::wire::StudyStatus;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::IsTerminal;
+use std::cell::Cell;
+use std::fmt::Display;
+use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 /// Shortest time between two lines about evaluations.
@@ -186,6 +184,48 @@ impl Observer for Terminal {
     }
 }
 
+/// Prints a message and a line break to standard error. If that is a closed pipe or a full disk, the study goes on: its results are in
+/// its folder.
+pub fn print_message(message: impl Display) {
+    // There is no other place to report the failure at.
+    let _ = writeln!(std::io::stderr().lock(), "{}", printable(&message.to_string()));
+}
+
+/// A text with U+FFFD for control characters: texts of workers and of people's programs are in messages, and a terminal would obey them.
+fn printable(text: &str) -> String {
+    text.replace(|c: char| c.is_control() && !matches!(c, '\n' | '\t'), "\u{fffd}")
+}
+
+/// Time between two drawings of the line.
+const REDRAW: Duration = Duration::from_millis(250);
+
+/// Time between two lines where standard error is no terminal: short work prints none.
+const WAITING_EVERY: Duration = Duration::from_secs(1);
+
+/// Does `work`, which states its progress. A terminal shows `doing`, then the progress last stated, with the time that has passed; elsewhere
+/// standard error has a line a second at most. Nothing is shown if `quiet`.
+pub fn while_waiting<T>(quiet: bool, doing: String, work: impl FnOnce(&dyn Fn(String)) -> T) -> T {
+    if quiet {
+        return work(&|_| {});
+    }
+    if !std::io::stderr().is_terminal() {
+        let last = Cell::new(Instant::now());
+        return work(&|progress| {
+            if last.get().elapsed() >= WAITING_EVERY {
+                last.set(Instant::now());
+                print_message(progress);
+            }
+        });
+    }
+    let style = ProgressStyle::with_template("{wide_msg} {elapsed}").expect("the template is valid");
+    let line = ProgressBar::new_spinner().with_style(style).with_message(doing);
+    line.set_draw_target(ProgressDrawTarget::stderr());
+    line.enable_steady_tick(REDRAW);
+    let done = work(&|progress| line.set_message(progress));
+    line.finish_and_clear();
+    done
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -296,5 +336,13 @@ mod tests {
         text.line(seconds(0), &batch(1, 1, ""));
         let line = text.line(seconds(1), &Progress::Warning("no worker".into()));
         assert_eq!(line.unwrap(), "warning: no worker");
+    }
+
+    #[test]
+    fn issue_texts_of_workers_reached_the_terminal_as_commands() {
+        assert_eq!(
+            printable("\u{1b}[2J\u{1b}]0;pwned\u{7} no\tresult\n"),
+            "\u{fffd}[2J\u{fffd}]0;pwned\u{fffd} no\tresult\n"
+        );
     }
 }

@@ -277,6 +277,22 @@ impl SensitivityRow {
     pub fn is_known(&self) -> bool {
         self.d_pf_d_mean != 0.0 || self.d_pf_d_std != 0.0
     }
+
+    /// Magnitude of the larger scaled derivative [1].
+    pub fn strength(&self) -> f64 {
+        self.scaled.d_pf_d_mean.abs().max(self.scaled.d_pf_d_std.abs())
+    }
+
+    /// Standard errors of the scaled derivatives to the mean and to the standard deviation [1]; zero for a derivative of zero.
+    pub fn scaled_errors(&self) -> [f64; 2] {
+        let scaled = |derivative: f64, scaled: f64, error: f64| {
+            if derivative == 0.0 { 0.0 } else { (scaled / derivative * error).abs() }
+        };
+        [
+            scaled(self.d_pf_d_mean, self.scaled.d_pf_d_mean, self.standard_error.d_pf_d_mean),
+            scaled(self.d_pf_d_std, self.scaled.d_pf_d_std, self.standard_error.d_pf_d_std),
+        ]
+    }
 }
 
 /// Values for the derivatives to the mean and to the standard deviation.

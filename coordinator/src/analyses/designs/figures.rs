@@ -6,7 +6,7 @@ use super::space::DesignSpace;
 use crate::presentation::report::format::shortest;
 use crate::presentation::report::life::{LEVELS, LifeAt, life_at};
 use crate::presentation::report::palette::{Ink, SERIES};
-use crate::presentation::report::{Axis, Figure, Plot, PlotError, Series, Shape};
+use crate::presentation::report::{Axis, Figure, Plot, Series, Shape};
 
 /// Most checkpoints in the figure of R.
 const CHECKPOINTS: usize = 4;
@@ -15,18 +15,11 @@ const CHECKPOINTS: usize = 4;
 type Limited = (f64, f64, f64, f64);
 
 /// The figures of these answers, those of a grid in the order of [`DesignSpace::grid`].
-///
-/// # Errors
-/// [`PlotError`].
-pub fn figures(
-    space: &DesignSpace,
-    answers: &[DesignAnswer],
-    best: Option<&Best>,
-) -> Result<Vec<Figure>, PlotError> {
+pub fn figures(space: &DesignSpace, answers: &[DesignAnswer], best: Option<&Best>) -> Vec<Figure> {
     if space.variables().len() == 1 {
-        let mut all = vec![lives(space, answers)?];
-        all.extend(reliabilities(space, answers)?);
-        return Ok(all);
+        let mut all = vec![lives(space, answers)];
+        all.extend(reliabilities(space, answers));
+        return all;
     }
     let best = best.map_or(0, |best| best.index);
     LEVELS.iter().map(|level| family(space, answers, best, *level)).collect()
@@ -57,7 +50,7 @@ fn curve(label: &str, k: usize, points: &[Limited]) -> [Series; 2] {
 }
 
 /// Lives at the usual levels against the one design variable.
-fn lives(space: &DesignSpace, answers: &[DesignAnswer]) -> Result<Figure, PlotError> {
+fn lives(space: &DesignSpace, answers: &[DesignAnswer]) -> Figure {
     let curves = LEVELS.iter().enumerate().flat_map(|(k, level)| {
         let points: Vec<Limited> = answers.iter().filter_map(|answer| life(answer, *level)).collect();
         curve(&format!("R = {level}"), k, &points)
@@ -72,7 +65,7 @@ fn lives(space: &DesignSpace, answers: &[DesignAnswer]) -> Result<Figure, PlotEr
 }
 
 /// R of the system at the checkpoints where it depends most on the design; none if it depends on it at none.
-fn reliabilities(space: &DesignSpace, answers: &[DesignAnswer]) -> Result<Option<Figure>, PlotError> {
+fn reliabilities(space: &DesignSpace, answers: &[DesignAnswer]) -> Option<Figure> {
     let r = |answer: &DesignAnswer, n: usize| answer.summary.reliability[n].reliability["total"];
     let spread = |n: &usize| {
         let all = answers.iter().map(|answer| r(answer, *n));
@@ -85,7 +78,7 @@ fn reliabilities(space: &DesignSpace, answers: &[DesignAnswer]) -> Result<Option
     chosen.truncate(CHECKPOINTS);
     chosen.sort_unstable();
     if chosen.is_empty() {
-        return Ok(None);
+        return None;
     }
     let curves = chosen.iter().enumerate().flat_map(|(k, n)| {
         let point = |answer: &DesignAnswer| {
@@ -97,7 +90,7 @@ fn reliabilities(space: &DesignSpace, answers: &[DesignAnswer]) -> Result<Option
         let points: Vec<Limited> = answers.iter().map(point).collect();
         curve(&format!("{} cycles", answers[0].summary.reliability[*n].cycles), k, &points)
     });
-    plot(
+    let figure = plot(
         space,
         "design-reliability",
         (
@@ -106,18 +99,13 @@ fn reliabilities(space: &DesignSpace, answers: &[DesignAnswer]) -> Result<Option
         ),
         ("reliability R", (0.0, 1.0)),
         &curves.collect::<Vec<_>>(),
-    )
-    .map(Some)
+    );
+    Some(figure)
 }
 
 /// Life at a level against the first design variable, a curve for each value of the second; a third one has its value of the
 /// design `best`.
-fn family(
-    space: &DesignSpace,
-    answers: &[DesignAnswer],
-    best: usize,
-    level: f64,
-) -> Result<Figure, PlotError> {
+fn family(space: &DesignSpace, answers: &[DesignAnswer], best: usize, level: f64) -> Figure {
     let second = &space.variables()[1];
     let at_best = |answer: &&DesignAnswer| answer.values[2..].iter().eq(answers[best].values[2..].iter());
     let shown: Vec<&DesignAnswer> = answers.iter().filter(at_best).collect();
@@ -158,7 +146,7 @@ fn plot(
     (title, caption): (&str, &str),
     (label, range): (&str, (f64, f64)),
     series: &[Series],
-) -> Result<Figure, PlotError> {
+) -> Figure {
     let first = &space.variables()[0];
     let x_label = first.label();
     let x = Axis { text: |value| shortest(value, 6), ..Axis::linear(&x_label, (first.lower, first.upper)) };

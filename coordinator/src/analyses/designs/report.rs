@@ -6,7 +6,6 @@ use super::figures::figures;
 use super::refinement::Refined;
 use super::space::DesignSpace;
 use crate::analyses::paired_results::curve_names;
-use crate::presentation::report::PlotError;
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::compare::ComparedStudy;
 use crate::presentation::report::format::{count, percent, rounded_cycles, three_digits};
@@ -95,10 +94,7 @@ pub fn json(report: &DesignReport<'_>) -> Value {
 }
 
 /// The answers with their tables, sentences and figures.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn answer(report: &DesignReport<'_>) -> Result<Answer, PlotError> {
+pub fn answer(report: &DesignReport<'_>) -> Answer {
     let last = report.answers.len() - 1;
     let mut drawn = vec![0, last / 2, last];
     drawn.extend(report.best.as_ref().map(|best| best.index));
@@ -112,16 +108,16 @@ pub fn answer(report: &DesignReport<'_>) -> Result<Answer, PlotError> {
         AnswerPart::Table(table(report)),
         AnswerPart::Notes("Errors", sentences(report)),
     ];
-    Ok(Answer {
+    Answer {
         name: "designs".to_owned(),
         title: "Designs".to_owned(),
         subtitle: format!("Scene: {}", report.answers[0].summary.scene),
         parts: best.into_iter().chain(rest).collect(),
-        figures: figures(report.space, report.answers, report.best.as_ref())?,
+        figures: figures(report.space, report.answers, report.best.as_ref()),
         curves: if drawn.len() > 1 { drawn.into_iter().map(curve).collect() } else { vec![] },
         files: vec![("designs.csv".to_owned(), csv(report.space, report.answers))],
         ..Answer::default()
-    })
+    }
 }
 
 /// The designs with their reliability or lives; of more than [`ROWS`] a terminal shows those at the front of the order of the best.

@@ -4,7 +4,7 @@ use super::result::{LearnReport, LearnedParameter};
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::{count, percent, shortest};
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::{Axis, Figure, Plot, PlotError, Series, Shape};
+use crate::presentation::report::{Axis, Figure, Plot, Series, Shape};
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::ReliabilityRow;
 use crate::statistics::updating::{ConfidentLife, ConfidentReliability, ConfidentRow};
@@ -14,10 +14,7 @@ use common::scene::expression::read_unit;
 const ROWS: usize = 12;
 
 /// The answer.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn answer(report: &LearnReport) -> Result<Answer, PlotError> {
+pub fn answer(report: &LearnReport) -> Answer {
     let LearnReport { confident, parameters, .. } = report;
     let mut parts = vec![AnswerPart::Text(sentence(confident)), AnswerPart::Figures];
     parts.extend(confident_tables(confident, report.end).into_iter().map(AnswerPart::Table));
@@ -47,15 +44,15 @@ pub fn answer(report: &LearnReport) -> Result<Answer, PlotError> {
     if !checks.is_empty() {
         parts.push(AnswerPart::Notes("To be checked", checks));
     }
-    Ok(Answer {
+    Answer {
         name: "learn".to_owned(),
         title: format!("What {} of {} say of their population", units(report.units), report.scene),
         subtitle: "Reliability with what differs between units and what is not known of them apart; no simulation was made".to_owned(),
         parts,
-        figures: vec![confident_figure(confident, &report.study, report.end)?],
+        figures: vec![confident_figure(confident, &report.study, report.end)],
         files: vec![("reliability.csv".to_owned(), csv(confident))],
         ..Answer::default()
-    })
+    }
 }
 
 fn units(n: usize) -> String {
@@ -169,14 +166,7 @@ fn notes(report: &LearnReport) -> Vec<String> {
 }
 
 /// The band of what is not known around the median of R, the lower bound, and R of the study.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn confident_figure(
-    confident: &ConfidentReliability,
-    study: &[ReliabilityRow],
-    end: f64,
-) -> Result<Figure, PlotError> {
+pub fn confident_figure(confident: &ConfidentReliability, study: &[ReliabilityRow], end: f64) -> Figure {
     let c = percent(confident.confidence);
     let rows = &confident.reliability;
     let band = rows.iter().map(|row| (row.cycles, row.interval[0], row.interval[1])).collect();

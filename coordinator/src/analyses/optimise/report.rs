@@ -7,22 +7,15 @@ use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::compare::ComparedStudy;
 use crate::presentation::report::format::{shortest, significant};
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::{Axis, Figure, Plot, PlotError, Scale, Series, Shape};
+use crate::presentation::report::{Axis, Figure, Plot, Scale, Series, Shape};
 use crate::statistics::reliability::REACH;
 use common::random::{standard_normal_pdf, standard_normal_quantile};
 
 /// The result with the reliability `curves` of the study and of the optimum.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn answer(
-    result: &OptimisationResult,
-    scene: &str,
-    curves: Vec<ComparedStudy>,
-) -> Result<Answer, PlotError> {
+pub fn answer(result: &OptimisationResult, scene: &str, curves: Vec<ComparedStudy>) -> Answer {
     let tables = tables(result).into_iter().map(AnswerPart::Table);
     let notes = AnswerPart::Notes("Errors and prices", notes(result));
-    Ok(Answer {
+    Answer {
         name: "optimum".to_owned(),
         title: "Optimum".to_owned(),
         subtitle: format!("Scene: {scene}"),
@@ -31,11 +24,11 @@ pub fn answer(
             .chain(tables)
             .chain([notes])
             .collect(),
-        figures: front_figure(result)?.into_iter().collect(),
+        figures: front_figure(result).into_iter().collect(),
         curves,
         prints_markdown: true,
         ..Answer::default()
-    })
+    }
 }
 
 /// Cost, limits of the search and confirmation in sentences.
@@ -309,16 +302,13 @@ fn with_interval(r: f64, standard_error: f64) -> String {
 }
 
 /// The figure; `None` with fewer than two targets that any design meets.
-///
-/// # Errors
-/// [`PlotError`].
-fn front_figure(result: &OptimisationResult) -> Result<Option<Figure>, PlotError> {
+fn front_figure(result: &OptimisationResult) -> Option<Figure> {
     let known = |point: &FrontPoint| Some((point.factor.log10(), point.cost?));
     let mut front: Vec<(f64, f64)> = result.front.iter().filter_map(known).collect();
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let [Some(first), Some(last)] = [front.first(), front.last()] else { return Ok(None) };
+    let [Some(first), Some(last)] = [front.first(), front.last()] else { return None };
     if front.len() < 2 {
-        return Ok(None);
+        return None;
     }
     let x = Axis {
         label: "failure probability allowed, times that of the targets",
@@ -343,5 +333,5 @@ fn front_figure(result: &OptimisationResult) -> Result<Option<Figure>, PlotError
         series: shown,
     };
     let caption = "Least costs on the surrogates, with every tolerance between grades allowed; 1 stands for the targets.";
-    plot.figure("Cost against reliability", caption).map(Some)
+    Some(plot.figure("Cost against reliability", caption))
 }

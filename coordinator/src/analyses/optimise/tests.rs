@@ -16,7 +16,7 @@ use faer::{Mat, MatRef};
 
 /// The result as Markdown.
 fn markdown(found: &OptimisationResult) -> String {
-    answer(found, "", vec![]).unwrap().markdown()
+    answer(found, "", vec![]).markdown()
 }
 
 /// A finished study of the margins of `f` (failure where one is not negative) at one checkpoint.

@@ -3,7 +3,7 @@
 use super::result::{FleetReport, RemainingLife, UnitReport, UpdatedVariable};
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::palette::{Ink, SERIES};
-use crate::presentation::report::{Axis, Figure, Plot, PlotError, Points, Series, Shape};
+use crate::presentation::report::{Axis, Figure, Plot, Points, Series, Shape};
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::ReliabilityRow;
 
@@ -15,10 +15,7 @@ const SHOWN: usize = 8;
 const CHANGED: f64 = 0.1;
 
 /// The units as a table with figures; of a few units the variables that changed.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn answer(report: &FleetReport) -> Result<Answer, PlotError> {
+pub fn answer(report: &FleetReport) -> Answer {
     let units = &report.units;
     let counted = format!("{} {}", units.len(), if units.len() == 1 { "unit" } else { "units" });
     let head = ["unit", "observed until", "R up to then", "5 %", "50 %", "95 %", "sample size", "method"];
@@ -42,16 +39,16 @@ pub fn answer(report: &FleetReport) -> Result<Answer, PlotError> {
     if !warnings.is_empty() {
         parts.push(AnswerPart::Notes("To be checked", warnings));
     }
-    Ok(Answer {
+    Answer {
         name: "update".to_owned(),
         title: format!("{counted} of {}", report.scene),
         subtitle: "Remaining life after the last observation, all lives in cycles; no simulation was made"
             .to_owned(),
         parts,
-        figures: figures(report)?,
+        figures: figures(report),
         files: vec![("units.csv".to_owned(), csv(report))],
         ..Answer::default()
-    })
+    }
 }
 
 /// The cells of a unit in the table.
@@ -140,16 +137,13 @@ fn csv(report: &FleetReport) -> String {
 }
 
 /// The remaining lives, and of as many units as there are colours the curves.
-///
-/// # Errors
-/// [`PlotError`].
-fn figures(fleet: &FleetReport) -> Result<Vec<Figure>, PlotError> {
-    let curves = (fleet.units.len() <= SERIES).then(|| curves(fleet)).transpose()?;
-    Ok(std::iter::once(remaining(fleet)?).chain(curves).collect())
+fn figures(fleet: &FleetReport) -> Vec<Figure> {
+    let curves = (fleet.units.len() <= SERIES).then(|| curves(fleet));
+    std::iter::once(remaining(fleet)).chain(curves).collect()
 }
 
 /// Median and 5 to 95 % of the remaining life of every unit, in order of the median.
-fn remaining(fleet: &FleetReport) -> Result<Figure, PlotError> {
+fn remaining(fleet: &FleetReport) -> Figure {
     let living = fleet.units.iter().filter(|unit| unit.failed_by.is_none() && unit.resolved);
     let lives = |unit: &UnitReport| {
         let end = fleet.end - unit.observed_until;
@@ -177,7 +171,7 @@ fn remaining(fleet: &FleetReport) -> Result<Figure, PlotError> {
 }
 
 /// R of every unit from the life up to which it was observed, and of a unit of which nothing is known.
-fn curves(fleet: &FleetReport) -> Result<Figure, PlotError> {
+fn curves(fleet: &FleetReport) -> Figure {
     let points = |rows: &[ReliabilityRow]| -> Points {
         rows.iter().map(|row| (f64::from(row.cycles), row.reliability["total"])).collect()
     };

@@ -4,7 +4,7 @@ use super::{StudyEvidence, WeibullReport};
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::{significant, three_digits};
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::{Axis, Figure, Plot, PlotError, Series, Shape};
+use crate::presentation::report::{Axis, Figure, Plot, Series, Shape};
 use crate::statistics::life_data::{FitBounds, UnitLife};
 use serde_json::{Value, json};
 
@@ -14,10 +14,7 @@ const POINTS: usize = 120;
 const CONTRADICTS: f64 = 0.05;
 
 /// The answer.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn answer(report: &WeibullReport) -> Result<Answer, PlotError> {
+pub fn answer(report: &WeibullReport) -> Answer {
     let WeibullReport { lives, confidence, .. } = report;
     let percent = significant(100.0 * confidence, 3);
     let head = ["", "value", "Fisher", "likelihood ratio"];
@@ -47,7 +44,7 @@ pub fn answer(report: &WeibullReport) -> Result<Answer, PlotError> {
     ];
     parts.extend(report.study.as_ref().map(|study| AnswerPart::Notes("Study", against_study(study, report))));
     parts.push(AnswerPart::Figures);
-    Ok(Answer {
+    Answer {
         name: "weibull".to_owned(),
         title: format!(
             "Weibull distribution of {} units, {} failures: shape {}, scale {} cycles",
@@ -58,9 +55,9 @@ pub fn answer(report: &WeibullReport) -> Result<Answer, PlotError> {
         ),
         subtitle: "Maximum likelihood with suspensions and intervals".to_owned(),
         parts,
-        figures: vec![figure(report)?],
+        figures: vec![figure(report)],
         ..Answer::default()
-    })
+    }
 }
 
 fn digits(value: f64) -> String {
@@ -112,7 +109,7 @@ fn against_study(study: &StudyEvidence, report: &WeibullReport) -> Vec<String> {
 }
 
 /// R over life: the distribution with its Fisher band, the data by the estimate of Kaplan and Meier, the study with its band.
-fn figure(report: &WeibullReport) -> Result<Figure, PlotError> {
+fn figure(report: &WeibullReport) -> Figure {
     let WeibullReport { fit, confidence, lives, .. } = report;
     let longest = lives.iter().map(|unit| match *unit {
         UnitLife::Failed(t) | UnitLife::Running(t) | UnitLife::Interval(_, t) => t,

@@ -149,7 +149,7 @@ fn a_population_outside_of_the_simulations_is_named() {
     for part in ["What if: force.mean=1.6", change, "Caution: "] {
         assert!(text.contains(part), "{part}\n{text}");
     }
-    assert_eq!(answer.all_figures().unwrap().len(), 3);
+    assert_eq!(answer.all_figures().len(), 3);
 }
 
 /// Every outcome that a campaign file holds.

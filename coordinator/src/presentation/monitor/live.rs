@@ -2,12 +2,12 @@
 //! of the results so far. The study only records its progress; the page is rendered on request in a thread of the server, from the campaign
 //! file, and then reused for a few seconds.
 
-use super::status_source::StatusSource;
-use super::study_section::{STYLE, study_section};
+use super::study_section::{STYLE, StatusSource, study_section};
+use crate::farm::dispatch::StatusBoard;
 use crate::presentation::progress::{record, state_of_study};
 use crate::presentation::report::nominal_page::NominalView;
 use crate::presentation::report::{self, Figure, LiveStatus, Page, ReportInput, SUMMARY_DOCUMENT};
-use crate::results::progress::Progress;
+use crate::results::progress::{Observer, Progress};
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::{EvaluationCounts, ReliabilityRow, Round, StudySummary};
 use crate::study::{Settings, blank};
@@ -18,7 +18,7 @@ use maud::html;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::sync::watch;
 
@@ -302,11 +302,68 @@ impl LivePage {
         }
         let missing = || StoreError::NoCampaign { dir: self.dir.clone() };
         let input = ReportInput::from_campaign(&copy, &self.scene)?.ok_or_else(missing)?;
-        Ok(report::render_alone(&input)?)
+        Ok(report::render_alone(&input))
     }
 }
 
 /// Progress of the study in one line.
 fn line(observed: &ObservedProgress) -> String {
     format!("Running study: {}", state_of_study(&observed.study, observed.ending, None, None))
+}
+
+/// An observer that records progress for the views and passes it on to the next observer.
+pub struct ProgressRelay<'a> {
+    /// Observer that is notified last.
+    pub next: &'a mut dyn Observer,
+    /// Status that other programs ask for.
+    pub board: StatusBoard,
+    /// The live page, if there is one.
+    pub live: Option<Arc<LivePage>>,
+}
+
+impl Observer for ProgressRelay<'_> {
+    fn notice(&mut self, progress: &Progress) {
+        match progress {
+            Progress::Ending => self.board.post_ending(),
+            other => self.board.post(|study| record(study, other)),
+        }
+        if let Some(live) = &self.live {
+            live.record(progress);
+        }
+        // Last, so that the other views are up to date when the terminal shows it.
+        self.next.notice(progress);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::study_section::StatusSource;
+    use super::*;
+    use crate::results::progress::Silent;
+    use common::wire::Phase;
+    use std::time::Instant;
+
+    #[test]
+    fn progress_appears_in_the_status() {
+        let board = StatusBoard::default();
+        board.post(|study| "four-bar".clone_into(&mut study.scene));
+        let mut silent = Silent;
+        let mut relay = ProgressRelay { next: &mut silent, board: board.clone(), live: None };
+        let source = StatusSource::Alone { board, slots: 2, since: Instant::now() };
+        assert_eq!(source.status().unwrap().phase, Phase::Learning);
+        let batch =
+            Progress::BatchStarted { size: 5, planned: 5, budget: 40, purpose: "initial design".into() };
+        relay.notice(&batch);
+        for (done, failed, recalled) in [(1, false, true), (2, true, false)] {
+            relay.notice(&Progress::Evaluated { done, failed, recalled, wall: 0.5 });
+        }
+        let status = source.status().unwrap();
+        assert_eq!(status.phase, Phase::Simulating);
+        let study = &status.study;
+        assert_eq!((study.done, study.planned, study.budget, study.failed, study.recalled), (2, 5, 40, 1, 1));
+        assert_eq!((study.scene.as_str(), study.simulation), ("four-bar", 0.5));
+        assert_eq!((status.farm.queued, status.farm.under_way, status.farm.slots()), (1, 2, 2));
+        relay.notice(&Progress::Ending);
+        assert_eq!(source.status().unwrap().phase, Phase::Ending);
+    }
 }

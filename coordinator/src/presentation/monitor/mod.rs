@@ -9,13 +9,9 @@
 //! Views are rendered on request only: without requests they cost the study nothing.
 
 mod live;
-mod relay;
 mod server;
-mod status_source;
 mod study_section;
-pub mod text;
 
-pub use live::{LivePage, PageView};
-pub use relay::ProgressRelay;
+pub use live::{LivePage, PageView, ProgressRelay};
 pub use server::{MonitorError, MonitorServer, listen_address};
-pub use status_source::StatusSource;
+pub use study_section::{StatusSource, status_text};

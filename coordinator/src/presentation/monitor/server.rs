@@ -15,10 +15,8 @@ use tokio::runtime::Runtime;
 
 /// The reason why a server cannot start at an address.
 #[derive(Debug, Error)]
-#[error("{option} {address}: {reason}")]
+#[error("--live {address}: {reason}")]
 pub struct MonitorError {
-    /// Name of the command-line option.
-    pub option: &'static str,
     /// Address of the option, as given.
     pub address: String,
     /// That it is none, that other machines can reach it, or the reason given by the system.
@@ -29,10 +27,9 @@ pub struct MonitorError {
 ///
 /// # Errors
 /// [`MonitorError`], also for an address that other machines can reach.
-pub fn listen_address(option: &'static str, given: &str) -> Result<SocketAddr, MonitorError> {
+pub fn listen_address(given: &str) -> Result<SocketAddr, MonitorError> {
     let port = given.parse().map(|port| SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
-    let refused =
-        |reason: &str| MonitorError { option, address: given.to_owned(), reason: reason.to_owned() };
+    let refused = |reason: &str| MonitorError { address: given.to_owned(), reason: reason.to_owned() };
     let address: SocketAddr = port.or_else(|_| given.parse()).map_err(|_| {
         refused("allowed: a port of this machine, or an address with a port such as 127.0.0.1:9464")
     })?;
@@ -67,13 +64,9 @@ impl MonitorServer {
             .route("/figures/{name}", get(figure))
             .with_state(live)
             .layer(from_fn(require_loopback_host));
-        Self::start("--live", address, router)
-    }
-
-    fn start(option: &'static str, address: SocketAddr, router: Router) -> Result<Self, MonitorError> {
         let refused = |error: std::io::Error| {
             let (address, reason) = (address.to_string(), error.to_string());
-            MonitorError { option, address, reason }
+            MonitorError { address, reason }
         };
         let mut builder = tokio::runtime::Builder::new_multi_thread();
         builder.worker_threads(1).max_blocking_threads(2).thread_name("monitor").enable_all();
@@ -182,12 +175,12 @@ mod tests {
 
     #[test]
     fn a_port_alone_is_a_loopback_address_and_reachable_addresses_are_refused() {
-        assert_eq!(listen_address("--live", "8080").unwrap(), "127.0.0.1:8080".parse().unwrap());
-        assert_eq!(listen_address("--live", "[::1]:7").unwrap().port(), 7);
-        let error = listen_address("--live", "0.0.0.0:9464").unwrap_err();
+        assert_eq!(listen_address("8080").unwrap(), "127.0.0.1:8080".parse().unwrap());
+        assert_eq!(listen_address("[::1]:7").unwrap().port(), 7);
+        let error = listen_address("0.0.0.0:9464").unwrap_err();
         assert!(error.to_string().contains("--live 0.0.0.0:9464"), "{error}");
         for slip in ["", "70000", "localhost:8080", "http://127.0.0.1:1"] {
-            let error = listen_address("--live", slip).unwrap_err();
+            let error = listen_address(slip).unwrap_err();
             assert!(error.reason.starts_with("allowed: a port"), "{slip}: {error}");
         }
     }

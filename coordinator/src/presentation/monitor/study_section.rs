@@ -1,10 +1,14 @@
-//! The progress of a study and its farm as a section of the live page.
+//! The status of a running study and its farm: its source, a section of the live page, and text.
 
-use crate::presentation::format::{count, duration};
-use crate::presentation::progress::{RemainingTime, most_evaluations, per_second};
-use crate::presentation::report::{cells, table};
-use common::wire::{Phase, Status, StudyStatus, WorkerStatus};
+use crate::farm::allocation::scale_sentence;
+use crate::farm::dispatch::{StatusBoard, StatusHandle};
+use crate::presentation::format::{count, duration, in_columns};
+use crate::presentation::progress::{RemainingTime, most_evaluations, per_second, reliability_so_far};
+use crate::presentation::report::table;
+use common::wire::{FarmStatus, Phase, Status, StudyStatus, WorkerStatus};
 use maud::{Markup, html};
+use std::fmt::Write;
+use std::time::{Duration, Instant};
 
 /// Style of the section.
 pub const STYLE: &str = "#study progress{width:100%;max-width:64rem;height:1.1rem;accent-color:var(--series-1)}\
@@ -56,7 +60,7 @@ fn farm(status: &Status) -> Markup {
     html! {
         (table(&["worker", "slots", "running", "done", "rate"], farm.workers.iter().map(|worker| {
             let WorkerStatus { name, slots, under_way, done, rate } = worker;
-            cells([name.clone(), slots.to_string(), under_way.to_string(), count(*done), per_second(*rate)])
+            [name.clone(), slots.to_string(), under_way.to_string(), count(*done), per_second(*rate)]
         })))
         p.meta {
             (count(farm.queued)) " waiting, " (count(farm.under_way)) " running on " (count(farm.slots())) @if farm.slots() == 1 { " slot" } @else { " slots" } ", for "
@@ -65,10 +69,131 @@ fn farm(status: &Status) -> Markup {
     }
 }
 
+/// Longest wait for the status of the farm.
+const STATUS_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Provider of the status of a running study.
+#[derive(Debug, Clone)]
+pub enum StatusSource {
+    /// The dispatcher of a farm.
+    Farm(StatusHandle),
+    /// A study whose simulator runs on slots of this process.
+    Alone {
+        /// Board of the study.
+        board: StatusBoard,
+        /// Number of slots.
+        slots: u32,
+        /// Start of the study.
+        since: Instant,
+    },
+}
+
+impl StatusSource {
+    /// The status now; `None` if the farm has ended or does not answer.
+    pub fn status(&self) -> Option<Status> {
+        match self {
+            StatusSource::Farm(dispatcher) => dispatcher.status(STATUS_TIMEOUT),
+            StatusSource::Alone { board, slots, since } => {
+                let up = since.elapsed();
+                let mut status = board.status(FarmStatus::default(), up);
+                let StudyStatus { done, recalled, planned, .. } = status.study;
+                let under_way = planned.saturating_sub(done);
+                let rate = done.saturating_sub(recalled) as f64 / up.as_secs_f64().max(1.0);
+                let worker = WorkerStatus {
+                    name: "this-process".to_owned(),
+                    slots: *slots,
+                    under_way: u32::try_from(under_way).unwrap_or(u32::MAX).min(*slots),
+                    done: done.saturating_sub(recalled),
+                    rate,
+                };
+                let running = u64::from(worker.under_way);
+                let queued = under_way - running;
+                status =
+                    board.status(FarmStatus { queued, under_way: running, rate, workers: vec![worker] }, up);
+                Some(status)
+            }
+        }
+    }
+}
+
+/// Phase, evaluations, queue, rate, current R, and one line per worker.
+pub fn status_text(status: &Status) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_status(&mut text, status);
+    text.replace('\u{a0}', " ")
+}
+
+/// Name of a phase.
+fn phase_name(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Waiting => "waiting for workers",
+        Phase::Simulating => "simulating",
+        Phase::Learning => "learning, no simulation is running",
+        Phase::Ending => "all evaluations done, computing the results",
+    }
+}
+
+fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
+    let (study, farm) = (&status.study, &status.farm);
+    let purpose =
+        if study.purpose.is_empty() { String::new() } else { format!(", {}", printable(&study.purpose)) };
+    writeln!(
+        text,
+        "{}{purpose}: {} (for {})",
+        printable(&study.scene),
+        phase_name(status.phase),
+        duration(status.up)
+    )?;
+    write!(text, "evaluations: {} of {} planned", count(study.done), count(study.planned))?;
+    if study.budget > 0 {
+        write!(text, ", budget {}", count(study.budget))?;
+    }
+    for (number, what) in [(study.failed, "failed"), (study.recalled, "from the campaign file")] {
+        if number > 0 {
+            write!(text, ", {} {what}", count(number))?;
+        }
+    }
+    writeln!(text)?;
+    let (queued, under_way, slots) = (count(farm.queued), count(farm.under_way), count(farm.slots()));
+    writeln!(text, "queue: {queued} waiting, {under_way} running on {slots} slots")?;
+    if farm.rate > 0.0 {
+        let left = RemainingTime::of(study, Some(farm.rate));
+        let remaining = left.map(|left| format!(", {left}")).unwrap_or_default();
+        writeln!(text, "rate: {} in the last minute{remaining}", per_second(farm.rate))?;
+    }
+    if let Some(so_far) = &study.reliability {
+        writeln!(
+            text,
+            "reliability so far: {}, after {} rounds",
+            reliability_so_far(so_far.cycles, so_far.total, so_far.standard_error),
+            count(study.rounds)
+        )?;
+    }
+    if let Some(scale) = &status.scale {
+        writeln!(text, "{}", printable(&scale_sentence(scale)))?;
+    }
+    if farm.workers.is_empty() {
+        return writeln!(text, "no worker is connected");
+    }
+    let head = ["worker", "slots", "tasks", "done", "rate"].map(str::to_owned).to_vec();
+    let row = |worker: &WorkerStatus| {
+        let WorkerStatus { name, slots, under_way, done, rate } = worker;
+        vec![printable(name), slots.to_string(), under_way.to_string(), count(*done), per_second(*rate)]
+    };
+    let rows: Vec<Vec<String>> = std::iter::once(head).chain(farm.workers.iter().map(row)).collect();
+    write!(text, "\n{}", in_columns(&rows, &[0]))
+}
+
+/// Received text without control characters, which could control a terminal.
+fn printable(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::wire::FarmStatus;
+    use common::wire::ReliabilitySoFar;
 
     #[test]
     fn progress_expected_end_and_workers_are_shown() {
@@ -93,5 +218,45 @@ mod tests {
         let text = study_section(&study, Some(&waiting)).0;
         assert!(text.contains("waiting for workers") && text.contains("No worker is connected"), "{text}");
         assert!(!text.contains("expected end"), "{text}");
+    }
+
+    #[test]
+    fn a_status_has_workers_rates_and_the_current_r() {
+        let worker =
+            |name: &str| WorkerStatus { name: name.into(), slots: 2, under_way: 3, done: 40, rate: 0.65 };
+        let status = Status {
+            up: 130.0,
+            phase: Phase::Simulating,
+            study: StudyStatus {
+                scene: "four-\u{1b}bar".into(),
+                purpose: "round 3".into(),
+                done: 84,
+                planned: 120,
+                budget: 400,
+                failed: 1,
+                rounds: 2,
+                reliability: Some(ReliabilitySoFar { cycles: 66_000, total: 0.347, standard_error: 0.006 }),
+                ..StudyStatus::default()
+            },
+            farm: FarmStatus {
+                queued: 30,
+                under_way: 6,
+                rate: 1.3,
+                workers: vec![worker("host-1"), worker("b")],
+            },
+            ..Status::default()
+        };
+        let text = status_text(&status);
+        for part in [
+            "four-bar, round 3: simulating (for 2 min 10 s)\n",
+            "evaluations: 84 of 120 planned, budget 400, 1 failed\n",
+            "queue: 30 waiting, 6 running on 4 slots\n",
+            "rate: 1.30/s in the last minute, at most 4 min 03 s left\n",
+            "R(66 000) = 0.347 ± 0.012 (95 %), after 2 rounds",
+            "host-1      2      3    40  0.65/s\n",
+        ] {
+            assert!(text.contains(part), "no \"{part}\" in:\n{text}");
+        }
+        assert!(status_text(&Status::default()).ends_with("no worker is connected\n"));
     }
 }

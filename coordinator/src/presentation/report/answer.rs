@@ -1,14 +1,13 @@
 //! The answer of a command: texts, tables and figures in their order, on a terminal, in Markdown and as a page.
 
-use super::compared::{ComparedStudy, figures};
 use super::figure::Figure;
+use super::figures::{ComparedStudy, compared};
 use super::page::{self, wrapped};
-use super::plot::PlotError;
 use super::tables::table;
 use super::{ReportError, write_figures};
-use crate::presentation::text_table::in_columns;
+use crate::presentation::format::in_columns;
 use crate::results::result_files::{create_folder, write_text};
-use maud::{Markup, Render, html};
+use maud::{Markup, html};
 use std::path::{Path, PathBuf};
 
 /// An answer in every form.
@@ -106,10 +105,9 @@ impl Table {
     }
 
     fn html(&self) -> Markup {
-        let rows = self.rows.iter().map(|row| row.iter().map(Render::render).collect());
         html! {
             @if !self.heading.is_empty() { h2 { (self.heading) } }
-            (table(&self.head, rows))
+            (table(&self.head, &self.rows))
         }
     }
 }
@@ -148,12 +146,9 @@ impl Answer {
     }
 
     /// The figures of the page: its own, and the curves of every limit state and of the system.
-    ///
-    /// # Errors
-    /// [`PlotError`].
-    pub fn all_figures(&self) -> Result<Vec<Figure>, PlotError> {
-        let curves = if self.curves.is_empty() { vec![] } else { figures(&self.curves)? };
-        Ok(self.figures.iter().cloned().chain(curves).collect())
+    pub fn all_figures(&self) -> Vec<Figure> {
+        let curves = if self.curves.is_empty() { vec![] } else { compared(&self.curves) };
+        self.figures.iter().cloned().chain(curves).collect()
     }
 
     /// The page with these figures.
@@ -178,7 +173,7 @@ impl Answer {
     /// # Errors
     /// [`ReportError`].
     pub fn write(&self, dir: &Path) -> Result<PathBuf, ReportError> {
-        let drawn = self.all_figures()?;
+        let drawn = self.all_figures();
         create_folder(dir)?;
         if !drawn.is_empty() {
             write_figures(dir, &drawn)?;

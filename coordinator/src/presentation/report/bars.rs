@@ -2,7 +2,7 @@
 
 use super::figure::{Drawing, Figure, csv};
 use super::palette::Ink;
-use super::plot::{Area, DrawError, LETTERS, PlotError, draw, letters, px, stroke, tick_label};
+use super::plot::{DrawError, LETTERS, Series, Shape, draw, legend, letters, px, stroke, tick_label};
 use crate::results::csv_table::number;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
@@ -53,41 +53,39 @@ pub struct Bars<'a> {
 
 impl Bars<'_> {
     /// The chart with its numbers.
-    ///
-    /// # Errors
-    /// [`PlotError`].
-    pub fn figure(&self, title: &str, caption: &str) -> Result<Figure, PlotError> {
+    pub fn figure(&self, title: &str, caption: &str) -> Figure {
         let [first, second] = self.labels;
         let errors = self.labels.map(|label| format!("{label}, standard error"));
         let row = |pair: &BarPair| {
             let ([a, b], [da, db]) = (pair.values.map(number), pair.errors.map(number));
             vec![pair.name.clone(), a, da, b, db]
         };
-        Ok(Figure {
+        Figure {
             name: self.figure.into(),
             title: title.into(),
             caption: caption.into(),
-            drawing: self.drawing()?,
+            drawing: self.drawing(),
             csv: csv(&["variable", first, &errors[0], second, &errors[1]], self.all.iter().map(row)),
-        })
+        }
     }
 
-    fn drawing(&self) -> Result<Drawing, PlotError> {
+    fn drawing(&self) -> Drawing {
         let rows = &self.all[..self.shown.min(self.all.len())];
         let longest = rows.iter().flat_map(|pair| pair.values).map(f64::abs).fold(0.0, f64::max);
         let longest = if longest > 0.0 { 1.12 * longest } else { 1.0 };
         let inks = [Ink::Series(0), Ink::Series(1)];
         let names: Vec<String> = rows.iter().map(|pair| pair.name.clone()).collect();
+        let meaning =
+            |bar: usize| Series::new(self.labels[bar], inks[bar], Shape::Steps(vec![])).filled(0.75);
         let chart = NamedRows {
-            figure: self.figure,
             names: &names,
             row: ROW,
-            top: 28.0,
+            legend: &[0, 1].map(meaning),
             axis: self.axis,
             range: if self.signed { -longest } else { 0.0 }..longest,
             ticks: 6,
         };
-        chart.draw(|root, chart| {
+        chart.draw(|chart| {
             for (k, pair) in rows.iter().enumerate() {
                 let top = (rows.len() - k) as f64;
                 for (bar, ink) in inks.into_iter().enumerate() {
@@ -103,11 +101,6 @@ impl Bars<'_> {
             }
             let zero = [(0.0, 0.0), (0.0, rows.len() as f64)];
             chart.draw_series([PathElement::new(zero, stroke(Ink::Muted, 1.0))])?;
-            for (bar, ink) in inks.into_iter().enumerate() {
-                let x = NAMES + 150.0 * bar as f64;
-                root.draw(&Rectangle::new([(px(x), px(8.0)), (px(x + 18.0), px(18.0))], ink.rgb().filled()))?;
-                root.draw(&Text::new(self.labels[bar], (px(x + 23.0), px(6.5)), letters(LETTERS, Ink::Ink)))?;
-            }
             Ok(())
         })
     }
@@ -116,12 +109,12 @@ impl Bars<'_> {
 /// A chart of one row per name, the names on its left, over one horizontal axis.
 pub(super) struct NamedRows<'a> {
     /// Name of the figure.
-    pub figure: &'a str,
     /// Names from top to bottom.
     pub names: &'a [String],
-    /// Height of a row, and of what is above the first [CSS pixels].
+    /// Height of a row [CSS pixels].
     pub row: f64,
-    pub top: f64,
+    /// Series whose entries of the legend are above the first row.
+    pub legend: &'a [Series],
     /// Label, range and number of ticks of the axis.
     pub axis: &'a str,
     pub range: Range<f64>,
@@ -133,17 +126,13 @@ type RowChart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoord
 
 impl NamedRows<'_> {
     /// The chart with what `paint` draws.
-    ///
-    /// # Errors
-    /// [`PlotError`].
-    pub fn draw(
-        &self,
-        paint: impl FnOnce(&Area<'_>, &mut RowChart<'_, '_>) -> Result<(), DrawError>,
-    ) -> Result<Drawing, PlotError> {
+    pub fn draw(&self, paint: impl FnOnce(&mut RowChart<'_, '_>) -> Result<(), DrawError>) -> Drawing {
         let count = self.names.len() as f64;
-        draw(self.figure, self.row * count + self.top + AXIS, |root| {
+        let legend = legend(self.legend);
+        let top = 10.0 + 20.0 * legend.rows as f64;
+        draw(self.row * count + top + AXIS, |root| {
             let mut chart = ChartBuilder::on(root)
-                .margin_top(px(self.top))
+                .margin_top(px(top))
                 .margin_right(px(18.0))
                 .margin_left(px(NAMES))
                 .x_label_area_size(px(AXIS))
@@ -162,13 +151,13 @@ impl NamedRows<'_> {
                 .x_label_formatter(&|value| tick_label(*value))
                 .x_desc(self.axis)
                 .draw()?;
-            paint(root, &mut chart)?;
+            paint(&mut chart)?;
             let right = letters(LETTERS, Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
             for (k, name) in self.names.iter().enumerate() {
-                let middle = px(self.top + self.row * (k as f64 + 0.5));
+                let middle = px(top + self.row * (k as f64 + 0.5));
                 root.draw(&Text::new(shortened(name), (px(NAMES - 7.0), middle), right.clone()))?;
             }
-            Ok(())
+            legend.draw_on(root)
         })
     }
 }
@@ -200,7 +189,7 @@ mod tests {
             all: (0..5).map(pair).collect(),
             shown: 3,
         };
-        let figure = bars.figure("t", "c").unwrap();
+        let figure = bars.figure("t", "c");
         assert_eq!(figure.csv.lines().count(), 6);
         assert!(figure.csv.contains("\"variable 1, long\",0.05,0.01,-0.2,0.0\n"), "{}", figure.csv);
         let svg = figure.drawing.document(&maud::html! {});

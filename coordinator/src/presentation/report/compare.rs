@@ -14,7 +14,7 @@ use crate::statistics::reliability::paired::Change;
 use std::collections::BTreeSet;
 use thiserror::Error;
 
-pub use super::compared::ComparedStudy;
+pub use super::figures::ComparedStudy;
 
 /// Largest number of studies that one figure can distinguish.
 pub const MOST: usize = SERIES;
@@ -239,8 +239,7 @@ mod tests {
         check(&studies).unwrap();
         let width = ("parameters.width".to_owned(), vec!["10 mm".to_owned(), "12 mm".to_owned()]);
         let answer = answer("compare".to_owned(), studies.to_vec(), &[width]);
-        let names: Vec<String> =
-            answer.all_figures().unwrap().into_iter().map(|figure| figure.name).collect();
+        let names: Vec<String> = answer.all_figures().into_iter().map(|figure| figure.name).collect();
         assert_eq!(names, ["reliability-wear", "reliability-asymmetry", "reliability-total"]);
         let markdown = answer.markdown();
         let life = life_and_limits(life_at(&studies[1].summary, "asymmetry", 0.5)).0;

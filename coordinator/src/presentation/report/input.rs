@@ -2,15 +2,13 @@
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
 use super::format::{capital, words};
-use super::grooves::{self, GroovedJoint};
 use super::stated_errors::{StatedAt, StatedErrorCollector};
 use super::untested::{no_simulated_failure, steps_and_noise};
 use super::written::WrittenScene;
-use crate::presentation::control_points::control_points_notes;
-use crate::presentation::motion_cautions::motion_cautions;
+use crate::presentation::motion_cautions::{control_points_notes, motion_cautions};
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
-use common::outputs::{COUNTERS, Diagnostics, Evaluation};
+use common::outputs::{COUNTERS, Diagnostics, Evaluation, NarrowGroove};
 use common::scene::{ContactLaw, JointKind, LimitState, OutputUnit, Scene};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -38,11 +36,6 @@ pub struct CheckpointDistribution {
     pub counts: Vec<u64>,
     /// Pairs of probability and quantile, increasing [1, SI unit of the output].
     pub quantiles: Vec<(f64, f64)>,
-}
-
-/// Edges of `bins` equal bins from `from` to `to` `(bins + 1,)`, the last one exactly `to`.
-pub fn equal_edges(from: f64, to: f64, bins: usize) -> Vec<f64> {
-    (0..=bins).map(|k| if k == bins { to } else { from + (to - from) * k as f64 / bins as f64 }).collect()
 }
 
 /// A simulation with a result.
@@ -154,10 +147,9 @@ impl ReportInput {
     fn new(scene: &Scene, summary: StudySummary, distributions: Vec<CheckpointDistribution>) -> Self {
         Self {
             notes: [
-                of_designs(&summary),
+                of_designs(&summary).into_iter().collect(),
                 unsupported(&summary),
-                rough(&summary),
-                notes(scene),
+                rough(&summary).into_iter().chain(of_contact_law(scene)).collect(),
                 control_points_notes(&summary.control_points),
             ]
             .concat(),
@@ -206,7 +198,7 @@ impl WorkTotals {
     fn add(&mut self, diagnostics: &Diagnostics, wall: f64) {
         self.evaluations += 1;
         self.longest = self.longest.max(wall);
-        grooves::add(&mut self.grooved, &diagnostics.narrow_grooves);
+        add_grooves(&mut self.grooved, &diagnostics.narrow_grooves);
         self.counts.iter_mut().zip(diagnostics.counts()).for_each(|(sum, count)| *sum += count);
     }
 }
@@ -235,28 +227,24 @@ fn unsupported(summary: &StudySummary) -> Vec<String> {
 }
 
 /// A caution if the accuracy is meant for a first look only.
-fn rough(summary: &StudySummary) -> Vec<String> {
-    if !summary.accuracy.starts_with("draft") || summary.max_error.is_some() {
-        return vec![];
-    }
-    vec![
-        "The accuracy draft is meant for a first look: the errors of its time and wear steps can exceed the standard errors \
-         shown. Compare with balanced or reference before decisions; where their stated errors are as large, more control points \
-         are needed."
-            .to_string(),
-    ]
+fn rough(summary: &StudySummary) -> Option<String> {
+    let is_rough = summary.accuracy.starts_with("draft") && summary.max_error.is_none();
+    let text = "The accuracy draft is meant for a first look: the errors of its time and wear steps can exceed the standard errors \
+            shown. Compare with balanced or reference before decisions; where their stated errors are as large, more control points \
+            are needed.";
+    is_rough.then(|| text.to_owned())
 }
 
 /// The note of a study over design variables.
-fn of_designs(summary: &StudySummary) -> Vec<String> {
-    if summary.designs.is_empty() {
-        return vec![];
-    }
-    vec![format!(
-        "The curves and sensitivities of this page are those of a design drawn at random from the ranges of {}. Single designs: \
-         designs/designs.html, and `coordinator designs`.",
-        summary.designs.join(", ")
-    )]
+fn of_designs(summary: &StudySummary) -> Option<String> {
+    let note = || {
+        format!(
+            "The curves and sensitivities of this page are those of a design drawn at random from the ranges of {}. Single designs: \
+designs/designs.html, and `coordinator designs`.",
+            summary.designs.join(", ")
+        )
+    };
+    (!summary.designs.is_empty()).then(note)
 }
 
 /// What is to be said about the motion of the nominal mechanism.
@@ -265,7 +253,7 @@ fn cautions(diagnostics: &Diagnostics) -> Vec<String> {
 }
 
 /// Cautions about properties of the model that affect the result.
-fn notes(scene: &Scene) -> Vec<String> {
+fn of_contact_law(scene: &Scene) -> Option<String> {
     let local_hertz = scene.joints.iter().any(|joint| match &joint.kind {
         JointKind::Clearance(clearance) => clearance.contact_law == ContactLaw::LocalHertz,
         _ => false,
@@ -273,16 +261,40 @@ fn notes(scene: &Scene) -> Vec<String> {
     let watches_speed = scene.limit_states.iter().any(|state| {
         scene.outputs.get(state.output).map(|output| output.kind.unit()) == Some(OutputUnit::AngularVelocity)
     });
-    if local_hertz && watches_speed {
-        return vec![
-            "The contact law local-hertz measures penetration in one direction only. On a worn bore it does not \
-             conserve energy and can excite a vibration that increases angular-velocity differences late in life; with \
-             the conformal law foundation the flapping-wing drive shows no such growth. A failure by asymmetry found \
-             with local-hertz is a property of that law."
-                .to_string(),
-        ];
+    let text = "The contact law local-hertz measures penetration in one direction only. On a worn bore it does not \
+            conserve energy and can excite a vibration that increases angular-velocity differences late in life; with \
+            the conformal law foundation the flapping-wing drive shows no such growth. A failure by asymmetry found \
+            with local-hertz is a property of that law.";
+    (local_hertz && watches_speed).then(|| text.to_owned())
+}
+
+/// The evaluations of a study in which a joint had such a groove.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct GroovedJoint {
+    /// Number of evaluations.
+    pub evaluations: u64,
+    /// Earliest life at which one was there [cycles].
+    pub since: u32,
+    /// The most open one.
+    pub widest: NarrowGroove,
+}
+
+/// Adds the grooves of one evaluation to the counts of their joints.
+fn add_grooves(grooved: &mut Vec<GroovedJoint>, grooves: &[NarrowGroove]) {
+    for groove in grooves {
+        match grooved.iter_mut().find(|joint| joint.widest.joint == groove.joint) {
+            Some(known) => {
+                known.evaluations += 1;
+                known.since = known.since.min(groove.since);
+                if groove.open > known.widest.open {
+                    known.widest.clone_from(groove);
+                }
+            }
+            None => {
+                grooved.push(GroovedJoint { evaluations: 1, since: groove.since, widest: groove.clone() })
+            }
+        }
     }
-    vec![]
 }
 
 #[cfg(test)]
@@ -291,18 +303,12 @@ mod tests {
     use crate::test_study;
 
     #[test]
-    fn equal_bins_end_where_they_should() {
-        assert_eq!(equal_edges(1.0, 2.0, 4), [1.0, 1.25, 1.5, 1.75, 2.0]);
-        assert_eq!(equal_edges(0.1, 0.3, 7)[7], 0.3);
-    }
-
-    #[test]
     fn a_draft_or_unfinished_study_has_a_caution() {
         let mut summary = test_study::study().summary;
-        assert!(rough(&summary).is_empty() && go_on(&summary, Path::new("a/b")).is_none());
+        assert!(rough(&summary).is_none() && go_on(&summary, Path::new("a/b")).is_none());
         summary.accuracy = "draft".into();
         summary.convergence.targets_met = false;
-        assert!(rough(&summary)[0].contains("first look"));
+        assert!(rough(&summary).unwrap().contains("first look"));
         summary.convergence.larger_budget = Some(80);
         let said = go_on(&summary, Path::new("a/b")).unwrap();
         assert!(said.contains(&summary.convergence.stopped_because), "{said}");
@@ -318,15 +324,37 @@ mod tests {
     #[test]
     fn the_caution_on_the_contact_law_appears_only_where_it_applies() {
         let mut scene = test_study::scene();
-        assert_eq!(notes(&scene).len(), 1);
+        assert!(of_contact_law(&scene).is_some());
         for joint in &mut scene.joints {
             if let JointKind::Clearance(clearance) = &mut joint.kind {
                 clearance.contact_law = ContactLaw::Foundation;
             }
         }
-        assert!(notes(&scene).is_empty());
+        assert!(of_contact_law(&scene).is_none());
         let mut scene = test_study::scene();
         scene.limit_states.truncate(1);
-        assert!(notes(&scene).is_empty());
+        assert!(of_contact_law(&scene).is_none());
+    }
+
+    #[test]
+    fn grooves_are_counted_by_joint_and_the_most_open_one_is_kept() {
+        let groove = |joint: &str, since, open| NarrowGroove {
+            joint: joint.into(),
+            since,
+            angle: 1.0,
+            width: 0.2,
+            open,
+        };
+        let mut grooved = vec![];
+        for evaluation in [
+            vec![groove("a", 4000, 1e-6)],
+            vec![],
+            vec![groove("a", 2000, 2e-6), groove("b", 8000, 5e-7)],
+            vec![groove("a", 3000, 1.5e-6)],
+        ] {
+            add_grooves(&mut grooved, &evaluation);
+        }
+        let found: Vec<_> = grooved.iter().map(|j| (j.evaluations, j.since, j.widest.open)).collect();
+        assert_eq!(found, [(3, 2000, 2e-6), (1, 8000, 5e-7)]);
     }
 }

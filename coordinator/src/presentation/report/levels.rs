@@ -1,13 +1,17 @@
-//! Parts of the interval of R, and the levels of accuracy that correct it, in words and as tables.
+//! Parts of the interval of R, the levels of accuracy that correct it, and the stated numerical errors over life, in words and as
+//! tables.
 
-use super::format::{count, fixed, percent};
+use super::format::{count, fixed, percent, with_unit};
+use super::input::ReportInput;
 use super::life::governing;
-use super::tables::table;
+use super::stated_errors::StatedAt;
+use super::tables::{table, table_of};
 use crate::results::level_summary::DifferenceRow;
 use crate::results::reliability_summary::ErrorParts;
 use crate::results::summary::StudySummary;
 use crate::statistics::reliability::REACH;
-use maud::{Markup, Render, html};
+use common::scene::LimitState;
+use maud::{Markup, html};
 
 /// Names of the parts of an interval, and what reduces each.
 pub const PARTS: [(&str, &str); 3] = [
@@ -74,45 +78,127 @@ fn signed_percent(share: f64) -> String {
 /// Parts of the intervals of all curves where R of the system is nearest 1/2, and the differences of the levels.
 pub fn tables(summary: &StudySummary) -> Markup {
     let Some(row) = governing(summary).filter(|row| !row.parts.is_empty()) else { return html! {} };
-    let head = ["half width of the 95 % interval of R".to_owned()];
-    let names = PARTS.map(|(name, _)| name.to_owned());
-    let head: Vec<String> = head.into_iter().chain(names).chain(["all".to_owned()]).collect();
+    let [samples, surrogates, numerical] = PARTS.map(|(name, _)| name);
+    let head = ["half width of the 95 % interval of R", samples, surrogates, numerical, "all"];
     let cells = |name: &str| {
         let widths = row.parts.get(name).map(half_widths).unwrap_or_default();
         let all = widths.iter().map(|width| width * width).sum::<f64>().sqrt();
-        let numbers = widths.into_iter().chain([all]).map(|width| fixed(width, 4).render());
-        std::iter::once(format!("{name}, {} cycles", count(row.cycles.into())).render())
-            .chain(numbers)
-            .collect::<Vec<Markup>>()
+        let numbers = widths.into_iter().chain([all]).map(|width| fixed(width, 4));
+        std::iter::once(format!("{name}, {} cycles", count(row.cycles.into()))).chain(numbers)
     };
     let parts = table(&head, summary.curve_names().map(cells));
     let differences = summary.levels.iter().flat_map(|levels| &levels.differences);
-    let rows: Vec<Vec<Markup>> = differences
-        .map(|row| {
-            let order = row.order.map_or("not observed".to_owned(), |order| fixed(order, 1));
-            let shares = [signed_percent(row.correction), percent(row.error), percent(row.rough)];
-            let cells = [row.limit_state.clone(), row.form.clone()].into_iter().chain(shares).chain([order]);
-            cells.map(|cell| cell.render()).collect()
-        })
-        .collect();
-    let head = [
-        "difference of the levels",
-        "form",
-        "of the limit",
-        "± (95 %)",
-        "spread from point to point",
-        "order",
-    ];
+    let differences: Vec<&DifferenceRow> = differences.collect();
     html! {
         (parts)
-        @if !rows.is_empty() { (table(&head, rows.into_iter())) }
+        @if !differences.is_empty() {
+            (table_of::<&DifferenceRow>(
+                &[
+                    ("difference of the levels", &|row| row.limit_state.clone()),
+                    ("form", &|row| row.form.clone()),
+                    ("of the limit", &|row| signed_percent(row.correction)),
+                    ("± (95 %)", &|row| percent(row.error)),
+                    ("spread from point to point", &|row| percent(row.rough)),
+                    ("order", &|row| row.order.map_or("not observed".to_owned(), |order| fixed(order, 1))),
+                ],
+                differences,
+            ))
+        }
     }
+}
+
+/// Lives shown in the table: the end of every sixth of the life, and the governing checkpoint.
+const SIXTHS: usize = 6;
+
+/// Typical and largest stated error of every limit state's output over life, in its unit and relative to its limit;
+/// empty if no evaluation states errors.
+pub fn errors_over_life(input: &ReportInput) -> Markup {
+    let governing = governing(&input.summary).map(|row| row.cycles);
+    let rows = input.scene.limit_states.iter().flat_map(|state| {
+        let errors = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
+        let is_shown = move |(k, stated): &(usize, &StatedAt)| {
+            (1..=SIXTHS).any(|sixth| k + 1 == errors.len() * sixth / SIXTHS)
+                || Some(stated.cycles) == governing
+        };
+        errors.iter().enumerate().filter(is_shown).map(move |(_, stated)| (state, stated))
+    });
+    let rows: Vec<(&LimitState, &StatedAt)> = rows.collect();
+    if rows.is_empty() {
+        return html! {};
+    }
+    let value = |state: &LimitState, error: f64| with_unit(&input.unit_of(state), error);
+    table_of::<(&LimitState, &StatedAt)>(
+        &[
+            ("stated error of", &|(state, _)| input.output_of(state)),
+            ("at cycles", &|(_, stated)| count(stated.cycles.into())),
+            ("typical", &|(state, stated)| value(state, stated.typical)),
+            ("of the limit", &|(state, stated)| of_limit(state, stated.typical)),
+            ("largest", &|(state, stated)| value(state, stated.largest)),
+            ("of the limit", &|(state, stated)| of_limit(state, stated.largest)),
+        ],
+        rows,
+    )
+}
+
+/// An error as a share of its limit.
+fn of_limit(state: &LimitState, error: f64) -> String {
+    percent(error.abs() / state.scale())
+}
+
+/// Meaning and size of the stated errors, and their place in the intervals; empty if no evaluation states errors.
+pub fn sentences(input: &ReportInput) -> Vec<String> {
+    let Some(row) = governing(&input.summary) else { return vec![] };
+    let sizes: Vec<String> = input
+        .scene
+        .limit_states
+        .iter()
+        .filter_map(|state| {
+            let stated = input.stated.get(state.output)?.iter().find(|stated| stated.cycles == row.cycles)?;
+            let [typical, largest] = [stated.typical, stated.largest].map(|error| of_limit(state, error));
+            Some(format!("{} {typical}, at most {largest}", input.output_of(state)))
+        })
+        .collect();
+    if sizes.is_empty() {
+        return vec![];
+    }
+    let mut text = vec![format!(
+        "Every simulation states the numerical error of its outputs{}; the true error should be less than twice the stated \
+         one in 95 % of cases. Typical and largest stated error at {} cycles, as a share of the limit: {}.",
+        if input.summary.of_mechanism() { ", estimated from its time and wear steps" } else { "" },
+        count(row.cycles.into()),
+        sizes.join("; ")
+    )];
+    text.push(
+        if input.summary.levels.is_some() {
+            "Pairs of simulations at finer levels correct the results, and their error takes the place of the stated one in all intervals."
+        } else {
+            "In the intervals of R and of the lives every response is off by its stated error in the same direction; a finer accuracy, finer \
+             levels and, for the wear, more control points reduce that, more simulations do not."
+        }
+        .to_owned(),
+    );
+    let shares: Vec<String> = input
+        .summary
+        .surrogates
+        .iter()
+        .filter_map(|surrogate| Some((surrogate, surrogate.share_of_stated_error?)))
+        .map(|(surrogate, share)| format!("{} for {}", percent(share), surrogate.limit_state))
+        .collect();
+    if !shares.is_empty() {
+        text.push(format!(
+            "The surrogates treat {} of the stated errors as noise that varies from one simulation to the next; the rest is \
+             common to all simulations and remains in the predictions.",
+            shares.join(" and ")
+        ));
+    }
+    text
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::results::level_summary::LevelsRow;
+    use crate::test_study;
 
     #[test]
     fn the_largest_part_and_the_levels_are_named() {
@@ -137,5 +223,19 @@ mod tests {
         assert!(tables(&summary).0.contains("not observed") || tables(&summary).0.contains("2.0"));
         summary.reliability.iter_mut().for_each(|row| row.parts.clear());
         assert!(tables(&summary).0.is_empty());
+    }
+
+    #[test]
+    fn the_sentences_contain_shares_and_lives() {
+        let input = test_study::report_input();
+        let text = sentences(&input).join(" ").replace('\u{a0}', " ");
+        // 0.25 of 30 um, 0.1 of 25 r/min.
+        assert!(text.contains("max wear depth 0.8 %, at most 0.8 %"), "{text}");
+        assert!(text.contains("angular velocity difference 0.4 %, at most 0.4 %"), "{text}");
+        assert!(text.contains("off by its stated error in the same direction"), "{text}");
+        assert!(text.contains("5.0 % for wear"), "{text}");
+        let mut silent = input.clone();
+        silent.stated.clear();
+        assert!(sentences(&silent).is_empty() && errors_over_life(&silent).0.is_empty());
     }
 }

@@ -149,6 +149,16 @@ pub fn reliability(row: &ReliabilityRow, name: &str) -> String {
         .map_or_else(|| fixed(r, 4), |range| format::reliability(r, range.lower, range.upper))
 }
 
+/// The reliability of every limit state and of the system with its 95 % interval at these checkpoints: the head and a row each.
+pub fn reliability_table(summary: &StudySummary, rows: &[ReliabilityRow]) -> Vec<Vec<String>> {
+    let names = || summary.limit_states.iter().map(String::as_str).chain(["total"]);
+    let head = std::iter::once("cycles".to_owned()).chain(names().map(|name| format!("R {name} (95 %)")));
+    let cells = |row: &ReliabilityRow| {
+        std::iter::once(count(row.cycles.into())).chain(names().map(|name| reliability(row, name))).collect()
+    };
+    std::iter::once(head.collect()).chain(rows.iter().map(cells)).collect()
+}
+
 /// The row where the system's reliability is nearest 1/2.
 pub fn governing(summary: &StudySummary) -> Option<&ReliabilityRow> {
     let distance = |row: &ReliabilityRow| (row.reliability.get("total").copied().unwrap_or(1.0) - 0.5).abs();

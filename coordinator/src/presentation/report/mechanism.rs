@@ -33,6 +33,19 @@ pub fn place(poses: &[Pose], point: &Attachment) -> [f64; 2] {
     of_body(&poses[point.body], point.position)
 }
 
+/// Lower left and upper right corner of the rectangle around points; not finite if a coordinate is no number.
+pub fn extent(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
+    let wider = |[low, high]: [[f64; 2]; 2], point: [f64; 2]| {
+        // A value that is not a number must not be lost in a minimum.
+        let keep = |a: f64, b: f64, less: bool| if b.is_nan() || (b < a) == less { b } else { a };
+        [
+            [0, 1].map(|k: usize| keep(low[k], point[k], true)),
+            [0, 1].map(|k: usize| keep(high[k], point[k], false)),
+        ]
+    };
+    points.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], wider)
+}
+
 /// Vector from the centre of the bushing to that of the journal in these poses, in the frame of the bushing's body [m].
 pub fn eccentricity(poses: &[Pose], joint: &Joint) -> [f64; 2] {
     let (journal, bushing) = (place(poses, &joint.journal), place(poses, &joint.bushing));

@@ -6,11 +6,9 @@ pub mod answer;
 mod bars;
 mod chapters;
 pub mod compare;
-mod compared;
 pub mod drawing;
 mod figure;
 mod figures;
-mod grooves;
 mod input;
 pub mod levels;
 pub mod life;
@@ -21,7 +19,6 @@ mod page;
 pub mod palette;
 mod plot;
 pub mod polar;
-mod stated;
 mod stated_errors;
 mod studied;
 mod tables;
@@ -36,13 +33,13 @@ pub use figure::{Drawing, Figure};
 pub use figures::{VaryingLoads, reliability as reliability_figure};
 pub use input::{
     CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, ReportInput, SUMMARY_DOCUMENT, SimulatedSample,
-    WorkTotals, equal_edges,
+    WorkTotals,
 };
 pub use life::{failure_probability, reliability};
 pub use page::{FigureFiles, LiveStatus, Page, standalone, wrapped};
-pub use plot::{Axis, Plot, PlotError, Points, Scale, Series, Shape};
+pub use plot::{Axis, Plot, Points, Scale, Series, Shape};
 pub use stated_errors::StatedAt;
-pub use tables::{cells, table};
+pub use tables::table;
 
 use crate::results::result_files::{
     ResultFileError, create_folder, reliability_csv, summary_json, write_samples_csv, write_text,
@@ -57,8 +54,6 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum ReportError {
     /// A figure cannot be drawn.
-    #[error(transparent)]
-    Plot(#[from] PlotError),
     /// A file cannot be written.
     #[error(transparent)]
     File(#[from] ResultFileError),
@@ -73,24 +68,17 @@ impl ReportError {
         match self {
             Self::File(error) => error.is_bad_input(),
             Self::Store(error) => error.is_bad_input(),
-            Self::Plot(_) => false,
         }
     }
 }
 
 /// The page of the report; a function of its input alone.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn render(input: &ReportInput) -> Result<Page, PlotError> {
+pub fn render(input: &ReportInput) -> Page {
     chapters::page(input, FigureFiles::NextToPage)
 }
 
 /// The page of the report without links to files; a function of its input alone.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn render_alone(input: &ReportInput) -> Result<Page, PlotError> {
+pub fn render_alone(input: &ReportInput) -> Page {
     chapters::page(input, FigureFiles::Absent)
 }
 
@@ -100,7 +88,7 @@ pub fn render_alone(input: &ReportInput) -> Result<Page, PlotError> {
 /// # Errors
 /// [`ReportError`].
 pub fn write(dir: &Path, input: &ReportInput) -> Result<PathBuf, ReportError> {
-    let page = render(input)?;
+    let page = render(input);
     write_figures(dir, page.figures())?;
     let path = dir.join("report.html");
     write_text(&path, &page.html(None))?;

@@ -6,13 +6,12 @@ use super::figures;
 use super::format::{UNKNOWN, count, whole, with_unit};
 use super::input::ReportInput;
 use super::page::{self, FigureFiles, Page, captioned};
-use super::plot::PlotError;
 use super::{chapters, studied, tables};
 use crate::presentation::nominal_life::{NominalLife, nominal_lives};
 use crate::results::summary::StudySummary;
 use common::outputs::Evaluation;
 use common::scene::Scene;
-use maud::{Markup, Render, html};
+use maud::{Markup, html};
 
 /// One mechanism and what is known of it.
 pub struct NominalView<'v> {
@@ -32,17 +31,12 @@ impl NominalView<'_> {
         let input = self.input();
         let mut page = Page::new(&self.scene.title, chapters::header(&input), FigureFiles::Absent);
         page.add(html! { p.none { (reason) } });
-        if let Err(error) = self.begin(&mut page, &input) {
-            page.add(html! { p.note { (error) } });
-        }
+        self.begin(&mut page, &input);
         page
     }
 
     /// The page of one simulation; `facts` are pairs of a name and what it stands for, and `source` is the text of the scene.
-    ///
-    /// # Errors
-    /// [`PlotError`].
-    pub fn page(&self, facts: &[(&str, String)], source: &str) -> Result<Page, PlotError> {
+    pub fn page(&self, facts: &[(&str, String)], source: &str) -> Page {
         let input = self.input();
         let header = html! {
             header {
@@ -52,27 +46,25 @@ impl NominalView<'_> {
             }
         };
         let mut page = Page::new(&self.scene.title, header, FigureFiles::Absent);
-        let rows = facts.iter().map(|(name, value)| vec![html! { (name) }, html! { (value) }]);
+        let rows = facts.iter().map(|(name, value)| [*name, value]);
         page.add(captioned("facts", "The simulation", tables::table_of_text(&["item", "value"], rows)));
-        self.begin(&mut page, &input)?;
-        let scripts = chapters::mechanism(&mut page, &input)?;
+        self.begin(&mut page, &input);
+        let scripts = chapters::mechanism(&mut page, &input);
         page.begin("What was simulated");
         page.add(studied::mechanism(self.scene, source));
         page.begin_appendix();
         page.add(html! { (page::details("Scene file", html! { pre { code { (source) } } })) (scripts) });
-        Ok(page)
+        page
     }
 
     /// Adds limits, and the drawing beside the outputs over life.
-    fn begin(&self, page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
+    fn begin(&self, page: &mut Page, input: &ReportInput) {
         page.add(self.limits());
         let drawing = studied::figure(input).or_else(|| self.drawing.cloned());
-        let drawn = page.draw(
-            drawing.into_iter().chain(studied::loads(input)?).chain(figures::histories(input)?).collect(),
-            "two",
-        );
+        let drawn =
+            drawing.into_iter().chain(studied::loads(input)).chain(figures::histories(input)).collect();
+        let drawn = page.draw(drawn, "two");
         page.add(drawn);
-        Ok(())
     }
 
     fn input(&self) -> ReportInput {
@@ -93,14 +85,14 @@ impl NominalView<'_> {
             let shown = |value: f64| with_unit(&output.kind.unit(), value);
             let known = lives.as_ref().map(|lives| &lives[k]);
             let of = |value: &dyn Fn(&NominalLife) -> Option<String>| {
-                known.and_then(value).unwrap_or_else(|| UNKNOWN.to_owned()).render()
+                known.and_then(value).unwrap_or_else(|| UNKNOWN.to_owned())
             };
-            vec![
-                limit.name.render(),
-                output.name.render(),
+            [
+                limit.name.clone(),
+                output.name.clone(),
                 of(&|life| life.unworn.map(shown)),
                 of(&|life| Some(shown(life.last))),
-                limit.thresholds().into_iter().map(shown).collect::<Vec<_>>().join(" to ").render(),
+                limit.thresholds().into_iter().map(shown).collect::<Vec<_>>().join(" to "),
                 of(&|life| Some(format!("{:.0} %", 100.0 * life.margin()))),
                 of(&|life| Some(life.reached.life().map_or("beyond the life studied".to_owned(), whole))),
             ]
@@ -131,7 +123,7 @@ mod tests {
         let evaluation = test_study::report_input().nominal.unwrap();
         let view = NominalView { evaluation: Some(&evaluation), ..before };
         let facts = [("accuracy", "draft".to_owned())];
-        let page = view.page(&facts, "gravity = 0").unwrap().html(None);
+        let page = view.page(&facts, "gravity = 0").html(None);
         for piece in [
             "id=\"drawing\"",
             "id=\"history-wear\"",

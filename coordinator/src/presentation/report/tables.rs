@@ -2,8 +2,7 @@
 
 use super::figures::{rows_at_governing, words};
 use super::format::{UNKNOWN, count, duration, fixed, percent, three_digits, with_unit};
-use super::grooves::GroovedJoint;
-use super::input::ReportInput;
+use super::input::{GroovedJoint, ReportInput};
 use super::life::{self, LEVELS, LifeAt, life_and_limits, life_at};
 use crate::results::summary::{ReliabilityRow, Round, SensitivityRow, WorkerShare};
 use crate::statistics::reliability::REACH;
@@ -14,18 +13,19 @@ use maud::{Markup, Render, html};
 /// Cells of one row.
 type Row = Vec<Markup>;
 
-/// Cells of a row with these texts.
-pub fn cells<const N: usize>(texts: [String; N]) -> Row {
-    texts.map(|text| text.render()).to_vec()
-}
-
 /// A table whose last column holds text that may break into lines.
-pub fn table_of_text(head: &[&str], rows: impl Iterator<Item = Row>) -> Markup {
+pub fn table_of_text<R: IntoIterator<Item: Render>>(
+    head: &[&str],
+    rows: impl IntoIterator<Item = R>,
+) -> Markup {
     scrolling_table(Some("text"), head, rows)
 }
 
 /// A table of numbers; on a narrow screen it scrolls sideways.
-pub fn table<H: AsRef<str>>(head: &[H], rows: impl Iterator<Item = Row>) -> Markup {
+pub fn table<H: AsRef<str>, R: IntoIterator<Item: Render>>(
+    head: &[H],
+    rows: impl IntoIterator<Item = R>,
+) -> Markup {
     scrolling_table(None, head, rows)
 }
 
@@ -35,16 +35,17 @@ pub type TableColumn<'a, T> = (&'a str, &'a dyn Fn(&T) -> String);
 /// A table of one row per item.
 pub fn table_of<T>(columns: &[TableColumn<'_, T>], items: impl IntoIterator<Item = T>) -> Markup {
     let head: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
-    let row = |item: T| columns.iter().map(|(_, cell)| cell(&item).render()).collect();
+    let row = |item: T| columns.iter().map(|(_, cell)| cell(&item)).collect::<Vec<String>>();
     table(&head, items.into_iter().map(row))
 }
 
-fn scrolling_table<H: AsRef<str>>(
+fn scrolling_table<H: AsRef<str>, R: IntoIterator<Item: Render>>(
     class: Option<&str>,
     head: &[H],
-    rows: impl Iterator<Item = Row>,
+    rows: impl IntoIterator<Item = R>,
 ) -> Markup {
-    let rows: Vec<Row> = rows.collect();
+    let row = |cells: R| cells.into_iter().map(|cell| cell.render()).collect();
+    let rows: Vec<Row> = rows.into_iter().map(row).collect();
     // The last column of a table with text holds no numbers.
     let numbers = head.len() - usize::from(class.is_some());
     let columns: Vec<Vec<Option<String>>> = (0..numbers).map(|k| missing_digits(&rows, k)).collect();
@@ -91,15 +92,8 @@ fn missing_digits(rows: &[Row], column: usize) -> Vec<Option<String>> {
 
 /// Reliability with its 95 % interval at these checkpoints.
 pub fn reliability(input: &ReportInput, rows: &[ReliabilityRow]) -> Markup {
-    let names: Vec<&str> =
-        input.scene.limit_states.iter().map(|state| state.name.as_str()).chain(["total"]).collect();
-    let head = names.iter().map(|name| format!("R {name} (95 %)"));
-    let head: Vec<String> = std::iter::once("cycles".to_owned()).chain(head).collect();
-    let cells = |row: &ReliabilityRow| -> Vec<Markup> {
-        let of_curves = names.iter().map(|name| life::reliability(row, name).render());
-        std::iter::once(count(row.cycles.into()).render()).chain(of_curves).collect()
-    };
-    table(&head, rows.iter().map(cells))
+    let cells = life::reliability_table(&input.summary, rows);
+    table(&cells[0], &cells[1..])
 }
 
 /// A life with its 95 % interval as a cell.
@@ -231,7 +225,7 @@ pub fn stated_errors(input: &ReportInput) -> Option<Markup> {
         input.scene.outputs.iter().zip(&nominal.histories).enumerate().map(|(k, (output, history))| {
             let last = |row: &[f64]| with_unit(&output.kind.unit(), row.last().copied().unwrap_or(f64::NAN));
             let error = nominal.errors.get(k).map_or(UNKNOWN.to_owned(), |errors| last(errors));
-            [words(&output.name), last(history), error].map(|cell| cell.render()).to_vec()
+            [words(&output.name), last(history), error]
         });
     let subject = format!("nominal at {} cycles", count((*cycles).into()));
     Some(table(&[subject.as_str(), "value", "numerical error"], rows))

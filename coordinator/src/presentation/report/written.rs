@@ -19,8 +19,6 @@ pub struct WrittenScene {
     pub formulas: Vec<(String, String)>,
     /// What operating conditions change, by the path of the key: `conditions.NAME.changes.KEY`.
     pub changes: Vec<(String, String)>,
-    /// Names of the materials.
-    pub materials: Vec<String>,
     /// Names by the path of their key: points, materials, files that values are from.
     names: BTreeMap<String, String>,
     /// Values of the quantities that are written [SI].
@@ -40,7 +38,6 @@ impl WrittenScene {
             .flatten()
             .map(|(name, value)| (name.clone(), text_of(value)))
             .collect();
-        written.materials = table("materials").into_iter().flat_map(Table::keys).cloned().collect();
         for row in document.get("variables").and_then(Value::as_array).into_iter().flatten() {
             let text = |value: Option<&Value>| value.and_then(Value::as_str).map(str::to_owned);
             let from = text(row.get("samples").and_then(|samples| samples.get("source")));
@@ -134,7 +131,6 @@ mod tests {
     fn formulas_names_and_values_are_found_by_their_keys() {
         let source = SceneSource::builtin("four-bar").unwrap();
         let written = WrittenScene::new(source.text());
-        assert_eq!(written.materials, ["bronze", "steel"]);
         assert!(written.parameters.contains(&("clearance".into(), "30 um".into())));
         let formula = |key: &str| {
             written.formulas.iter().find(|(found, _)| found == key).map(|(_, text)| text.as_str())

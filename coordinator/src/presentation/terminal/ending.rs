@@ -1,24 +1,22 @@
 //! The summary printed at the end of a study.
 
-use crate::presentation::control_points::control_points_notes;
-use crate::presentation::format::{count, duration};
+use crate::presentation::format::{duration, in_columns};
+use crate::presentation::motion_cautions::control_points_notes;
+use crate::presentation::report::failure_probability;
 use crate::presentation::report::levels::parts_and_levels;
 use crate::presentation::report::life::{
-    LEVELS, LifeAt, life_and_limits, life_at, rows_that_matter, unresolved_fall,
+    LEVELS, LifeAt, life_and_limits, life_at, reliability_table, rows_that_matter, unresolved_fall,
 };
 use crate::presentation::report::untested::{no_simulated_failure, steps_and_noise};
-use crate::presentation::report::{failure_probability, reliability};
-use crate::presentation::text_table::in_columns;
+
 use crate::results::summary::StudySummary;
 use std::path::Path;
 
 /// The summary printed at the end of a study: R around its fall, lives, stopping reason, effort, files.
 pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
-    let mut names: Vec<&str> = summary.limit_states.iter().map(String::as_str).collect();
-    names.push("total");
+    let names = summary.limit_states.iter().map(String::as_str).chain(["total"]);
     let mut text = match summary.reliability.as_slice() {
         [only] => names
-            .iter()
             .map(|name| {
                 let found = failure_probability(only, name);
                 // A bound has its sign.
@@ -26,7 +24,7 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
                 format!("P_f {name} {equals}{found} (95 %)\n")
             })
             .collect(),
-        _ => over_life(summary, &names),
+        _ => over_life(summary),
     };
     for note in no_simulated_failure(summary).into_iter().chain(control_points_notes(&summary.control_points))
     {
@@ -74,14 +72,8 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
 }
 
 /// Table of R around its fall with a row of names on top, and the lives.
-fn over_life(summary: &StudySummary, names: &[&str]) -> String {
-    let head = names.iter().map(|name| format!("R {name} (95 %)"));
-    let mut table: Vec<Vec<String>> = vec![std::iter::once("cycles".to_owned()).chain(head).collect()];
-    for row in rows_that_matter(summary, 0) {
-        let cells = names.iter().map(|name| reliability(row, name));
-        table.push(std::iter::once(count(row.cycles.into())).chain(cells).collect());
-    }
-    let mut text = in_columns(&table, &[]);
+fn over_life(summary: &StudySummary) -> String {
+    let mut text = in_columns(&reliability_table(summary, rows_that_matter(summary, 0)), &[]);
     text.push('\n');
     for level in LEVELS {
         let found = life_at(summary, "total", level);

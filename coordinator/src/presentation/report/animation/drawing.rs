@@ -1,11 +1,11 @@
 //! The first frame of the animation: bodies in true proportions, and below them the joints with clearance, magnified.
 
-use super::frames::AnimatedCycle;
 use crate::presentation::report::drawing::labels::LabelArea;
 use crate::presentation::report::drawing::symbols::{block, coordinate, ground, link, rail, rail_ends};
 use crate::presentation::report::figure::Drawing;
 use crate::presentation::report::mechanism::{self, Pose, eccentricity, of_body, place};
 use crate::presentation::report::palette::Ink;
+use common::outputs::CycleHistory;
 use common::scene::{GuideClearance, Joint, JointKind, Motion, Scene};
 use maud::{Markup, html};
 use std::f64::consts::TAU;
@@ -52,29 +52,23 @@ pub struct Layout {
 impl Layout {
     /// The layout that contains every frame of these cycles; `None` if the mechanism has no extent.
     pub fn new(scene: &Scene, shown: &[AnimatedCycle<'_>], wear: &[&[f64]]) -> Option<Self> {
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         let outlines: Vec<Vec<[f64; 2]>> =
             (0..scene.bodies.len()).map(|body| mechanism::outline(scene, body)).collect();
-        for poses in shown.iter().flat_map(AnimatedCycle::frames) {
-            let drawn = poses.iter().zip(&outlines);
-            for point in drawn.flat_map(|(pose, outline)| outline.iter().map(|point| of_body(pose, *point))) {
-                for axis in 0..2 {
-                    low[axis] = low[axis].min(point[axis]);
-                    high[axis] = high[axis].max(point[axis]);
-                }
-            }
-        }
+        let placed = |(pose, outline): (&Pose, &Vec<[f64; 2]>)| -> Vec<[f64; 2]> {
+            outline.iter().map(|point| of_body(pose, *point)).collect()
+        };
+        let frames = shown.iter().flat_map(AnimatedCycle::frames);
+        let [low, high] = mechanism::extent(
+            frames.flat_map(|poses| poses.iter().zip(&outlines).flat_map(placed).collect::<Vec<_>>()),
+        );
         let (wide, tall) = (high[0] - low[0], high[1] - low[1]);
         let room = (WIDTH - 2.0 * MARGIN, HEIGHT - 2.0 * MARGIN);
         let scale = (room.0 / wide).min(room.1 / tall);
         let reach = |(index, joint): (usize, &Joint)| match &joint.kind {
-            JointKind::Clearance(clearance) => wear
-                .get(index)
-                .map_or(&[][..], |depth| depth)
-                .iter()
-                .fold(clearance.radial_clearance(), |reach, depth| {
-                    reach.max(clearance.radial_clearance() + depth)
-                }),
+            JointKind::Clearance(clearance) => {
+                let deepest = wear.get(index).map_or(0.0, |depth| depth.iter().copied().fold(0.0, f64::max));
+                clearance.radial_clearance() + deepest
+            }
             _ => 0.0,
         };
         let largest = scene.joints.iter().enumerate().map(reach).fold(0.0, f64::max);
@@ -277,6 +271,29 @@ fn bore(depth: &[f64], magnified: f64) -> String {
         );
     }
     if path.is_empty() { path } else { path + "Z" }
+}
+
+/// Frames per cycle.
+pub const FRAMES: usize = 120;
+
+/// A cycle to be animated.
+pub struct AnimatedCycle<'a> {
+    /// Name in the list of cycles.
+    pub name: &'static str,
+    /// True if the bores are those at the end of life.
+    pub worn: bool,
+    /// Motion over the cycle.
+    pub cycle: &'a CycleHistory,
+    /// Poses of all bodies at its instants `(n, bodies)`.
+    pub poses: Vec<Vec<Pose>>,
+}
+
+impl AnimatedCycle<'_> {
+    /// Poses of all bodies in the frames, which are evenly spread over the cycle.
+    pub fn frames(&self) -> impl Iterator<Item = &[Pose]> {
+        let last = self.poses.len() - 1;
+        (0..FRAMES).map(move |frame| self.poses[frame * last / FRAMES].as_slice())
+    }
 }
 
 #[cfg(test)]

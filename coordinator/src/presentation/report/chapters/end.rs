@@ -64,23 +64,23 @@ fn failures(input: &ReportInput) -> Markup {
     let learned = !input.summary.convergence.rounds.is_empty();
     let listed = input.failures.iter().take(FAILURES_LISTED);
     html! {
-        p {
-            "Evaluations without a result: " (count(input.failures.len() as u64)) ". They are excluded"
-            @if input.summary.is_direct() {
-                "; the intervals of R contain both extremes, that all or none of these samples have failed"
-            } @else if learned {
-                "; the share of the population that cannot be simulated is estimated at "
-                (percent(input.summary.failures.barred_share))
-                ", and the intervals of R contain both extremes, that all or none of it fails"
+            p {
+                "Evaluations without a result: " (count(input.failures.len() as u64)) ". They are excluded"
+                @if input.summary.is_direct() {
+                    "; the intervals of R contain both extremes, that all or none of these samples have failed"
+                } @else if learned {
+                    "; the share of the population that cannot be simulated is estimated at "
+                    (percent(input.summary.failures.barred_share))
+                    ", and the intervals of R contain both extremes, that all or none of it fails"
+                }
+                "."
+                @if input.failures.len() > FAILURES_LISTED { " The first are listed here, all of them in samples.csv." }
             }
-            "."
-            @if input.failures.len() > FAILURES_LISTED { " The first are listed here, all of them in samples.csv." }
+            (details("Failed evaluations", tables::table_of_text(
+                &["evaluation", "reason of the failure"],
+    listed.map(|(id, reason)| [id.to_string(), reason.clone()]),
+            )))
         }
-        (details("Failed evaluations", tables::table_of_text(
-            &["evaluation", "reason of the failure"],
-            listed.map(|(id, reason)| vec![html! { (id) }, html! { (reason) }]),
-        )))
-    }
 }
 
 /// What is needed to repeat the study.

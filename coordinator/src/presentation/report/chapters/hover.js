@@ -13,7 +13,6 @@
   const value = {
     "linear": (v) => v,
     "log": (v) => 10 ** v,
-    "log-share": (v) => 10 ** (v + 2),
     "weibull": (v) => 100 * (1 - Math.exp(-Math.exp(v))),
     "normal": (v) => 100 * (v < 0 ? upper(-v) : 1 - upper(v)),
   };

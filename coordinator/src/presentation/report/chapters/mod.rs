@@ -2,63 +2,58 @@
 //! the values of charts at the pointer. Without them the drawing shows its first frame.
 
 mod end;
-mod head;
 mod points;
-mod worn_guides;
-
-pub use head::header;
 
 use super::animation::{SCRIPT, animation};
 use super::figures::{self, file_name};
-use super::format::count;
+use super::format::{count, fixed};
 use super::input::ReportInput;
-use super::life::rows_that_matter;
+use super::life::{FAILED_UNWORN, LEVELS, failure_probability, rows_that_matter};
 use super::page::{FigureFiles, Page, captioned, numbered};
-use super::plot::PlotError;
-use super::{levels, stated, studied, tables};
+use super::tables::{self, table_of};
+use super::{levels, studied, words};
+use common::outputs::JointSummary;
+use common::scene::JointKind;
 use maud::{Markup, PreEscaped, html};
 
 /// The script that shows the values of a chart at the pointer.
 const HOVER: &str = include_str!("hover.js");
 
 /// The whole page.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn page(input: &ReportInput, files: FigureFiles) -> Result<Page, PlotError> {
-    let mut page = Page::new(&input.scene.title, head::header(input), files);
-    page.add(head::lead(input));
+pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
+    let mut page = Page::new(&input.scene.title, header(input), files);
+    page.add(lead(input));
     page.add_contents();
     page.begin("What was studied");
-    let drawing = studied::figure(input).into_iter().chain(studied::loads(input)?).collect();
+    let drawing = studied::figure(input).into_iter().chain(studied::loads(input)).collect();
     let drawing = page.draw(drawing, "one");
     page.add(studied::chapter(input, &drawing));
-    reliability(&mut page, input)?;
-    let drawn = page.draw([figures::distributions(input)?, figures::histories(input)?].concat(), "two");
+    reliability(&mut page, input);
+    let drawn = [figures::distributions(input), figures::histories(input)].concat();
     page.add_chapter(
         "Distributions of the outputs",
         html! {},
-        drawn,
-        html! { "The study stored no distributions." },
+        (drawn, "two"),
+        "The study stored no distributions.",
     );
-    influences(&mut page, input)?;
-    points::simulated(&mut page, input)?;
+    influences(&mut page, input);
+    points::simulated(&mut page, input);
     let scripts = if input.summary.of_mechanism() {
-        mechanism(&mut page, input)?
+        mechanism(&mut page, input)
     } else {
         html! {}
     };
-    quality(&mut page, input)?;
+    quality(&mut page, input);
     end::effort(&mut page, input);
     appendix(&mut page, input);
     page.add(html! { (scripts) script { "\n" (PreEscaped(HOVER)) } "\n" });
-    Ok(page)
+    page
 }
 
 /// Curves, what fails first, and the numbers.
-fn reliability(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
-    let curves = [figures::reliability(&input.summary)?, figures::first_failure(input)?];
-    let drawn = curves.into_iter().flatten().chain(figures::failure_rates(&input.summary)?).collect();
+fn reliability(page: &mut Page, input: &ReportInput) {
+    let curves = [figures::reliability(&input.summary), figures::first_failure(input)];
+    let drawn = curves.into_iter().flatten().chain(figures::failure_rates(&input.summary)).collect();
     let (rows, all) = (rows_that_matter(&input.summary, 1), &input.summary.reliability);
     page.begin("Reliability");
     let drawn = page.draw(drawn, "two");
@@ -69,15 +64,14 @@ fn reliability(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
             p { "All checkpoints: " (numbered::refer_table(CHECKPOINTS)) "; more digits in " code { "reliability.csv" } "." }
         }
     });
-    Ok(())
 }
 
 /// Sensitivities of the failures, and contributions to the variance of the outputs.
-fn influences(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
-    let (sensitivity, variance) = (figures::sensitivities(input)?, figures::variance_contributions(input)?);
+fn influences(page: &mut Page, input: &ReportInput) {
+    let (sensitivity, variance) = (figures::sensitivities(input), figures::variance_contributions(input));
     let has_indices = !variance.is_empty();
-    let drawn = page.draw([sensitivity, variance].concat(), "two");
-    page.add_chapter("Sensitivity", html! {}, drawn, html! { "No sensitivities were computed." });
+    let drawn = [sensitivity, variance].concat();
+    page.add_chapter("Sensitivity", html! {}, (drawn, "two"), "No sensitivities were computed.");
     let tables: Vec<String> = sensitivities(input).into_iter().map(|(name, _)| name).collect();
     page.add(html! {
         @if !has_indices {
@@ -91,7 +85,6 @@ fn influences(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
             }
         }
     });
-    Ok(())
 }
 
 /// Name of the table of all checkpoints.
@@ -108,37 +101,30 @@ fn sensitivities(input: &ReportInput) -> Vec<(String, Markup)> {
 }
 
 /// Quality of the surrogates, convergence, and numerical error.
-fn quality(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
+fn quality(page: &mut Page, input: &ReportInput) {
     let stopped = &input.summary.convergence.stopped_because;
-    let stated = stated::sentences(input).join(" ");
-    let drawn = page.draw(figures::predicted_against_simulated(input)?, "two");
-    page.add_chapter(
-        "Quality of the surrogates",
-        html! {},
-        drawn,
-        html! {
-            @if input.summary.is_direct() { "Every sample was simulated; there are no surrogates." }
-            @else { "The study stored no predictions of its surrogates." }
-        },
-    );
-    let drawn = page.draw(figures::learning(input)?, "three");
+    let stated = levels::sentences(input).join(" ");
+    let none = if input.summary.is_direct() {
+        "Every sample was simulated; there are no surrogates."
+    } else {
+        "The study stored no predictions of its surrogates."
+    };
+    let drawn = figures::predicted_against_simulated(input);
+    page.add_chapter("Quality of the surrogates", html! {}, (drawn, "two"), none);
+    let reason = html! { @if !stopped.is_empty() { "Stopped because: " (stopped) "." } };
+    let drawn = figures::learning(input);
     page.add_chapter(
         "Convergence of the study",
-        html! { @if !stopped.is_empty() { "Stopped because: " (stopped) "." } },
-        drawn,
-        html! { "The study had no rounds of learning." },
+        reason,
+        (drawn, "three"),
+        "The study had no rounds of learning.",
     );
-    let figures = figures::parts_of_interval(&input.summary)?.into_iter().chain(figures::numerical(input)?);
-    let drawn = page.draw(figures.collect(), "three");
-    page.add_chapter(
-        "Numerical error",
-        html! { (stated) },
-        drawn,
-        html! { @if stated.is_empty() { "The simulations state no numerical errors." } @else { (stated) } },
-    );
+    let drawn =
+        figures::parts_of_interval(&input.summary).into_iter().chain(figures::numerical(input)).collect();
+    let none = if stated.is_empty() { "The simulations state no numerical errors." } else { &stated };
+    page.add_chapter("Numerical error", html! { (stated) }, (drawn, "three"), none);
     page.add(levels::tables(&input.summary));
-    page.add(stated::errors_over_life(input));
-    Ok(())
+    page.add(levels::errors_over_life(input));
 }
 
 /// Long tables, and what is needed to repeat the study.
@@ -160,31 +146,24 @@ fn appendix(page: &mut Page, input: &ReportInput) {
 
 /// Adds the nominal mechanism: its motion, its bores and orbits, its first and its last cycle. Returns the data of the animation and its
 /// script, for the end of the page.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn mechanism(page: &mut Page, input: &ReportInput) -> Result<Markup, PlotError> {
+pub fn mechanism(page: &mut Page, input: &ReportInput) -> Markup {
     let end = input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(0, |cycles| *cycles);
     let lives = figures::lives_in_words(input);
     let no_history = input.nominal.as_ref().is_none_or(|nominal| nominal.worn.is_none());
-    let (mut moving, mut scripts) = (html! {}, html! {});
+    let mut scripts = html! {};
+    page.begin("The mechanism");
     if let Some(motion) = animation(input) {
-        moving = page.draw_moving(motion.figure, controls());
+        page.add_moving(motion.figure, controls());
         scripts = html! {
-            script type="application/json" id="motion" { (PreEscaped(motion.data)) } "\n"
-            script { "\n" (PreEscaped(SCRIPT)) } "\n"
+        script type="application/json" id="motion" { (PreEscaped(motion.data)) } "\n"
+        script { "\n" (PreEscaped(SCRIPT)) } "\n"
         };
+    } else {
+        page.add(html! { p.none { "The nominal evaluation does not include the motion of every body." } });
     }
     page.add_chapter(
-        "The mechanism",
-        html! {},
-        moving,
-        html! { "The nominal evaluation does not include the motion of every body." },
-    );
-    let drawn = page.draw(figures::bores(input), "many");
-    page.add_chapter(
-        "Worn bores",
-        html! {
+"Worn bores",
+html! {
             "The nominal mechanism after " (count(end.into())) " cycles"
             @if no_history {
                 "; this campaign stores the bores at the end of life only"
@@ -194,11 +173,10 @@ pub fn mechanism(page: &mut Page, input: &ReportInput) -> Result<Markup, PlotErr
             ". The inner circle is the unworn bore. Wear is drawn outward from it, magnified, at one scale for all \
              joints; angles are in the frame of the bushing's body."
         },
-        drawn,
-        html! { "No bore is worn in a nominal evaluation." },
+(figures::bores(input), "many"),
+"No bore is worn in a nominal evaluation.",
     );
-    page.add(worn_guides::worn_guides(input));
-    let drawn = page.draw(figures::orbits(input), "many");
+    page.add(worn_guides(input));
     page.add_chapter(
         "Journal orbits",
         html! {
@@ -207,22 +185,17 @@ pub fn mechanism(page: &mut Page, input: &ReportInput) -> Result<Markup, PlotErr
             span.first { "first cycle" } ", " span.last { "last cycle" }
             ". Circle: radial clearance; outer curve: with the wear at the end of life."
         },
-        drawn,
-        html! { "The nominal evaluation does not include the motion of journals and bushings." },
+(figures::orbits(input), "many"),
+"The nominal evaluation does not include the motion of journals and bushings.",
     );
-    let [first, last] = [figures::first_cycle(input)?, figures::last_cycle(input)?];
+    let [first, last] = [figures::first_cycle(input), figures::last_cycle(input)];
     let lacks_last = last.is_empty() && !first.is_empty();
-    let drawn = page.draw([first, last].concat(), "three");
-    page.add_chapter(
-        "First and last cycle",
-        html! {},
-        drawn,
-        html! { "The nominal evaluation has no first cycle." },
-    );
+    let drawn = ([first, last].concat(), "three");
+    page.add_chapter("First and last cycle", html! {}, drawn, "The nominal evaluation has no first cycle.");
     if lacks_last {
         page.add(html! { p.none { "The nominal evaluation has no last cycle." } });
     }
-    Ok(scripts)
+    scripts
 }
 
 /// The controls of the animation, which its script unhides.
@@ -237,4 +210,84 @@ fn controls() -> Markup {
             " " output {}
         }
     }
+}
+
+/// Title, and what was studied how.
+pub fn header(input: &ReportInput) -> Markup {
+    let summary = &input.summary;
+    html! {
+        header {
+            p.brand { "Hingewise" }
+            h1 { (input.scene.title) }
+            p.meta {
+                "Reliability study of scene " code { (summary.scene) } ", method " (summary.method) ", accuracy "
+                (words::accuracy(summary)) ", seed " (summary.seed)
+            }
+        }
+    }
+}
+
+/// The three lives (or the failure probability), and the summary in sentences.
+pub fn lead(input: &ReportInput) -> Markup {
+    let summary = &input.summary;
+    html! {
+        div.tiles {
+            @if summary.is_static() {
+                div.tile {
+                    p { "P" sub { "f" } }
+                    p.figure { (failure_probability(&summary.reliability[0], "total")) }
+                    p { "95 % interval" }
+                }
+            } @else {
+                @for level in LEVELS {
+                    @let (life, bounds) = words::life(summary, level);
+                    div.tile {
+                        p { "R = " (level) }
+                        p.figure { (life) }
+                        p { @if life != FAILED_UNWORN { "cycles" br; } (bounds) }
+                    }
+                }
+            }
+        }
+        @if !summary.is_static() { (captioned("lives", "Lives, with 95 % intervals", tables::lives(input))) }
+        div.says {
+            @for sentence in words::sentences(input) { p { (sentence) } }
+            @for note in &input.notes { p.note { strong { "Caution:" } " " (note) } }
+        }
+    }
+}
+
+/// Largest depths of both faces of each guide that wears and of its slider; nothing without any.
+pub(super) fn worn_guides(input: &ReportInput) -> Markup {
+    let joints = input.nominal.iter().flat_map(|nominal| &nominal.joints).zip(&input.scene.joints);
+    let worn: Vec<&JointSummary> = joints
+        .filter(|(summary, joint)| {
+            matches!(joint.kind, JointKind::Guide(_)) && !summary.wear_depth.is_empty()
+        })
+        .map(|(summary, _)| summary)
+        .collect();
+    if worn.is_empty() {
+        return html! {};
+    }
+    let deepest = |depths: &[f64], face: usize| {
+        let (left, right) = depths.split_at(depths.len() / 2);
+        fixed(1e6 * [left, right][face].iter().copied().fold(0.0, f64::max), 2)
+    };
+    let table = table_of::<&JointSummary>(
+        &[
+            ("guide", &|guide| guide.name.clone()),
+            ("left face [µm]", &|guide| deepest(&guide.wear_depth, 0)),
+            ("right face [µm]", &|guide| deepest(&guide.wear_depth, 1)),
+            ("slider, left [µm]", &|guide| deepest(&guide.journal_wear_depth, 0)),
+            ("slider, right [µm]", &|guide| deepest(&guide.journal_wear_depth, 1)),
+            ("peak force [N]", &|guide| fixed(guide.peak_force, 2)),
+        ],
+        worn,
+    );
+    captioned(
+        "worn-guides",
+        "Guides that wear: largest depth of each face of the guide and of its slider, seen along the axis of the guide, nominal mechanism at the \
+         end of life; peak force of the first cycle",
+        table,
+    )
 }

@@ -8,22 +8,18 @@ use crate::presentation::report::format::{
 };
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::page::{Page, captioned};
-use crate::presentation::report::plot::PlotError;
 use crate::presentation::report::tables::table;
 use crate::results::point_summary::{CoordinateRow, FailurePointRow};
 use common::random::RandomVariable;
 use common::scene::expression::read_unit;
-use maud::{Markup, Render, html};
+use maud::{Markup, html};
 
 /// Adds the chapter.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn simulated(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> {
+pub fn simulated(page: &mut Page, input: &ReportInput) {
     let variables = input.scene.variables.len();
     page.begin("Simulations and failure points");
-    let histograms = page.draw(input_histograms(input)?, "three");
-    let combinations = page.draw(parallel_coordinates(input)?.into_iter().collect(), "two");
+    let histograms = page.draw(input_histograms(input), "three");
+    let combinations = page.draw(parallel_coordinates(input).into_iter().collect(), "two");
     page.add(html! {
         @if histograms.0.is_empty() {
             p.none { "With fewer than ten simulations there is no histogram." }
@@ -32,9 +28,8 @@ pub fn simulated(page: &mut Page, input: &ReportInput) -> Result<(), PlotError> 
         }
         (histograms)
         (combinations)
-        (failure_points(input))
-    });
-    Ok(())
+(failure_points(input))
+});
 }
 
 /// The most probable failures of all limit states: one pair of columns each, one row per variable.
@@ -55,7 +50,7 @@ fn failure_points(input: &ReportInput) -> Markup {
         head.push("standard deviations".to_owned());
     }
     let rows = input.scene.variables.iter().map(|variable| {
-        let mut cells = vec![variable.name.render(), variable.unit.render()];
+        let mut cells = vec![variable.name.clone(), variable.unit.clone()];
         cells.extend(points.iter().flat_map(|point| cells_of(point, variable)));
         cells
     });
@@ -82,10 +77,10 @@ fn sentence(input: &ReportInput, point: &FailurePointRow) -> String {
     )
 }
 
-fn cells_of(point: &FailurePointRow, variable: &RandomVariable) -> [Markup; 2] {
+fn cells_of(point: &FailurePointRow, variable: &RandomVariable) -> [String; 2] {
     let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
     let own = point.variables.iter().find(|row| row.variable == variable.name);
-    let cell = |text: &dyn Fn(&CoordinateRow) -> String| own.map_or(UNKNOWN.to_owned(), text).render();
+    let cell = |text: &dyn Fn(&CoordinateRow) -> String| own.map_or(UNKNOWN.to_owned(), text);
     [cell(&|row| seven_digits(row.value / scale)), cell(&|row| fixed(row.normal, 2))]
 }
 

@@ -1,9 +1,9 @@
 //! What a drawing of a mechanism shows, as data in SI: bodies, joints, loads and drives in one position of the cycle, for the
 //! drawing, the sketch in the terminal and other programs.
 
-use super::words;
+use crate::presentation::report::format::seven_digits;
 use crate::presentation::report::mechanism::{self, Pose, of_body, place};
-use common::scene::{Load, Motion, Scene, Value};
+use common::scene::{Drive, Form, Load, Motion, OutputUnit, Scene, Table, Value, filled};
 use serde::Serialize;
 
 /// Distance below which two points of a drawing are one [m].
@@ -24,17 +24,8 @@ pub struct DrawnMechanism {
     pub gravity_m_s2: [f64; 2],
 }
 
-/// How a body moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum DrawnMotion {
-    /// Part of the frame.
-    Fixed,
-    /// Turns as prescribed.
-    Driven,
-    /// Moves under joints and loads.
-    Free,
-}
+/// Motion of a body that does not move.
+pub const FIXED: &str = "fixed";
 
 /// A body in its place.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -42,7 +33,7 @@ pub struct DrawnBody {
     /// Name in the scene.
     pub name: String,
     /// Fixed, driven or free.
-    pub motion: DrawnMotion,
+    pub motion: &'static str,
     /// Corners of the body, without repeated points `(p, 2)` [m].
     pub outline_m: Vec<[f64; 2]>,
     /// Points where the body is held by the ground `(s, 2)` [m].
@@ -125,9 +116,9 @@ impl DrawnMechanism {
         let bodies = scene.bodies.iter().enumerate().map(|(index, body)| DrawnBody {
             name: body.name.clone(),
             motion: match body.motion {
-                Motion::Fixed => DrawnMotion::Fixed,
-                Motion::Driven { .. } => DrawnMotion::Driven,
-                Motion::Free { .. } => DrawnMotion::Free,
+                Motion::Fixed => FIXED,
+                Motion::Driven { .. } => "driven",
+                Motion::Free { .. } => "free",
             },
             outline_m: mechanism::outline(scene, index).iter().map(|p| of_body(&poses[index], *p)).collect(),
             supports_m: mechanism::supports(scene, index)
@@ -139,7 +130,7 @@ impl DrawnMechanism {
         let loads = scene.loads.iter().map(|load| self::load(scene, poses, load));
         let drives = scene.bodies.iter().zip(poses).filter_map(|(body, (pivot, angle))| {
             let Motion::Driven { drive, .. } = &body.motion else { return None };
-            let (speed, counter_clockwise) = words::drive(drive);
+            let (speed, counter_clockwise) = drive_in_words(drive);
             let angle_deg = angle.to_degrees().rem_euclid(360.0);
             Some(DrawnDrive { body: body.name.clone(), pivot_m: *pivot, angle_deg, speed, counter_clockwise })
         });
@@ -174,17 +165,8 @@ impl DrawnMechanism {
             LoadSymbol::Coil(a, b) => vec![a, b],
             _ => vec![],
         });
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         let shapes = self.joints.iter().flat_map(|joint| joint.shapes_m.iter().flatten());
-        for point in bodies.chain(joints).chain(rails).chain(shapes).chain(coils) {
-            for axis in 0..2 {
-                // A value that is not a number must not be lost in a minimum.
-                let keep = |a: f64, b: f64, less: bool| if b.is_nan() || (b < a) == less { b } else { a };
-                low[axis] = keep(low[axis], point[axis], true);
-                high[axis] = keep(high[axis], point[axis], false);
-            }
-        }
-        [low, high]
+        mechanism::extent(bodies.chain(joints).chain(rails).chain(shapes).chain(coils).copied())
     }
 }
 
@@ -217,7 +199,7 @@ fn load(scene: &Scene, poses: &[Pose], load: &Load) -> DrawnLoad {
         }
         [Value::Place(a), Value::Place(b), ..] => LoadSymbol::Coil(place(poses, a), place(poses, b)),
         [Value::Place(at), Value::Pair(direction), Value::Curve(size)] => {
-            let sign = words::largest(&size.table.value).signum();
+            let sign = largest(&size.table.value).signum();
             LoadSymbol::Arrow(place(poses, at), direction.map(|d| sign * d))
         }
         // A drag acts against the motion, to either side; it is drawn along its direction.
@@ -230,10 +212,70 @@ fn load(scene: &Scene, poses: &[Pose], load: &Load) -> DrawnLoad {
             LoadSymbol::Spiral(shared.map_or_else(|| middle(*a), |joint| place(poses, &joint.journal)))
         }
         [Value::Body(body), Value::Curve(size)] => {
-            LoadSymbol::Turn(middle(*body), words::largest(&size.table.value) >= 0.0)
+            LoadSymbol::Turn(middle(*body), largest(&size.table.value) >= 0.0)
         }
         [Value::Body(body), Value::Number(size), ..] => LoadSymbol::Turn(middle(*body), *size >= 0.0),
         other => unreachable!("no symbol for a load with the values {other:?}"),
     };
-    DrawnLoad { name: load.name(), size: words::load(load), symbol }
+    DrawnLoad { name: load.name(), size: size_of(load), symbol }
+}
+
+/// The value that is largest in size, with its sign; 0 for none.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(0.0, |most: f64, value| if value.abs() > most.abs() { value } else { most })
+}
+
+/// Smallest and largest value of a table, as numbers.
+fn range(table: &Table, scale: f64) -> String {
+    let least = table.value.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = table.value.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    format!("{} to {}", seven_digits(least * scale), seven_digits(most * scale))
+}
+
+/// A drive in words, and whether it begins counter-clockwise.
+fn drive_in_words(drive: &Drive) -> (String, bool) {
+    let unit = OutputUnit::AngularVelocity;
+    match drive {
+        Drive::ConstantSpeed { speed, .. } => {
+            (unit.after(&seven_digits(unit.to_shown(speed.abs()))), *speed >= 0.0)
+        }
+        Drive::Angle(table) => {
+            let first_change = table.value.windows(2).map(|pair| pair[1] - pair[0]).find(|step| *step != 0.0);
+            (
+                format!("angle {} deg by table", range(table, 1f64.to_degrees())),
+                first_change.unwrap_or(1.0) > 0.0,
+            )
+        }
+        Drive::Speed { table, .. } => (
+            format!("{} by table", unit.after(&range(table, unit.to_shown(1.0)))),
+            largest(&table.value) >= 0.0,
+        ),
+    }
+}
+
+/// Size of a load in words.
+fn size_of(load: &Load) -> String {
+    let values = load.values();
+    let is_zero = |value: &Value| *value == Value::Number(0.0);
+    filled(load.kind().words[0].1, |keys| {
+        let mut named = keys.split('|').filter_map(|name| values.iter().find(|(key, _)| key.name == name));
+        let shown = named.clone().find(|(_, value)| !is_zero(value)).or_else(|| named.next_back());
+        shown.map_or_else(String::new, |(key, value)| size(key.form, value))
+    })
+}
+
+/// The size of a value of this form, with its unit.
+fn size(form: Form, value: &Value) -> String {
+    let number = match value {
+        Value::Number(number) => seven_digits(number.abs()),
+        Value::Pair([x, y]) => seven_digits(x.hypot(*y)),
+        Value::Curve(curve) => range(&curve.table, 1.0),
+        _ => String::new(),
+    };
+    match form {
+        Form::Number(kind, _) | Form::NumberOr(kind, ..) | Form::Pair(kind) | Form::Curve(kind) => {
+            format!("{number} {}", kind.si.replace("^2", "²"))
+        }
+        _ => number,
+    }
 }

@@ -36,19 +36,8 @@ pub struct Label {
     pub at: [f64; 2],
     /// Distance that it keeps from the point [drawing units].
     pub clear: f64,
-    /// Meaning of the text, for its style.
-    pub of: LabelOf,
-}
-
-/// What a label names.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LabelOf {
-    /// A body, by its number in the scene.
-    Body(usize),
-    /// A joint of the mechanism.
-    Joint,
-    /// A load or a drive.
-    Load,
+    /// Number of the body that it names, for its style; `None` for a joint, a load or a drive.
+    pub body: Option<usize>,
 }
 
 /// A label with its place.
@@ -135,7 +124,7 @@ pub fn place_labels(labels: &[Label], obstacles: &[[f64; 2]], size: LetterSize) 
 
 fn candidate(label: &Label, [dx, dy]: [f64; 2], farther: f64, size: LetterSize) -> PlacedLabel {
     // Names of bodies are bold.
-    let wider = if size.whole || !matches!(label.of, LabelOf::Body(_)) { 1.0 } else { BOLD };
+    let wider = if size.whole || label.body.is_none() { 1.0 } else { BOLD };
     let half = [0.5 * wider * size.width * label.text.chars().count() as f64, 0.5 * size.height];
     let distance = label.clear + farther;
     // On a diagonal the nearest corner lies at the distance, above and beside the point the nearest edge.
@@ -158,7 +147,7 @@ mod tests {
     const LETTERS: LetterSize = LetterSize { width: 8.0, height: 18.0, step: 7.0, whole: false };
 
     fn label(text: &str, at: [f64; 2]) -> Label {
-        Label { text: text.into(), at, clear: 8.0, of: LabelOf::Joint }
+        Label { text: text.into(), at, clear: 8.0, body: None }
     }
 
     #[test]

@@ -17,10 +17,9 @@ mod sketch;
 pub mod symbols;
 #[cfg(test)]
 mod tests;
-mod words;
 
-pub use geometry::{DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, DrawnMotion, LoadSymbol};
-pub use labels::{Label, LabelArea, LabelOf, PlacedLabel};
+pub use geometry::{DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, LoadSymbol};
+pub use labels::{Label, LabelArea, PlacedLabel};
 pub use sheet::{MechanismSheet, sheet};
 pub use sketch::sketch;
 

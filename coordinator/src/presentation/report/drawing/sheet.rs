@@ -1,12 +1,13 @@
 //! The drawing of a mechanism as SVG: bodies with their names, joints, supports, sliders on rails, drives, loads and a scale.
 
 use super::geometry::{
-    DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, DrawnMotion, LoadSymbol, middle_of,
+    DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, FIXED, LoadSymbol, middle_of,
 };
-use super::labels::{Label, LabelArea, LabelOf, LetterSize, PlacedLabel, place_labels};
+use super::labels::{Label, LabelArea, LetterSize, PlacedLabel, place_labels};
 use super::symbols::{self, arrow, coordinate, path_along};
 use crate::presentation::report::figure::Drawing;
 use crate::presentation::report::format::three_digits;
+use crate::presentation::report::mechanism::extent;
 use crate::presentation::report::palette::Ink;
 use maud::{Markup, html};
 
@@ -98,7 +99,7 @@ fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
     let joints = on_rails.into_iter().chain(others).map(|(_, symbol)| symbol);
     let mut area = bounds(&covered, &labels);
     let bar = scale_bar(units);
-    area = widened(area, 44.0);
+    area.to[1] += 44.0;
     let size = [area.to[0] - area.from[0], area.to[1] - area.from[1]];
     let [x, y, width, height] = [area.from[0], area.from[1], size[0], size[1]].map(coordinate);
     let content = html! {
@@ -115,20 +116,12 @@ fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
 /// The rectangle around points and labels with a margin, at least as wide as a drawing is.
 fn bounds(points: &[[f64; 2]], labels: &[PlacedLabel]) -> LabelArea {
     let corners = labels.iter().flat_map(|label| [label.area.from, label.area.to]);
-    let (mut from, mut to) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for point in points.iter().copied().chain(corners) {
-        for axis in 0..2 {
-            from[axis] = from[axis].min(point[axis] - MARGIN);
-            to[axis] = to[axis].max(point[axis] + MARGIN);
-        }
+    let [from, to] = extent(points.iter().copied().chain(corners));
+    let missing = 0.5 * (SHEET_WIDTH - (to[0] - from[0] + 2.0 * MARGIN)).max(0.0);
+    LabelArea {
+        from: [from[0] - MARGIN - missing, from[1] - MARGIN],
+        to: [to[0] + MARGIN + missing, to[1] + MARGIN],
     }
-    let missing = 0.5 * (SHEET_WIDTH - (to[0] - from[0])).max(0.0);
-    LabelArea { from: [from[0] - missing, from[1]], to: [to[0] + missing, to[1]] }
-}
-
-/// The rectangle with a strip of this height below it.
-fn widened(area: LabelArea, height: f64) -> LabelArea {
-    LabelArea { to: [area.to[0], area.to[1] + height], ..area }
 }
 
 /// Length of the scale bar [m]: 1, 2 or 5 times a power of ten, about a sixth of the drawing.
@@ -188,7 +181,7 @@ struct Symbol {
 
 fn body_symbol(index: usize, body: &DrawnBody, scale: &SheetScale) -> Symbol {
     let (outline, supports) = (places(&body.outline_m, scale), places(&body.supports_m, scale));
-    let is_fixed = body.motion == DrawnMotion::Fixed;
+    let is_fixed = body.motion == FIXED;
     let mut covers = Vec::new();
     if !is_fixed {
         let mut corners = symbols::around(&outline);
@@ -206,8 +199,7 @@ fn body_symbol(index: usize, body: &DrawnBody, scale: &SheetScale) -> Symbol {
         [only] => Some((*only, 16.0)),
         points => Some((middle_of(points), 6.0)),
     };
-    let of = LabelOf::Body(index);
-    let label = place.map(|(at, clear)| Label { text: body.name.clone(), at, clear, of });
+    let label = place.map(|(at, clear)| Label { text: body.name.clone(), at, clear, body: Some(index) });
     let markup = html! {
         @for support in &supports { (symbols::ground(*support)) }
         @if !is_fixed { (symbols::link(&outline, Ink::Series(index))) }
@@ -252,7 +244,7 @@ fn joint_symbol(joint: &DrawnJoint, scale: &SheetScale) -> Symbol {
     };
     let shapes: Vec<Vec<[f64; 2]>> = joint.shapes_m.iter().map(|line| places(line, scale)).collect();
     covers.extend(shapes.iter().flat_map(|line| along(line)));
-    let label = Some(Label { text: joint.name.clone(), at, clear, of: LabelOf::Joint });
+    let label = Some(Label { text: joint.name.clone(), at, clear, body: None });
     let markup = html! {
         @for line in &shapes {
             path d=(path_along(line)) fill="none" stroke=(Ink::Muted.hex()) stroke-width="1.5" stroke-dasharray="6 2" {}
@@ -265,7 +257,7 @@ fn joint_symbol(joint: &DrawnJoint, scale: &SheetScale) -> Symbol {
 fn drive_symbol(drive: &DrawnDrive, scale: &SheetScale) -> Symbol {
     let at = scale.place(drive.pivot_m);
     let text = format!("{}, {} at {:.0}°", drive.body, drive.speed, drive.angle_deg);
-    let label = Some(Label { text, at, clear: TURNS[0] + 6.0, of: LabelOf::Load });
+    let label = Some(Label { text, at, clear: TURNS[0] + 6.0, body: None });
     let markup = symbols::turn(at, TURNS[0], drive.counter_clockwise, Ink::Ink);
     Symbol { markup, covers: circle(at, TURNS[0]), label }
 }
@@ -306,16 +298,15 @@ fn load_symbol(load: &DrawnLoad, scale: &SheetScale) -> Symbol {
         }
     };
     let text = format!("{} {}", load.name, load.size);
-    Symbol { markup, covers, label: Some(Label { text, at, clear, of: LabelOf::Load }) }
+    Symbol { markup, covers, label: Some(Label { text, at, clear, body: None }) }
 }
 
 /// A label, with a line to its point where it is not next to it.
 fn text(placed: &PlacedLabel) -> Markup {
     let ([x, y], near) = (placed.label.at, placed.area.nearest(placed.label.at));
-    let (ink, style, weight) = match placed.label.of {
-        LabelOf::Body(index) => (Ink::Series(index), "italic", "600"),
-        LabelOf::Joint => (Ink::Ink, "normal", "400"),
-        LabelOf::Load => (Ink::Ink, "normal", "400"),
+    let (ink, style, weight) = match placed.label.body {
+        Some(index) => (Ink::Series(index), "italic", "600"),
+        None => (Ink::Ink, "normal", "400"),
     };
     let far = placed.distance > placed.label.clear + 16.0;
     let left = coordinate(placed.area.from[0]);

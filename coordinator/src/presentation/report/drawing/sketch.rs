@@ -1,7 +1,7 @@
 //! The drawing of a mechanism in letters: lines of Braille dots, joints and loads as signs, names beside them.
 
-use super::geometry::{DrawnMechanism, DrawnMotion, LoadSymbol, middle_of};
-use super::labels::{Label, LabelOf, LetterSize, place_labels};
+use super::geometry::{DrawnMechanism, FIXED, LoadSymbol, middle_of};
+use super::labels::{Label, LetterSize, place_labels};
 use super::symbols::around;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -80,7 +80,7 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
     let place = |[x, y]: [f64; 2]| [(x - low[0]) * units + 0.5, 0.5 * (high[1] - y) * units + 0.5];
     let mut canvas = Canvas::default();
     let mut labels = Vec::new();
-    for body in drawn.bodies.iter().filter(|body| body.motion != DrawnMotion::Fixed) {
+    for body in drawn.bodies.iter().filter(|body| body.motion != FIXED) {
         let mut corners = around(&body.outline_m.iter().map(|p| place(*p)).collect::<Vec<_>>());
         corners.extend(corners.first().copied());
         corners.windows(2).for_each(|pair| canvas.line(pair[0], pair[1]));
@@ -133,14 +133,14 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
     }
     for joint in &drawn.joints {
         let [x, y] = place(joint.at_m).map(|v| v.floor() + 0.5);
-        labels.push(Label { text: joint.name.clone(), at: [x, y], clear: 1.0, of: LabelOf::Joint });
+        labels.push(Label { text: joint.name.clone(), at: [x, y], clear: 1.0, body: None });
     }
     for (index, body) in drawn.bodies.iter().enumerate() {
-        if body.motion == DrawnMotion::Fixed || body.outline_m.is_empty() {
+        if body.motion == FIXED || body.outline_m.is_empty() {
             continue;
         }
         let (text, at) = (format!("[{}]", body.name), place(middle_of(&body.outline_m)));
-        labels.push(Label { text, at, clear: 1.0, of: LabelOf::Body(index) });
+        labels.push(Label { text, at, clear: 1.0, body: Some(index) });
     }
     for placed in place_labels(&labels, &canvas.used(), LETTERS) {
         let [x, y] = placed.area.from;

@@ -5,9 +5,9 @@ use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::fixed;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
+use crate::presentation::report::plot::{Axis, Plot, Points, Series, Shape};
 use common::outputs::{BodyTrace, CycleHistory};
-use common::scene::{OutputKind, OutputUnit};
+use common::scene::{Output, OutputKind, OutputUnit};
 
 /// Named curves over time [ms].
 type Traces = Vec<(String, Points)>;
@@ -30,12 +30,9 @@ static ANGLE: BodyQuantity =
     BodyQuantity { values: |body| &body.angle, unit: OutputUnit::Angle, name: "angle", symbol: "°" };
 
 /// Joint forces, angles and angular velocities of the settled first cycle of the unworn nominal mechanism.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn first_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
     let Some(cycle) = input.nominal.as_ref().and_then(|nominal| nominal.first_cycle.as_ref()) else {
-        return Ok(vec![]);
+        return vec![];
     };
     let extremes: Vec<String> = cycle
         .bodies
@@ -55,38 +52,34 @@ pub fn first_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             "joint-forces",
             "Joint forces of the first cycle",
             "Unworn nominal mechanism, settled.",
-        )?,
+        ),
         over_time(
             cycle,
             ["angles", "Angles of the first cycle", "angle [°]"],
             traces(&ANGLE),
             &format!("{}.", extremes.join("; ")),
-        )?,
+        ),
         over_time(
             cycle,
             ["angular-velocities", "Angular velocities of the first cycle", "angular velocity [r/min]"],
             traces(&SPEED),
             "Of the bodies above, with the same signs.",
-        )?,
+        ),
     ];
-    Ok(figures.into_iter().flatten().collect())
+    figures.into_iter().flatten().collect()
 }
 
 /// The effect of wear: the joint forces of the last cycle, and for every output that compares two bodies their difference
 /// in the first and in the last cycle.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn last_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
-    let Some(nominal) = &input.nominal else { return Ok(vec![]) };
-    let (Some(first), Some(worn)) = (&nominal.first_cycle, &nominal.worn) else { return Ok(vec![]) };
-    let Some(last) = &worn.last_cycle else { return Ok(vec![]) };
-    let mut figures = Vec::new();
-    for output in &input.scene.outputs {
+pub fn last_cycle(input: &ReportInput) -> Vec<Figure> {
+    let Some(nominal) = &input.nominal else { return vec![] };
+    let (Some(first), Some(worn)) = (&nominal.first_cycle, &nominal.worn) else { return vec![] };
+    let Some(last) = &worn.last_cycle else { return vec![] };
+    let of_output = |output: &Output| {
         let (a, b, quantity) = match &output.kind {
             OutputKind::AngularVelocityDifference { a, b } => (a, b, &SPEED),
             OutputKind::AngleDifference { a, b } => (a, b, &ANGLE),
-            _ => continue,
+            _ => return None,
         };
         let difference = |cycle: &CycleHistory| -> Option<Points> {
             let values =
@@ -107,7 +100,7 @@ pub fn last_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             b.label,
             words(&output.name)
         );
-        figures.extend(over_time(
+        over_time(
             first,
             [
                 &format!("difference-{}", file_name(&output.name)),
@@ -116,19 +109,19 @@ pub fn last_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             ],
             traces,
             &super::capital(&caption),
-        )?);
-    }
-    figures.extend(forces(
+        )
+    };
+    let forces = forces(
         last,
         "joint-forces-worn",
         "Joint forces of the last cycle",
         "Nominal mechanism, bores worn to the end of life.",
-    )?);
-    Ok(figures)
+    );
+    input.scene.outputs.iter().filter_map(of_output).chain(forces).collect()
 }
 
 /// Force of every joint over a cycle, with their peaks.
-fn forces(cycle: &CycleHistory, name: &str, title: &str, state: &str) -> Result<Option<Figure>, PlotError> {
+fn forces(cycle: &CycleHistory, name: &str, title: &str, state: &str) -> Option<Figure> {
     let force = |(joint, force): &(String, Vec<f64>)| {
         (format!("joint {joint}"), trace(cycle, force, &OutputUnit::Force))
     };
@@ -152,10 +145,10 @@ fn over_time(
     [name, title, label]: [&str; 3],
     traces: Traces,
     caption: &str,
-) -> Result<Option<Figure>, PlotError> {
+) -> Option<Figure> {
     let time = &cycle.time;
     if traces.is_empty() || time.len() < 2 {
-        return Ok(None);
+        return None;
     }
     let (low, high) = range(traces.iter().flat_map(|(_, points)| points.iter().map(|p| p.1)));
     // Traces of mirrored halves nearly coincide: every second one is dashed, so that both are visible.
@@ -174,7 +167,7 @@ fn over_time(
         y: Axis::linear(label, (if low >= 0.0 { 0.0 } else { low - margin }, high + margin)),
         series: &series,
     };
-    plot.figure(title, caption).map(Some)
+    Some(plot.figure(title, caption))
 }
 
 /// Number of buckets to which a dense trace is thinned: more than the width of a figure in pixels.

@@ -6,7 +6,6 @@ use crate::presentation::report::bars::{BarPair, Bars};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::number_of_cycles;
 use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::plot::PlotError;
 use crate::results::summary::{SensitivityRow, SobolRow};
 
 /// Bars shown per figure.
@@ -27,9 +26,8 @@ pub fn rows_at_governing<'a>(input: &'a ReportInput, limit_state: &str) -> Vec<&
     let all = input.summary.sensitivity.iter().filter(|row| row.limit_state == limit_state);
     let known = all.clone().filter(|row| row.is_known()).map(|row| row.cycles);
     let Some(cycles) = nearest_to_governing(input, known) else { return vec![] };
-    let length = |row: &SensitivityRow| finite(row.scaled.d_pf_d_mean.abs().max(row.scaled.d_pf_d_std.abs()));
     let mut rows: Vec<_> = all.filter(|row| row.cycles == cycles).collect();
-    rows.sort_by(|a, b| length(b).total_cmp(&length(a)));
+    rows.sort_by(|a, b| finite(b.strength()).total_cmp(&finite(a.strength())));
     rows
 }
 
@@ -41,8 +39,7 @@ pub fn by_influence(input: &ReportInput) -> Vec<usize> {
         input.summary.curve_names().flat_map(|name| rows_at_governing(input, name)).collect();
     let effect = |k: &usize| {
         let own = rows.iter().filter(|row| row.variable == variables[*k].name);
-        own.map(|row| finite(row.scaled.d_pf_d_mean.abs().max(row.scaled.d_pf_d_std.abs())))
-            .fold(0.0, f64::max)
+        own.map(|row| finite(row.strength())).fold(0.0, f64::max)
     };
     let mut all: Vec<usize> =
         (0..variables.len()).filter(|k| !variables[*k].distribution.is_constant()).collect();
@@ -51,10 +48,7 @@ pub fn by_influence(input: &ReportInput) -> Vec<usize> {
 }
 
 /// One figure per limit state with derivatives of its failure probability.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn sensitivities(input: &ReportInput) -> Vec<Figure> {
     let mut figures = Vec::new();
     for name in input.summary.curve_names() {
         let rows = rows_at_governing(input, name);
@@ -69,16 +63,10 @@ pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             rows.len()
         );
         // The errors of the derivatives, on the scale of the scaled derivatives.
-        let error = |derivative: f64, scaled: f64, error: f64| {
-            if derivative == 0.0 { 0.0 } else { finite((scaled / derivative * error).abs()) }
-        };
         let pair = |row: &&SensitivityRow| BarPair {
             name: words(&row.variable),
             values: [finite(row.scaled.d_pf_d_mean), finite(row.scaled.d_pf_d_std)],
-            errors: [
-                error(row.d_pf_d_mean, row.scaled.d_pf_d_mean, row.standard_error.d_pf_d_mean),
-                error(row.d_pf_d_std, row.scaled.d_pf_d_std, row.standard_error.d_pf_d_std),
-            ],
+            errors: row.scaled_errors().map(finite),
         };
         let bars = Bars {
             figure: &format!("sensitivity-{}", file_name(name)),
@@ -88,16 +76,13 @@ pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             all: rows.iter().map(pair).collect(),
             shown: SHOWN,
         };
-        figures.push(bars.figure(&format!("Sensitivity of failure by {cause}"), &caption)?);
+        figures.push(bars.figure(&format!("Sensitivity of failure by {cause}"), &caption));
     }
-    Ok(figures)
+    figures
 }
 
 /// One figure per limit state with Sobol indices of its output.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn variance_contributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn variance_contributions(input: &ReportInput) -> Vec<Figure> {
     let mut figures = Vec::new();
     for state in &input.scene.limit_states {
         let all = input.summary.sobol.iter().filter(|row| row.limit_state == state.name);
@@ -125,7 +110,7 @@ pub fn variance_contributions(input: &ReportInput) -> Result<Vec<Figure>, PlotEr
             all: rows.iter().map(pair).collect(),
             shown: SHOWN,
         };
-        figures.push(bars.figure(&format!("Variance contributions (Sobol): {output}"), &caption)?);
+        figures.push(bars.figure(&format!("Variance contributions (Sobol): {output}"), &caption));
     }
-    Ok(figures)
+    figures
 }

@@ -5,7 +5,7 @@ use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{count, plain, seven_digits};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
+use crate::presentation::report::plot::{Axis, Plot, Points, Series, Shape};
 use common::random::{Distribution, RandomVariable};
 use common::scene::expression::read_unit;
 
@@ -19,18 +19,15 @@ const POINTS: usize = 80;
 const TAIL: f64 = 5e-4;
 
 /// One figure for each of the variables with the most influence; none with fewer than ten simulations.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn input_histograms(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn input_histograms(input: &ReportInput) -> Vec<Figure> {
     if input.samples.len() < 10 {
-        return Ok(vec![]);
+        return vec![];
     }
     let shown = by_influence(input).into_iter().take(MOST_HISTOGRAMS);
     shown.map(|k| histogram(input, k, &input.scene.variables[k])).collect()
 }
 
-fn histogram(input: &ReportInput, k: usize, variable: &RandomVariable) -> Result<Figure, PlotError> {
+fn histogram(input: &ReportInput, k: usize, variable: &RandomVariable) -> Figure {
     let law = &variable.distribution;
     let unit_scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
     let (low, high) = (law.quantile(TAIL), law.upper_quantile(TAIL));
@@ -115,7 +112,7 @@ mod tests {
     #[test]
     fn bars_and_density_enclose_one() {
         let input = test_study::report_with_samples();
-        let figures = input_histograms(&input).unwrap();
+        let figures = input_histograms(&input);
         assert_eq!(figures.len(), MOST_HISTOGRAMS);
         for figure in &figures {
             let variable =
@@ -138,7 +135,7 @@ mod tests {
         }
         let mut few = input;
         few.samples.truncate(9);
-        assert!(input_histograms(&few).unwrap().is_empty());
+        assert!(input_histograms(&few).is_empty());
     }
 
     #[test]

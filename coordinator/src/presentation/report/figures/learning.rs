@@ -1,29 +1,31 @@
-//! Figures of the rounds of learning.
+//! Figures of the rounds of learning, of the predictions of the surrogates, and of the numerical error.
 
-use super::range;
+use super::{LifeAxis, capital, file_name, ink_of, range, rows_that_matter, span, stacked};
 use crate::presentation::report::figure::Figure;
-use crate::presentation::report::format::{count, percent};
+use crate::presentation::report::format::{count, fixed, percent};
 use crate::presentation::report::input::ReportInput;
+use crate::presentation::report::levels::{PARTS, half_widths};
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Scale, Series, Shape, tick_label};
-use crate::results::summary::Round;
+use crate::presentation::report::plot::{Axis, Plot, Points, Scale, Series, Shape, tick_label};
+use crate::presentation::report::stated_errors::StatedAt;
+use crate::results::point_summary::PredictionRow;
+use crate::results::summary::{Round, StudySummary};
+use crate::statistics::reliability::REACH;
+use common::scene::{Fails, LimitState};
 
 /// Smallest share on the logarithmic axis [1]; smaller ones are drawn there.
 const SMALLEST_SHARE: f64 = 1e-5;
 
 /// Convergence over the rounds: reliability, remaining uncertainty, and smallest learning function.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn learning(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn learning(input: &ReportInput) -> Vec<Figure> {
     let rounds = &input.summary.convergence.rounds;
-    let (Some(first), Some(last)) = (rounds.first(), rounds.last()) else { return Ok(vec![]) };
+    let (Some(first), Some(last)) = (rounds.first(), rounds.last()) else { return vec![] };
     let x = Axis::linear("evaluations", (first.evaluations as f64, last.evaluations as f64));
-    Ok(vec![
-        reliability(rounds, last, x, &format!("R of the {}", input.subject()))?,
-        uncertainty(rounds, last, x)?,
-        smallest_u(rounds, x)?,
-    ])
+    vec![
+        reliability(rounds, last, x, &format!("R of the {}", input.subject())),
+        uncertainty(rounds, last, x),
+        smallest_u(rounds, x),
+    ]
 }
 
 /// A quantity of every round over its number of evaluations, where it is known.
@@ -31,7 +33,7 @@ fn over(rounds: &[Round], value: impl Fn(&Round) -> Option<f64>) -> Points {
     rounds.iter().filter_map(|round| Some((round.evaluations as f64, value(round)?))).collect()
 }
 
-fn reliability(rounds: &[Round], last: &Round, x: Axis<'_>, label: &str) -> Result<Figure, PlotError> {
+fn reliability(rounds: &[Round], last: &Round, x: Axis<'_>, label: &str) -> Figure {
     let reliability = over(rounds, |round| Some(round.reliability_total));
     let (low, high) = range(reliability.iter().map(|point| point.1));
     let margin = (0.15 * (high - low)).max(0.01);
@@ -46,7 +48,7 @@ fn reliability(rounds: &[Round], last: &Round, x: Axis<'_>, label: &str) -> Resu
     plot.figure("R at the governing checkpoint", &caption)
 }
 
-fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Result<Figure, PlotError> {
+fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Figure {
     let log = |share: f64| share.max(SMALLEST_SHARE).log10();
     let uncertain = over(rounds, |round| Some(log(round.share_uncertain)));
     let error = over(rounds, |round| Some(log(round.surrogate_error)));
@@ -69,7 +71,7 @@ fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Result<Figure, Pl
     plot.figure("Remaining uncertainty", &caption)
 }
 
-fn smallest_u(rounds: &[Round], x: Axis<'_>) -> Result<Figure, PlotError> {
+fn smallest_u(rounds: &[Round], x: Axis<'_>) -> Figure {
     let min_u = over(rounds, |round| Some(round.min_u));
     let top = range(min_u.iter().map(|point| point.1)).1.max(2.0) * 1.1;
     let plot = Plot {
@@ -86,4 +88,176 @@ fn smallest_u(rounds: &[Round], x: Axis<'_>) -> Result<Figure, PlotError> {
         "U: distance of the surrogate's mean from the threshold in units of its standard deviation; the smallest over \
          population, limit states and checkpoints.",
     )
+}
+
+/// One figure per limit state; none for a study without surrogates, or by an earlier version.
+pub fn predicted_against_simulated(input: &ReportInput) -> Vec<Figure> {
+    let rows = input.summary.predictions.iter().filter(|row| !row.simulated.is_empty());
+    let states = &input.scene.limit_states;
+    let known =
+        rows.filter_map(|row| Some((row, states.iter().find(|state| state.name == row.limit_state)?)));
+    known.map(|(row, state)| predicted(input, row, state)).collect()
+}
+
+fn predicted(input: &ReportInput, row: &PredictionRow, state: &LimitState) -> Figure {
+    let unit = input.unit_of(state);
+    // The unit of files and the unit shown differ by a factor.
+    let factor = unit.to_shown(1.0) / unit.to_file(1.0);
+    let points: Vec<[f64; 4]> = row
+        .simulated
+        .iter()
+        .zip(row.predicted.iter().zip(&row.std))
+        .map(|(simulated, (predicted, std))| {
+            [*simulated, *predicted, predicted - REACH * std, predicted + REACH * std]
+                .map(|value| factor * value)
+        })
+        .collect();
+    let (low, high) = range(points.iter().flat_map(|[x, y, ..]| [*x, *y]));
+    let margin = 0.05 * (high - low);
+    let (low, high) = (low - margin, high + margin);
+    let mut series =
+        vec![Series::new("predicted = simulated", Ink::Muted, Shape::Line(vec![(low, low), (high, high)]))];
+    let threshold = unit.to_shown(row_threshold(state));
+    if (low..=high).contains(&threshold) {
+        series.push(Series::new("threshold", Ink::Limit, Shape::Level(threshold)));
+        series.push(Series::unlisted("threshold of the simulated", Ink::Limit, Shape::Upright(threshold)));
+    }
+    let within = points.iter().filter(|[x, _, lower, upper]| (lower..=upper).contains(&x)).count();
+    let all = points.len();
+    series.push(Series::new(
+        "prediction with 95 % interval",
+        ink_of(&input.summary, &row.limit_state),
+        Shape::Measured(points),
+    ));
+    let mut name = input.output_of(state);
+    if let Some(middle) = state.middle() {
+        name = format!("distance of {name} from {}", unit.after(&tick_label(unit.to_shown(middle))));
+    }
+    let labels = ["simulated", "predicted"].map(|which| unit.axis(&format!("{which} {name}")));
+    let plot = Plot {
+        figure: &format!("predicted-{}", file_name(&row.limit_state)),
+        x: Axis::linear(&labels[0], (low, high)),
+        y: Axis::linear(&labels[1], (low, high)),
+        series: &series,
+    };
+    let caption = format!(
+        "{} {name} up to {} cycles in every simulation, and as the surrogate at the end of the study predicts it from all other \
+         simulations (leave-one-out). Q2 = {}; {within} of {all} simulated values lie in the 95 % interval of their prediction ({}).",
+        if state.fails == Fails::Below { "Smallest" } else { "Largest" },
+        count(row.cycles.into()),
+        fixed(row.q2, 4),
+        percent(within as f64 / all as f64)
+    );
+    plot.figure(&capital(&format!("predicted against simulated {name}")), &caption)
+}
+
+/// Threshold of the values of a row: that of the output, or of its distance from the middle between two thresholds.
+fn row_threshold(state: &LimitState) -> f64 {
+    if state.middle().is_some() { state.response_threshold() } else { state.threshold }
+}
+
+/// Half width of the 95 % interval of R of the system over life, stacked by the shares of its parts in the variance; no figure for a study
+/// without parts.
+pub fn parts_of_interval(summary: &StudySummary) -> Option<Figure> {
+    let rows = rows_that_matter(summary, 1).iter();
+    let rows: Vec<(u32, [f64; 3])> =
+        rows.filter_map(|row| Some((row.cycles, half_widths(row.parts.get("total")?)))).collect();
+    if summary.is_static() || rows.len() < 2 {
+        return None;
+    }
+    let axis = LifeAxis::new(summary);
+    let whole = |widths: &[f64; 3]| widths.iter().map(|width| width * width).sum::<f64>().sqrt();
+    let height = |(_, widths): &(u32, [f64; 3]), part: usize| match whole(widths) {
+        0.0 => 0.0,
+        whole => widths[part].powi(2) / whole,
+    };
+    let layer = |(part, (name, _)): (usize, &(&str, &str))| {
+        let heights = rows.iter().map(|row| height(row, part)).collect();
+        (capital(name), Ink::Series(part), heights)
+    };
+    let is_drawn = |(part, _): &(usize, _)| !(summary.is_direct() && *part == 1);
+    let places: Vec<f64> = rows.iter().map(|(cycles, _)| axis.place(*cycles)).collect();
+    let series = stacked(&places, PARTS.iter().enumerate().filter(is_drawn).map(layer));
+    let top = rows.iter().map(|(_, widths)| whole(widths)).fold(0.0, f64::max);
+    let plot = Plot {
+        figure: "parts-of-interval",
+        x: Axis::linear(axis.label, span(summary, &axis)),
+        y: Axis::linear("half width of the 95 % interval of R", (0.0, 1.05 * top.max(1e-6))),
+        series: &series,
+    };
+    let caption = "The half width of R of the system, divided by the shares of samples, surrogates and numerical error in its square.";
+    Some(plot.figure("Parts of the interval", caption))
+}
+
+/// Size of the stated errors over life, per limit state.
+pub fn numerical(input: &ReportInput) -> Vec<Figure> {
+    if input.summary.is_static() {
+        return vec![];
+    }
+    let axis = LifeAxis::new(&input.summary);
+    let mut figures = Vec::new();
+    // Relative to a limit of zero an error has no size.
+    for state in input.scene.limit_states.iter().filter(|state| state.scale() != 0.0) {
+        let stated = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
+        let Some(last) = stated.last() else { continue };
+        let of_limit = |error: f64| 100.0 * error.abs() / state.scale();
+        let line = |error: fn(&StatedAt) -> f64| -> Points {
+            stated.iter().map(|row| (axis.place(row.cycles), of_limit(error(row)))).collect()
+        };
+        let (typical, largest) = (line(|row| row.typical), line(|row| row.largest));
+        let top = largest.iter().map(|p| p.1).filter(|y| y.is_finite()).fold(0.0, f64::max);
+        let series = [
+            Series::new("typical (median)", ink_of(&input.summary, &state.name), Shape::Line(typical)),
+            Series::new("largest", Ink::Ink, Shape::Dashed(largest)),
+        ];
+        let name = format!("stated-error-{}", file_name(&state.name));
+        let output = input.output_of(state);
+        let plot = Plot {
+            figure: &name,
+            x: Axis::linear(axis.label, (0.0, axis.place(last.cycles))),
+            y: Axis::linear("stated error [% of the limit]", (0.0, if top > 0.0 { 1.1 * top } else { 1.0 })),
+            series: &series,
+        };
+        let caption = "Median and maximum over all simulations of the study, as a share of the limit state's threshold, or of half the distance \
+                       between two.";
+        figures.push(plot.figure(&capital(&format!("stated error of {output}")), caption));
+    }
+    figures
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_study;
+
+    #[test]
+    fn values_are_in_the_unit_shown_and_the_share_within_is_counted() {
+        let mut input = test_study::report_input();
+        let row = |predicted: [f64; 4]| PredictionRow {
+            limit_state: "wear".into(),
+            cycles: 66_000,
+            unit: "m".into(),
+            simulated: vec![28e-6, 29e-6, 30e-6, 31e-6],
+            predicted: predicted.to_vec(),
+            std: vec![1e-7; 4],
+            q2: 0.987_65,
+        };
+        input.summary.predictions = vec![row([28e-6, 29.1e-6, 30.3e-6, 31e-6])];
+        let [figure] = &predicted_against_simulated(&input)[..] else { panic!("one figure") };
+        assert_eq!(figure.name, "predicted-wear");
+        let said = figure.caption.replace('\u{a0}', " ");
+        for words in ["Q2 = 0.9877", "3 of 4", "(75.0 %)", "66 000 cycles"] {
+            assert!(said.contains(words), "{words}: {said}");
+        }
+        let row: Vec<f64> = figure
+            .csv
+            .lines()
+            .filter(|line| line.starts_with("prediction"))
+            .nth(2)
+            .map(|line| line.split(',').filter_map(|cell| cell.parse().ok()).collect())
+            .unwrap();
+        assert!((row[0] - 30.0).abs() < 1e-9 && (row[1] - 30.3).abs() < 1e-9, "{row:?}");
+        input.summary.predictions.clear();
+        assert!(predicted_against_simulated(&input).is_empty());
+    }
 }

@@ -5,7 +5,7 @@ use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{fixed, three_digits};
 use crate::presentation::report::mechanism::Pose;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
+use crate::presentation::report::plot::{Axis, Plot, Points, Series, Shape};
 use common::scene::monotone::monotone_value;
 use common::scene::{Load, Motion, Over, Scene};
 
@@ -56,10 +56,7 @@ impl VaryingLoads {
     }
 
     /// A figure for each unit of the loads.
-    ///
-    /// # Errors
-    /// [`PlotError`].
-    pub fn figures(&self) -> Result<Vec<Figure>, PlotError> {
+    pub fn figures(&self) -> Vec<Figure> {
         let mut units: Vec<&str> = self.loads.iter().map(|load| load.1).collect();
         units.dedup();
         let figure = |(k, unit): (usize, &&str)| {
@@ -110,7 +107,7 @@ mod tests {
         let cycle: Vec<_> = degrees.iter().map(pose).collect();
         let found = VaryingLoads::new(scene, &cycle, &degrees).unwrap();
         assert_eq!(found.lines(), ["load card: −4.00 to 1.00 N m, largest at 90 deg, angle of crank"]);
-        let figures = found.figures().unwrap();
+        let figures = found.figures();
         assert_eq!((figures.len(), figures[0].name.as_str()), (1, "loads"));
         // Half way between two points of equal slope, zero: the mean of their values.
         assert!((found.loads[0].2.iter().find(|p| (p.0 - 45.0).abs() < 5.1).unwrap().1 + 1.0).abs() < 1.0);

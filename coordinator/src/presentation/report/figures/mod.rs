@@ -6,28 +6,22 @@ mod influences;
 mod inputs;
 mod learning;
 mod loads;
-mod numerical;
-mod orbits;
 mod outputs;
 mod papers;
 mod parallel;
-mod predictions;
 mod rates;
 mod reliability;
 
-pub use bores::{bores, lives_in_words};
+pub use bores::{bores, lives_in_words, orbits};
 pub use cycle::{first_cycle, last_cycle};
 pub use influences::{by_influence, rows_at_governing, sensitivities, variance_contributions};
 pub use inputs::{MOST_HISTOGRAMS, input_histograms};
-pub use learning::learning;
+pub use learning::{learning, numerical, parts_of_interval, predicted_against_simulated};
 pub use loads::VaryingLoads;
-pub use numerical::{numerical, parts_of_interval};
-pub use orbits::orbits;
 pub use outputs::{distributions, histories};
 pub use parallel::parallel_coordinates;
-pub use predictions::predicted_against_simulated;
 pub use rates::failure_rates;
-pub use reliability::{beginning, curve, first_failure, reliability, shares_of_failures};
+pub use reliability::{ComparedStudy, beginning, compared, first_failure, reliability, shares_of_failures};
 
 pub use super::format::{capital, file_name, words};
 

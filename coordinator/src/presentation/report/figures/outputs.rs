@@ -6,28 +6,19 @@ use crate::presentation::report::format::{count, fixed, number_of_cycles, three_
 use crate::presentation::report::input::{CheckpointDistribution, ReportInput};
 use crate::presentation::report::life::governing;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Band, Plot, PlotError, Points, Series, Shape, tick_label};
+use crate::presentation::report::plot::{Axis, Band, Plot, Points, Series, Shape, tick_label};
 use crate::results::summary::StudySummary;
 use common::scene::{Fails, LimitState, OutputUnit};
 
 /// One figure per limit state: its output's distribution at three checkpoints around the governing one.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn distributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn distributions(input: &ReportInput) -> Vec<Figure> {
     let drawn = input.scene.limit_states.iter().map(|state| (state, three_around_governing(input, state)));
-    drawn
-        .filter(|(_, shown)| !shown.is_empty())
-        .map(|(state, shown)| distribution(input, state, &shown))
-        .collect()
+    let drawn = drawn.filter(|(_, shown)| !shown.is_empty());
+    drawn.map(|(state, shown)| distribution(input, state, &shown)).collect()
 }
 
 /// The distributions of one limit state's output with its threshold.
-fn distribution(
-    input: &ReportInput,
-    state: &LimitState,
-    shown: &[&CheckpointDistribution],
-) -> Result<Figure, PlotError> {
+fn distribution(input: &ReportInput, state: &LimitState, shown: &[&CheckpointDistribution]) -> Figure {
     let (output, unit) = (input.output_of(state), &input.unit_of(state));
     let thresholds: Vec<f64> = state.thresholds().into_iter().map(|si| unit.to_shown(si)).collect();
     let mut series = Vec::new();
@@ -158,20 +149,16 @@ fn three_around_governing<'a>(input: &'a ReportInput, state: &LimitState) -> Vec
 }
 
 /// One figure per limit state: its output over the whole life, of the nominal mechanism and of the population.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn histories(input: &ReportInput) -> Vec<Figure> {
     if input.summary.is_static() {
-        return Ok(vec![]);
+        return vec![];
     }
     let axis = LifeAxis::new(&input.summary);
-    let figures = input.scene.limit_states.iter().map(|state| history(input, state, &axis));
-    figures.filter_map(Result::transpose).collect()
+    input.scene.limit_states.iter().filter_map(|state| history(input, state, &axis)).collect()
 }
 
 /// The output of one limit state over life; `None` if neither the nominal evaluation nor the population has it.
-fn history(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Result<Option<Figure>, PlotError> {
+fn history(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Option<Figure> {
     let (output, unit) = (input.output_of(state), &input.unit_of(state));
     let thresholds: Vec<f64> = state.thresholds().into_iter().map(|si| unit.to_shown(si)).collect();
     let nominal: Points = input.nominal.as_ref().map_or(vec![], |nominal| {
@@ -181,7 +168,7 @@ fn history(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Result<O
     let bands = spread(input, state, axis);
     let edges = bands.iter().flat_map(|(_, band)| band);
     let ends = nominal.last().map(|p| p.0).into_iter().chain(edges.clone().map(|p| p.0));
-    let Some(last) = ends.reduce(f64::max) else { return Ok(None) };
+    let last = ends.reduce(f64::max)?;
     let values = nominal.iter().map(|p| p.1).chain(edges.flat_map(|p| [p.1, p.2]));
     let (low, high) = range(values.chain(thresholds.iter().copied()));
     let signed = thresholds[0] < 0.0 || nominal.iter().any(|p| p.1 < 0.0);
@@ -203,7 +190,7 @@ fn history(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Result<O
         y: Axis::linear(&label, (low, high + 0.05 * (high - low))),
         series: &series,
     };
-    plot.figure(&capital(&format!("{output} over life")), &caption).map(Some)
+    Some(plot.figure(&capital(&format!("{output} over life")), &caption))
 }
 
 fn history_caption(input: &ReportInput, with_bands: bool) -> String {
@@ -272,17 +259,17 @@ mod tests {
         let mut input = test_study::report_input();
         let upper = input.scene.limit_states[0].threshold;
         let mentions = |figures: Vec<Figure>| figures[0].drawing.content.matches("threshold").count();
-        let single = [histories(&input), distributions(&input)].map(|f| mentions(f.expect("drawn")));
+        let single = [histories(&input), distributions(&input)].map(mentions);
         input.scene.limit_states[0].fails = Fails::Outside { lower: -0.5 * upper };
         for (figures, single) in [histories(&input), distributions(&input)].into_iter().zip(single) {
-            let svg = &figures.expect("drawn")[0].drawing.content;
+            let svg = &figures[0].drawing.content;
             for name in ["lower threshold", "upper threshold"] {
                 assert!(svg.contains(name), "{name}: {svg}");
             }
             assert!(svg.matches("threshold").count() > single);
         }
         // The axis of the values reaches below the lower threshold, which is negative.
-        let svg = &histories(&input).expect("drawn")[0].drawing.content;
+        let svg = &histories(&input)[0].drawing.content;
         assert!(svg.contains('\u{2212}'), "no negative value on the axis: {svg}");
     }
 }

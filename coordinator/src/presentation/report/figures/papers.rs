@@ -5,7 +5,7 @@ use super::{ink_of, range};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{percent, seven_digits, three_digits, whole};
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Scale, Series, Shape, tick_label};
+use crate::presentation::report::plot::{Axis, Plot, Points, Scale, Series, Shape, tick_label};
 use crate::results::life_summary::LifeCurveRow;
 use crate::results::summary::StudySummary;
 use common::random::standard_normal_cdf;
@@ -114,12 +114,9 @@ fn life_tick(life: f64) -> String {
 }
 
 /// Both papers for these curves, the last of which is that of the whole system; none with fewer than three points.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn papers(summary: &StudySummary, curves: &[(&str, &LifeCurveRow)]) -> Result<Vec<Figure>, PlotError> {
-    let drawn = [Paper::Weibull, Paper::Lognormal].map(|paper| figure(paper, summary, curves));
-    drawn.into_iter().filter_map(Result::transpose).collect()
+pub fn papers(summary: &StudySummary, curves: &[(&str, &LifeCurveRow)]) -> Vec<Figure> {
+    let papers = [Paper::Weibull, Paper::Lognormal].into_iter();
+    papers.filter_map(|paper| figure(paper, summary, curves)).collect()
 }
 
 /// Points (t, F) of a curve with shares between two.
@@ -128,11 +125,7 @@ fn within((low, high): (f64, f64), row: &LifeCurveRow) -> Vec<(f64, f64)> {
     points.filter(|(t, f)| *t > 0.0 && (low..=high).contains(f)).collect()
 }
 
-fn figure(
-    paper: Paper,
-    summary: &StudySummary,
-    curves: &[(&str, &LifeCurveRow)],
-) -> Result<Option<Figure>, PlotError> {
+fn figure(paper: Paper, summary: &StudySummary, curves: &[(&str, &LifeCurveRow)]) -> Option<Figure> {
     let scale = paper.scale();
     let on_paper = |points: &[(f64, f64)]| -> Points {
         points.iter().map(|(t, f)| (t.log10(), scale.of_share(*f))).collect()
@@ -167,7 +160,7 @@ fn figure(
         series.push(Series::unlisted(format!("B-lives of {name}"), Ink::Ink, Shape::Marked(marks.collect())));
     }
     if all.len() < 3 {
-        return Ok(None);
+        return None;
     }
     let text = match paper {
         Paper::Weibull => |y: f64| seven_digits(Scale::Weibull.value(y)),
@@ -192,7 +185,7 @@ fn figure(
          which 1 %, 10 % and 50 % have failed (B1, B10, B50).{fit}",
         paper.word()
     );
-    plot.figure(&format!("Lives on {} paper", paper.word()), &caption).map(Some)
+    Some(plot.figure(&format!("Lives on {} paper", paper.word()), &caption))
 }
 
 #[cfg(test)]
@@ -231,7 +224,7 @@ mod tests {
             let expected = life.unwrap().cycles.unwrap();
             assert!((life_on(row, failed).unwrap() - expected).abs() < 1e-6 * expected, "{failed}");
         }
-        let figures = papers(&summary, &[("total", row)]).unwrap();
+        let figures = papers(&summary, &[("total", row)]);
         assert_eq!(figures.len(), 2);
         for figure in figures {
             for mark in ["B1,", "B10", "B50"] {

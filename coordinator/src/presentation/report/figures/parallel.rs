@@ -7,7 +7,7 @@ use crate::presentation::report::figure::{Drawing, Figure, csv};
 use crate::presentation::report::format::count;
 use crate::presentation::report::input::{ReportInput, SimulatedSample};
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{LETTERS, PlotError, letters, px, stroke};
+use crate::presentation::report::plot::{Series, Shape, px};
 use crate::results::csv_table::number;
 use plotters::prelude::*;
 
@@ -23,14 +23,11 @@ const HEIGHT: f64 = 240.0;
 const ROW: (f64, f64) = (26.0, 60.0);
 
 /// The figure; `None` with fewer than ten simulations or two variables.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn parallel_coordinates(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
+pub fn parallel_coordinates(input: &ReportInput) -> Option<Figure> {
     let variables: Vec<usize> = by_influence(input).into_iter().take(VARIABLES).collect();
     let all = input.samples.len();
     if all < 10 || variables.len() < 2 {
-        return Ok(None);
+        return None;
     }
     let cycles = governing_cycles(input);
     let every = all.div_ceil(LINES);
@@ -66,13 +63,13 @@ pub fn parallel_coordinates(input: &ReportInput) -> Result<Option<Figure>, PlotE
         cells
     });
     let csv = csv(&columns, rows);
-    Ok(Some(Figure {
+    Some(Figure {
         name: "parallel-coordinates".into(),
         title: "Which combinations fail".into(),
         caption,
-        drawing: drawing(input, &names, &lines)?,
+        drawing: drawing(input, &names, &lines),
         csv,
-    }))
+    })
 }
 
 /// A simulation as it is drawn: standard normals of the variables, and the limit state that failed first, if any has.
@@ -92,25 +89,23 @@ fn first_failure(input: &ReportInput, sample: &SimulatedSample, cycles: u32) -> 
     reached.min_by_key(|(at, _)| *at).map(|(_, state)| state.name.clone())
 }
 
-fn drawing(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Result<Drawing, PlotError> {
+fn drawing(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Drawing {
     let count = names.len() as f64;
     let row = (HEIGHT / count).clamp(ROW.0, ROW.1);
-    let mut legend: Vec<(String, Ink)> = vec![("works".into(), Ink::Muted)];
+    let meaning = |label: &str, ink: Ink| Series::new(shortened(label), ink, Shape::Line(vec![]));
+    let mut legend = vec![meaning("works", Ink::Muted)];
     let states = input.scene.limit_states.iter().map(|state| &state.name);
-    legend.extend(states.map(|name| (format!("{name} first"), ink_of(&input.summary, name))));
-    let per_row = 3;
-    let top = 12.0 + 20.0 * legend.len().div_ceil(per_row) as f64;
+    legend.extend(states.map(|name| meaning(&format!("{name} first"), ink_of(&input.summary, name))));
     let names: Vec<String> = names.iter().map(|name| words(name)).collect();
     let chart = NamedRows {
-        figure: "parallel-coordinates",
         names: &names,
         row,
-        top,
+        legend: &legend,
         axis: "standard deviations",
         range: -REACH..REACH,
         ticks: 9,
     };
-    chart.draw(|root, chart| {
+    chart.draw(|chart| {
         // Failures lie on top.
         let (works, fails): (Vec<_>, Vec<_>) = lines.iter().partition(|(_, failed)| failed.is_none());
         for (normals, failed) in works.into_iter().chain(fails) {
@@ -122,12 +117,6 @@ fn drawing(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Result
             };
             let pen = ink.rgb().mix(opacity).stroke_width(px(0.9) as u32);
             chart.draw_series([PathElement::new(points, pen)])?;
-        }
-        for (k, (label, ink)) in legend.iter().enumerate() {
-            let (x, y) = (10.0 + 156.0 * (k % per_row) as f64, 15.0 + 20.0 * (k / per_row) as f64);
-            root.draw(&PathElement::new([(px(x), px(y)), (px(x + 18.0), px(y))], stroke(*ink, 2.5)))?;
-            let place = (px(x + 23.0), px(y - 0.5 * LETTERS));
-            root.draw(&Text::new(shortened(label), place, letters(LETTERS, Ink::Ink)))?;
         }
         Ok(())
     })
@@ -149,7 +138,7 @@ mod tests {
                 _ => vec![None, None],
             };
         }
-        let figure = parallel_coordinates(&input).unwrap().unwrap();
+        let figure = parallel_coordinates(&input).unwrap();
         let firsts: Vec<&str> =
             figure.csv.lines().skip(1).map(|line| line.split(',').nth(1).unwrap()).collect();
         for (k, first) in firsts.iter().enumerate() {
@@ -158,6 +147,6 @@ mod tests {
         let lines = figure.drawing.content.matches("opacity=\"0.75\"").count();
         assert_eq!(lines, firsts.len().div_ceil(3));
         input.samples.truncate(9);
-        assert_eq!(parallel_coordinates(&input).unwrap(), None);
+        assert_eq!(parallel_coordinates(&input), None);
     }
 }

@@ -5,7 +5,7 @@ use super::{LifeAxis, ink_of, span};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::percent;
 use crate::presentation::report::life::rows_that_matter;
-use crate::presentation::report::plot::{Axis, Band, Plot, PlotError, Points, Series, Shape};
+use crate::presentation::report::plot::{Axis, Band, Plot, Points, Series, Shape};
 use crate::results::life_summary::LifeCurveRow;
 use crate::results::summary::StudySummary;
 use crate::statistics::design::{Stream, open_stream};
@@ -22,14 +22,11 @@ const INTERVALS: usize = 12;
 
 /// Failure density and hazard over intervals of life, and the probability papers; no figure for a study without curves, or where
 /// nothing fails.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn failure_rates(summary: &StudySummary) -> Result<Vec<Figure>, PlotError> {
+pub fn failure_rates(summary: &StudySummary) -> Vec<Figure> {
     let falls =
         summary.reliability.last().is_some_and(|row| row.reliability.get("total") < Some(&(1.0 - FEW)));
     if summary.is_static() || summary.curves.is_empty() || !falls {
-        return Ok(vec![]);
+        return vec![];
     }
     let curves: Vec<(&str, &LifeCurveRow)> = summary
         .curve_names()
@@ -41,11 +38,11 @@ pub fn failure_rates(summary: &StudySummary) -> Result<Vec<Figure>, PlotError> {
         rate.hazard.map(|h| PER * h)
     };
     let mut figures = vec![
-        over_life(summary, &curves, ["failure-density", "Failure density"], density)?,
-        over_life(summary, &curves, ["hazard", "Hazard rate"], hazard)?,
+        over_life(summary, &curves, ["failure-density", "Failure density"], density),
+        over_life(summary, &curves, ["hazard", "Hazard rate"], hazard),
     ];
-    figures.extend(papers(summary, &curves)?);
-    Ok(figures)
+    figures.extend(papers(summary, &curves));
+    figures
 }
 
 /// A rate of failures between two lives of a curve, over life; with the `name` and the `title` of its figure.
@@ -54,7 +51,7 @@ fn over_life(
     curves: &[(&str, &LifeCurveRow)],
     [figure, title]: [&str; 2],
     rate: impl Fn(&SurvivalCurve, f64, f64) -> Option<f64>,
-) -> Result<Figure, PlotError> {
+) -> Figure {
     let axis = LifeAxis::new(summary);
     let rows = rows_that_matter(summary, 1);
     let from = rows.first().map_or(0, |first| first.cycles);
@@ -131,7 +128,7 @@ mod tests {
     #[test]
     fn the_density_contains_all_failures_and_the_hazard_is_larger() {
         let summary = test_study::study().summary;
-        let figures = failure_rates(&summary).unwrap();
+        let figures = failure_rates(&summary);
         let names: Vec<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
         assert_eq!(names, ["failure-density", "hazard", "weibull-paper", "lognormal-paper"]);
         // Rows of the CSV of the total, (life, rate) in pairs of equal rates.
@@ -152,6 +149,6 @@ mod tests {
     fn nothing_that_fails_has_no_rates() {
         let mut summary = test_study::study().summary;
         summary.reliability.iter_mut().for_each(|row| row.reliability.values_mut().for_each(|r| *r = 1.0));
-        assert!(failure_rates(&summary).unwrap().is_empty());
+        assert!(failure_rates(&summary).is_empty());
     }
 }

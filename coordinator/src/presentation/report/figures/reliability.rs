@@ -1,12 +1,12 @@
-//! Figures of the failures over life: R with its bands, and the shares of first failures.
+//! Figures of the failures over life: R with its bands, the shares of first failures, and R of several studies.
 
-use super::{LifeAxis, ink_of, span, stacked};
+use super::{LifeAxis, file_name, ink_of, span, stacked};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{number_of_cycles, percent};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::{governing, rows_that_matter};
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Band, Plot, PlotError, Points, Series, Shape};
+use crate::presentation::report::plot::{Axis, Band, Plot, Points, Series, Shape};
 use crate::results::life_summary::LifeCurveRow;
 use crate::results::summary::{ReliabilityRow, StudySummary};
 
@@ -81,16 +81,10 @@ pub fn curves_with_bands(
 }
 
 /// Reliability over life per limit state and in total, with 95 % bands; the checkpoints as dots with error bars.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn reliability(summary: &StudySummary) -> Result<Option<Figure>, PlotError> {
-    if summary.is_static() {
-        return Ok(None);
-    }
+pub fn reliability(summary: &StudySummary) -> Option<Figure> {
     let rows = rows_that_matter(summary, 1);
-    if rows.is_empty() {
-        return Ok(None);
+    if summary.is_static() || rows.is_empty() {
+        return None;
     }
     let axis = LifeAxis::new(summary);
     let mut series = curves_with_bands(summary, &axis, "band", |name| curve(summary, name, &axis).1);
@@ -114,21 +108,18 @@ pub fn reliability(summary: &StudySummary) -> Result<Option<Figure>, PlotError> 
         summary.subject(),
         summary.subject()
     );
-    plot.figure("Reliability over life", &caption).map(Some)
+    Some(plot.figure("Reliability over life", &caption))
 }
 
 /// Stacked shares of the population that have failed, by the limit state that failed first.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn first_failure(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
+pub fn first_failure(input: &ReportInput) -> Option<Figure> {
     let summary = &input.summary;
     let matter = rows_that_matter(summary, 1);
-    let (Some(from), Some(to)) = (matter.first(), matter.last()) else { return Ok(None) };
+    let (from, to) = (matter.first()?, matter.last()?);
     let rows: Vec<_> =
         summary.first_failure.iter().filter(|row| (from.cycles..=to.cycles).contains(&row.cycles)).collect();
     if summary.is_static() || summary.limit_states.len() < 2 || rows.len() < 2 {
-        return Ok(None);
+        return None;
     }
     let axis = LifeAxis::new(summary);
     let share = |name: &String| {
@@ -164,7 +155,7 @@ pub fn first_failure(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
             shares.join(", ")
         ))
     );
-    plot.figure("What fails first", &caption).map(Some)
+    Some(plot.figure("What fails first", &caption))
 }
 
 /// First causes of the failures up to a checkpoint, as shares of them, e.g. `53.4 % by wear`; `None` if nothing has
@@ -181,4 +172,48 @@ pub fn shares_of_failures(summary: &StudySummary, cycles: u32) -> Option<Vec<Str
         parts.push(format!("{} by several at once", percent(row.together / all)));
     }
     Some(parts)
+}
+
+/// A study to compare.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ComparedStudy {
+    /// Name in the comparison, unique.
+    pub name: String,
+    /// Result of the study.
+    pub summary: StudySummary,
+}
+
+/// One figure per limit state and one of the whole system, each with the curves and bands of all studies.
+pub fn compared(studies: &[ComparedStudy]) -> Vec<Figure> {
+    if studies[0].summary.is_static() {
+        return vec![];
+    }
+    // From the first failure in any study to the last survivor in any.
+    let matter = studies.iter().map(|study| rows_that_matter(&study.summary, 1));
+    let ends = matter.filter_map(|rows| Some((rows.first()?.cycles, rows.last()?.cycles)));
+    let Some((from, to)) = ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else { return vec![] };
+    let axis = LifeAxis::new(&studies[0].summary);
+    let figure = |name: &str| {
+        let (mut bands, mut lines) = (Vec::new(), Vec::new());
+        for (k, ComparedStudy { name: study, summary }) in studies.iter().enumerate() {
+            let (points, band) = curve(summary, name, &axis);
+            bands.push(Series::unlisted(format!("{study}, band"), Ink::Series(k), Shape::Band(band)));
+            // Every second curve is dashed, so that coinciding curves stay visible.
+            let shape = if k % 2 == 1 { Shape::Dashed(points) } else { Shape::Line(points) };
+            lines.push(Series::new(study, Ink::Series(k), shape));
+        }
+        let title = if name == "total" {
+            "No failure of any kind".to_string()
+        } else {
+            format!("No failure by {name}")
+        };
+        Plot {
+            figure: &format!("reliability-{}", file_name(name)),
+            x: Axis::linear(axis.label, (axis.place(from), axis.place(to))),
+            y: Axis::linear("reliability R", (0.0, 1.0)),
+            series: &[bands, lines].concat(),
+        }
+        .figure(&title, "Bands: 95 % interval of sampling, surrogate and interpolation between the checkpoints, without numerical errors.")
+    };
+    studies[0].summary.curve_names().map(figure).collect()
 }

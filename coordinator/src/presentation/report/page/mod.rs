@@ -2,10 +2,8 @@
 //! tables have numbers, and references to them are links.
 
 pub mod numbered;
-mod parts;
 
 pub use numbered::FigureFiles;
-pub use parts::{captioned, details, figures, standalone};
 
 use super::figure::Figure;
 use super::palette;
@@ -44,8 +42,15 @@ pub struct LiveStatus {
 impl Page {
     /// A page with this header, whose figures have such files.
     pub fn new(title: &str, header: Markup, files: FigureFiles) -> Self {
-        let (title, before_contents) = (title.to_owned(), None);
-        Self { title, header, before_contents, body: html! {}, chapters: vec![], figures: vec![], files }
+        Self {
+            title: title.to_owned(),
+            header,
+            before_contents: None,
+            body: html! {},
+            chapters: vec![],
+            figures: vec![],
+            files,
+        }
     }
 
     /// Adds content to the last chapter.
@@ -78,15 +83,21 @@ impl Page {
     }
 
     /// A figure with controls that a script unhides, as content that is to be added.
-    pub fn draw_moving(&mut self, drawn: Figure, controls: Markup) -> Markup {
-        let content = parts::figure(&drawn, Some(controls));
+    pub fn add_moving(&mut self, drawn: Figure, controls: Markup) {
+        self.add(figure(&drawn, Some(controls)));
         self.figures.push(drawn);
-        content
     }
 
     /// Adds a chapter of drawn figures with an introduction; of the sentence `otherwise` alone if there are none.
-    pub fn add_chapter(&mut self, title: &'static str, lead: Markup, drawn: Markup, otherwise: Markup) {
+    pub fn add_chapter(
+        &mut self,
+        title: &'static str,
+        lead: Markup,
+        (drawn, columns): (Vec<Figure>, &str),
+        otherwise: &str,
+    ) {
         self.begin(title);
+        let drawn = self.draw(drawn, columns);
         self.add(html! {
             @if drawn.0.is_empty() {
                 p.none { (otherwise) }
@@ -147,6 +158,55 @@ fn running_head(title: &str) -> String {
         "@page{{margin:18mm 14mm 16mm;@top-left{{content:\"Hingewise · {plain}\";font-size:8pt;color:#57616D}}\
          @bottom-right{{content:counter(page) \" / \" counter(pages);font-size:8pt;color:#57616D}}}}\n"
     )
+}
+
+/// The figure as an SVG file that follows the light or dark setting of the reader's system.
+pub fn standalone(figure: &Figure) -> String {
+    figure.drawing.document(&html! {
+        "\n" title { (figure.title) } "\n"
+        style { "\n" (PreEscaped(palette::css())) } "\n"
+    })
+}
+
+/// Figures side by side in the columns of a class of the style sheet; empty for none.
+pub fn figures(figures: &[Figure], columns: &str) -> Markup {
+    html! {
+        @if !figures.is_empty() {
+            div.figures.(columns) { @for drawn in figures { (figure(drawn, None)) } }
+        }
+    }
+}
+
+/// A figure with its title, its number and its caption, and below the drawing the controls of one that moves.
+fn figure(figure: &Figure, controls: Option<Markup>) -> Markup {
+    let drawing = &figure.drawing;
+    html! {
+        figure id=(figure.name) class=[controls.as_ref().map(|_| "moving")] {
+            h3 { (figure.title) (numbered::mark("files", &figure.name)) }
+            // An element of a page needs no namespace.
+            svg viewBox=(drawing.view) font-family=[drawing.letters.map(|_| "sans-serif")] font-size=[drawing.letters]
+                data-axes=[&drawing.axes] role="img" aria-label=(figure.title) {
+                (PreEscaped(&drawing.content))
+            }
+            @if let Some(controls) = controls { div.controls hidden="" { (controls) } }
+            figcaption { strong { (numbered::mark("Figure", &figure.name)) "." } " " (figure.caption) }
+        }
+    }
+}
+
+/// A table with its number and title.
+pub fn captioned(name: &str, title: &str, table: Markup) -> Markup {
+    html! {
+        div.titled id=(format!("table-{name}")) {
+            p.caption { strong { (numbered::mark("Table", name)) "." } " " (title) }
+            (table)
+        }
+    }
+}
+
+/// Content that unfolds on a click.
+pub fn details(title: &str, content: Markup) -> Markup {
+    html! { details { summary { (title) } (content) } }
 }
 
 #[cfg(test)]

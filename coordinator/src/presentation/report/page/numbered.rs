@@ -16,34 +16,14 @@ pub enum FigureFiles {
     Absent,
 }
 
-fn mark(kind: &str, name: &str) -> Markup {
+pub fn mark(kind: &str, name: &str) -> Markup {
     let [begin, end] = MARK;
     PreEscaped(format!("{begin}{kind} {name}{end}"))
-}
-
-/// The number of a figure, at the figure itself.
-pub fn figure(name: &str) -> Markup {
-    mark("Figure", name)
-}
-
-/// The number of a table, at the table itself.
-pub fn table(name: &str) -> Markup {
-    mark("Table", name)
-}
-
-/// A link to a figure by its number, e.g. `Figure 3`.
-pub fn refer(name: &str) -> Markup {
-    mark("see-figure", name)
 }
 
 /// A link to a table by its number, e.g. `Table 2`.
 pub fn refer_table(name: &str) -> Markup {
     mark("see-table", name)
-}
-
-/// Links to the files of a figure.
-pub fn files(name: &str) -> Markup {
-    mark("files", name)
 }
 
 /// The mark at the beginning of `piece`, as (kind, name), and what follows it.
@@ -93,8 +73,8 @@ mod tests {
     #[test]
     fn numbers_follow_the_page_and_references_find_them() {
         let body = html! {
-            p { "See " (refer("b")) ", " (refer_table("t")) " and " (refer("lost")) "." }
-            (figure("a")) (files("a")) (figure("b")) (table("t"))
+            p { "See " (mark("see-figure", "b")) ", " (refer_table("t")) " and " (mark("see-figure", "lost")) "." }
+            (mark("Figure", "a")) (mark("files", "a")) (mark("Figure", "b")) (mark("Table", "t"))
         };
         let page = resolve(&body.0, FigureFiles::NextToPage);
         for said in [

@@ -2,23 +2,20 @@
 //! above, drawn by plotters as SVG; and its numbers as CSV.
 
 mod axis;
-mod canvas;
-mod legend;
 mod series;
 mod shapes;
-mod ticks;
 
 pub use axis::{Axis, Scale, tick_label};
-pub use canvas::{Area, DrawError, LETTERS, PlotError, draw, letters, px, stroke};
 pub use series::{Band, Points, Series, Shape};
+pub use shapes::{Area, DrawError, LETTERS, draw, letters, px, stroke};
 
 use super::figure::{Drawing, Figure};
 use super::palette::Ink;
-use legend::{Legend, legend};
+use axis::{TickedAxis, ticks};
 use plotters::prelude::*;
 use shapes::{Frame, draw_series};
+pub use shapes::{Legend, legend};
 use std::ops::Range;
-use ticks::{TickedAxis, ticks};
 
 /// Height of what is above and below the plot, without the legend [CSS pixels].
 const AROUND: f64 = 60.0;
@@ -40,33 +37,27 @@ pub struct Plot<'a> {
 
 impl Plot<'_> {
     /// The chart with its numbers as CSV.
-    ///
-    /// # Errors
-    /// [`PlotError`].
-    pub fn figure(&self, title: &str, caption: &str) -> Result<Figure, PlotError> {
-        Ok(Figure {
+    pub fn figure(&self, title: &str, caption: &str) -> Figure {
+        Figure {
             name: self.figure.into(),
             title: title.into(),
             caption: caption.into(),
-            drawing: self.drawing()?,
+            drawing: self.drawing(),
             csv: series::csv(self.series, &self.x, &self.y),
-        })
+        }
     }
 
     /// The chart. Points that are not finite are left out, as are those outside the range of the
     /// horizontal axis; values are clamped to the vertical range.
-    ///
-    /// # Errors
-    /// [`PlotError`].
-    pub fn drawing(&self) -> Result<Drawing, PlotError> {
+    pub fn drawing(&self) -> Drawing {
         let legend = legend(self.series);
         let height = self.plot_height() + 20.0 * legend.rows as f64 + AROUND;
         let mut axes = None;
-        let drawing = draw(self.figure, height, |root| {
+        let drawing = draw(height, |root| {
             axes = Some(self.axes(&self.draw_on(root, &legend)?));
             Ok(())
-        })?;
-        Ok(Drawing { axes, ..drawing })
+        });
+        Drawing { axes, ..drawing }
     }
 
     /// What a script needs to find the values at a place of the drawing, JSON: per axis its label, its scale, and first and last
@@ -145,7 +136,6 @@ mod tests {
             series,
         }
         .drawing()
-        .unwrap()
         .document(&maud::html! {})
     }
 
@@ -162,7 +152,7 @@ mod tests {
     fn issue_long_labels_of_the_vertical_axis_ran_into_the_legend() {
         let height = |label: &str| {
             let (x, y) = (Axis::linear("x", (0.0, 1.0)), Axis::linear(label, (0.0, 1.0)));
-            let view = Plot { figure: "test", x, y, series: &[] }.drawing().unwrap().view;
+            let view = Plot { figure: "test", x, y, series: &[] }.drawing().view;
             view.split(' ').next_back().unwrap().parse::<f64>().unwrap() / f64::from(px(1.0))
         };
         assert_eq!(height("R"), 290.0);

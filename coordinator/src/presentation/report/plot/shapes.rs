@@ -1,9 +1,10 @@
-//! Draws series into a chart.
+//! Draws series and their legend into a chart: sizes, pens and lettering in CSS pixels for plotters' SVG backend.
 
-use super::canvas::{DrawError, LETTERS, letters, px, stroke};
+use super::axis::TickedAxis;
 use super::series::{Band, Points, Series, Shape};
-use super::ticks::TickedAxis;
+use crate::presentation::report::figure::Drawing;
 use crate::presentation::report::palette::Ink;
+use plotters::coord::Shift;
 use plotters::prelude::*;
 
 /// A chart over two linear axes.
@@ -159,4 +160,118 @@ fn steps(
         line(chart, outline, stroke(ink, 1.5))?;
     }
     Ok(())
+}
+
+/// Entries above the plot, in as many rows as they need.
+pub struct Legend<'a> {
+    entries: Vec<(f64, usize, &'a Series)>,
+    pub rows: usize,
+}
+
+pub fn legend(series: &[Series]) -> Legend<'_> {
+    let (mut x, mut row) = (10.0, 0);
+    let mut entries = Vec::new();
+    for series in series.iter().filter(|series| series.listed) {
+        // A sans-serif letter is 0.55 of its size wide on average, blanks between entries included.
+        let width = 40.0 + 0.57 * LETTERS * series.label.chars().count() as f64;
+        if x + width > WIDTH && x > 10.0 {
+            (x, row) = (10.0, row + 1);
+        }
+        entries.push((x, row, series));
+        x += width;
+    }
+    let rows = if entries.is_empty() { 0 } else { row + 1 };
+    Legend { entries, rows }
+}
+
+impl Legend<'_> {
+    pub fn draw_on(&self, root: &Area<'_>) -> Result<(), DrawError> {
+        for (x, row, series) in &self.entries {
+            let y = 15.0 + 20.0 * *row as f64;
+            let ends = [(px(*x), px(y)), (px(x + 18.0), px(y))];
+            match series.shape {
+                Shape::Band(_) | Shape::Steps(_) => {
+                    let corners = [(px(*x), px(y - 5.0)), (px(x + 18.0), px(y + 5.0))];
+                    root.draw(&Rectangle::new(corners, series.ink.rgb().mix(1.3 * series.fill).filled()))?;
+                    root.draw(&Rectangle::new(corners, stroke(series.ink, 1.0)))?;
+                }
+                Shape::Dashed(_) | Shape::Level(_) | Shape::Upright(_) => {
+                    for (from, to) in [(0.0, 7.0), (11.0, 18.0)] {
+                        let dash = [(px(x + from), px(y)), (px(x + to), px(y))];
+                        root.draw(&PathElement::new(dash, stroke(series.ink, 2.0)))?;
+                    }
+                }
+                Shape::Marked(_) | Shape::Measured(_) | Shape::Cloud(_) => {
+                    root.draw(&Circle::new((px(x + 9.0), px(y)), px(3.0), series.ink.rgb().filled()))?;
+                }
+                Shape::Line(_) | Shape::Dotted(_) => {
+                    root.draw(&PathElement::new(ends, stroke(series.ink, 2.5)))?;
+                }
+            }
+            root.draw(&Text::new(
+                series.label.clone(),
+                (px(x + 23.0), px(y - 0.5 * LETTERS)),
+                letters(LETTERS, Ink::Ink),
+            ))?;
+        }
+        Ok(())
+    }
+}
+
+/// plotters works in whole pixels: figures are drawn this much larger and shown smaller, for smooth lines.
+const SCALE: f64 = 4.0;
+
+/// Width a figure is designed for [CSS pixels].
+pub(super) const WIDTH: f64 = 480.0;
+
+/// Size of lettering at that width [CSS pixels]: 11 pixels where a page of 400 pixels shows the figure smaller.
+pub const LETTERS: f64 = 15.2;
+
+/// plotters states font sizes by line height: this times the SVG font size.
+const PLOTTERS_FONT: f64 = 1.24;
+
+/// Drawing area of a whole figure.
+pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// Error of plotters' SVG backend.
+pub type DrawError = DrawingAreaErrorKind<std::io::Error>;
+
+/// A drawing of the standard width and this height [CSS pixels] on paper.
+pub fn draw(height: f64, paint: impl FnOnce(&Area<'_>) -> Result<(), DrawError>) -> Drawing {
+    let (mut svg, [width, height]) = (String::new(), [WIDTH, height].map(|size| px(size) as u32));
+    let painted = {
+        let root = SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area();
+        root.fill(&Ink::Paper.rgb()).and_then(|()| paint(&root)).and_then(|()| root.present())
+    };
+    painted.expect("an SVG in memory is written without files and fonts, the sources of plotters' errors");
+    // What plotters writes is a document.
+    let content = svg.split_once('>').map_or("", |(_, content)| content.trim().trim_end_matches("</svg>"));
+    Drawing { view: format!("0 0 {width} {height}"), letters: None, axes: None, content: content.to_owned() }
+}
+
+/// CSS pixels in the pixels of the drawing.
+pub fn px(css: f64) -> i32 {
+    (css * SCALE).round() as i32
+}
+
+/// A line of this colour and width [CSS pixels].
+pub fn stroke(ink: Ink, width: f64) -> ShapeStyle {
+    ink.rgb().stroke_width(px(width) as u32)
+}
+
+/// Lettering of this size [CSS pixels].
+pub fn letters(size: f64, ink: Ink) -> TextStyle<'static> {
+    ("sans-serif", size * SCALE * PLOTTERS_FONT).into_font().color(&ink.rgb())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_legend_too_long_for_one_row_takes_two() {
+        let long = || Series::new("x".repeat(40), Ink::Ink, Shape::Line(vec![]));
+        assert_eq!(legend(&[long(), long()]).rows, 2);
+        assert_eq!(legend(&[]).rows, 0);
+    }
 }

@@ -3,7 +3,7 @@
 use super::exact::{ExactTexts, exact, exact_number};
 use super::mechanism_tables::subject;
 use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::{cells, table_of_text};
+use crate::presentation::report::tables::table_of_text;
 use crate::presentation::report::written::WrittenScene;
 use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, Kind, LENGTH, NUMBER};
 use common::scene::{
@@ -26,13 +26,13 @@ pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
         @if rows.is_empty() {
             p { "There are no loads but those of the joints." }
         } @else {
-            (captioned("loads", "Loads", table_of_text(&head, rows.into_iter().map(cells))))
+            (captioned("loads", "Loads", table_of_text(&head, rows)))
         }
         @if !curves.is_empty() {
             (captioned(
                 "curves",
                 "Curves of loads and drives, and of what outputs should be: values at arguments, smooth between them",
-                table_of_text(&["curve of", "over", "repeated", "points", "from"], curves.into_iter()),
+                table_of_text(&["curve of", "over", "repeated", "points", "from"], curves),
             ))
         }
     }
@@ -87,7 +87,7 @@ fn value_of(value: f64, unit: &str) -> String {
 }
 
 /// One row per curve, with all its points.
-fn curves(scene: &Scene, written: &WrittenScene) -> Vec<Vec<Markup>> {
+fn curves(scene: &Scene, written: &WrittenScene) -> Vec<[String; 5]> {
     let row = |of: String, key: String, over: String, table: &Table, [argument, value]: [&str; 2]| {
         let points: Vec<String> = table
             .at
@@ -96,7 +96,7 @@ fn curves(scene: &Scene, written: &WrittenScene) -> Vec<Vec<Markup>> {
             .map(|(at, v)| format!("{}: {}", exact(*at, argument), value_of(*v, value)))
             .collect();
         let from = written.name(&format!("{key}.source")).unwrap_or("the scene").to_owned();
-        cells([of, over, if table.repeat { "yes" } else { "no" }.to_owned(), points.join("; "), from])
+        [of, over, if table.repeat { "yes" } else { "no" }.to_owned(), points.join("; "), from]
     };
     let drives = scene.bodies.iter().filter_map(|body| match &body.motion {
         Motion::Driven { drive: Drive::Angle(table), .. } => {

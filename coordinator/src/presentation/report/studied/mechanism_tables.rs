@@ -4,24 +4,10 @@
 use super::exact::ExactTexts;
 use crate::presentation::report::format::UNKNOWN;
 use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::{cells, table, table_of_text};
+use crate::presentation::report::tables::table_of_text;
 use crate::presentation::report::written::WrittenScene;
-use common::scene::{
-    Attachment, Clearance, ContactDamping, ControlPoints, Drive, JointKind, Motion, Scene, Value,
-    WearingSurfaces,
-};
+use common::scene::{Attachment, Drive, JointKind, Motion, Scene, Value};
 use maud::{Markup, html};
-
-/// All tables of bodies, joints and materials.
-pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
-    html! {
-        (bodies(scene, written))
-        (starts(scene, written))
-        (joints(scene, written))
-        (hinges(scene, written))
-        (super::materials::materials(scene, written))
-    }
-}
 
 /// A table of rows of texts, each with the head of its column; nothing without a row.
 pub(super) fn stated<const N: usize>(
@@ -32,10 +18,10 @@ pub(super) fn stated<const N: usize>(
     let mut rows = rows.peekable();
     let Some(first) = rows.peek() else { return html! {} };
     let head = first.each_ref().map(|(head, _)| *head);
-    captioned(name, title, table_of_text(&head, rows.map(|row| cells(row.map(|(_, text)| text)))))
+    captioned(name, title, table_of_text(&head, rows.map(|row| row.map(|(_, text)| text))))
 }
 
-fn bodies(scene: &Scene, written: &WrittenScene) -> Markup {
+pub(super) fn bodies(scene: &Scene, written: &WrittenScene) -> Markup {
     let (texts, dash) = (ExactTexts(written), || UNKNOWN.to_owned());
     let rows = scene.bodies.iter().map(|body| {
         let key = |last: &str| format!("bodies.{}.{last}", body.name);
@@ -93,7 +79,7 @@ fn how(drive: &Drive, texts: &ExactTexts<'_>, body: &str) -> String {
 }
 
 /// Approximate state of the free bodies at time zero.
-fn starts(scene: &Scene, written: &WrittenScene) -> Markup {
+pub(super) fn starts(scene: &Scene, written: &WrittenScene) -> Markup {
     let texts = ExactTexts(written);
     let rows = scene.bodies.iter().filter_map(|body| {
         let Motion::Free { start_position, start_angle, start_velocity, start_speed, .. } = &body.motion
@@ -102,23 +88,20 @@ fn starts(scene: &Scene, written: &WrittenScene) -> Markup {
         };
         let key = |last: &str| format!("bodies.{}.{last}", body.name);
         let none = || UNKNOWN.to_owned();
-        Some(cells([
-            body.name.clone(),
-            texts.pair(&key("start_position"), *start_position, "mm"),
-            texts.value(&key("start_angle"), *start_angle, "deg"),
-            start_velocity.map_or_else(none, |v| texts.pair(&key("start_velocity"), v, "m/s")),
-            start_speed.map_or_else(none, |speed| texts.value(&key("start_speed"), speed, "r/min")),
-        ]))
+        let velocity = start_velocity.map_or_else(none, |v| texts.pair(&key("start_velocity"), v, "m/s"));
+        let speed = start_speed.map_or_else(none, |speed| texts.value(&key("start_speed"), speed, "r/min"));
+        Some([
+            ("body", body.name.clone()),
+            ("position [mm]", texts.pair(&key("start_position"), *start_position, "mm")),
+            ("angle", texts.value(&key("start_angle"), *start_angle, "deg")),
+            ("velocity [m/s]", velocity),
+            ("angular velocity", speed),
+        ])
     });
-    let rows: Vec<_> = rows.collect();
-    if rows.is_empty() {
-        return html! {};
-    }
-    let head = ["body", "position [mm]", "angle", "velocity [m/s]", "angular velocity"];
-    captioned(
+    stated(
         "starts",
         "State of the free bodies at time zero: approximate positions, from which joints and drives are closed; velocities where they are given",
-        table(&head, rows.into_iter()),
+        rows,
     )
 }
 
@@ -152,7 +135,7 @@ pub(super) fn subject(scene: &Scene, written: &WrittenScene, key: &str, value: &
     }
 }
 
-fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
+pub(super) fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
     let texts = ExactTexts(written);
     let rows = scene.joints.iter().map(|joint| {
         let key = |last: &str| format!("joints.{}.{last}", joint.name);
@@ -210,98 +193,4 @@ fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
         ]
     });
     stated("joints", "Joints, with their places in the frames of the bodies", rows)
-}
-
-/// Hinges with clearance, with what is modelled of them.
-fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
-    let texts = ExactTexts(written);
-    let rows = scene.joints.iter().filter_map(|joint| {
-        let JointKind::Clearance(clearance) = &joint.kind else { return None };
-        let name = joint.name.as_str();
-        let key = |last: &str| format!("joints.{name}.{last}");
-        // One of the two follows from the other and the radius of the journal.
-        let stated = |last: &str| written.quantity(&key(last)).is_some();
-        let by_clearance = stated("radial_clearance");
-        let following = |text: String, follows: bool| if follows { format!("({text})") } else { text };
-        let radial = match by_clearance {
-            true => texts.value(
-                &key("radial_clearance"),
-                nominal_clearance(scene, written, name, clearance),
-                "um",
-            ),
-            false => rounded(clearance.radial_clearance(), 1e6, "µm"),
-        };
-        let radius = match by_clearance {
-            true => rounded(clearance.bushing_radius, 1e3, "mm"),
-            false => texts.value(&key("bushing_radius"), clearance.bushing_radius, "mm"),
-        };
-        let wall = clearance
-            .wall
-            .map_or(String::new(), |wall| format!("; wall {}", texts.value(&key("wall"), wall, "mm")));
-        let coefficient = |last: &str, value: f64| texts.value(&key(last), value, "1/Pa");
-        let wear = coefficient("wear_coefficient", clearance.wear_coefficient);
-        let wear = match (clearance.wears, clearance.journal_wear_coefficient) {
-            (WearingSurfaces::Bushing, _) => wear,
-            (WearingSurfaces::Journal, _) => format!("{wear} (journal)"),
-            (WearingSurfaces::Both, None) => format!("{wear} (both surfaces)"),
-            (WearingSurfaces::Both, Some(journal)) => {
-                format!("{wear}; journal {}", coefficient("journal_wear_coefficient", journal))
-            }
-        };
-        let law = clearance.contact_law.name();
-        let damping = damping(&clearance.contact_damping, &texts, &key("contact_damping"));
-        Some([
-            ("hinge", name.to_owned()),
-            ("journal radius", texts.value(&key("journal_radius"), clearance.journal_radius, "mm")),
-            ("radial clearance", following(radial.replace("um", "µm"), !by_clearance)),
-            ("bushing radius", following(radius, by_clearance)),
-            ("width", texts.value(&key("width"), clearance.width, "mm")),
-            ("wear coefficient", wear),
-            ("friction", texts.number(&key("friction"), clearance.friction)),
-            ("friction speed", texts.value(&key("friction_speed"), clearance.friction_speed, "mm/s")),
-            ("film damping", texts.value(&key("film_damping"), clearance.film_damping, "N s/m")),
-            (
-                "control points",
-                match clearance.control_points {
-                    ControlPoints::Number(number) => number.to_string(),
-                    ControlPoints::ByArc => "by the contact arc".to_owned(),
-                },
-            ),
-            ("law and damping of the contact", format!("{law}; {damping}{wall}")),
-        ])
-    });
-    stated(
-        "hinges",
-        "Hinges with clearance; values in parentheses follow from the others; friction is regularised at the friction speed; a hinge \
-         with the wear coefficient 0 does not wear",
-        rows,
-    )
-}
-
-/// The radial clearance of a hinge that states one: the mean of a variable that sets it, else what is written.
-fn nominal_clearance(scene: &Scene, written: &WrittenScene, joint: &str, clearance: &Clearance) -> f64 {
-    let key = format!("joints.{joint}.radial_clearance");
-    let variable = scene.variables.iter().find(|variable| variable.changes.contains(&key));
-    let mean = variable.map(|variable| variable.distribution.parent_mean());
-    mean.or(written.quantity(&key)).unwrap_or(clearance.radial_clearance())
-}
-
-/// A value that follows from others.
-fn rounded(value: f64, factor: f64, unit: &str) -> String {
-    format!("{}\u{a0}{unit}", crate::presentation::report::format::seven_digits(factor * value))
-}
-
-pub(super) fn damping(damping: &ContactDamping, texts: &ExactTexts<'_>, key: &str) -> String {
-    match damping {
-        ContactDamping::None => "none".to_owned(),
-        ContactDamping::HuntCrossley { factor } => {
-            format!("hunt-crossley, {}", texts.value(&format!("{key}.hunt_crossley"), *factor, "s/m"))
-        }
-        ContactDamping::Restitution { law, coefficient, least_speed } => {
-            let law = law.word();
-            let e = texts.number(&format!("{key}.restitution"), *coefficient);
-            let least = texts.value(&format!("{key}.least_speed"), *least_speed, "mm/s");
-            format!("{law}, e = {e}, approach at least {least}")
-        }
-    }
 }

@@ -3,19 +3,15 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `mechanism_tables` | bodies, drives, joints, hinges with clearance |
-//! | `materials` | materials of hinges and guides |
-//! | `guide_table` | guides with clearance, and their wear |
+//! | `mechanism_tables` | bodies, drives, joints |
+//! | `clearance_tables` | hinges and guides with clearance, their materials and wear |
 //! | `load_tables` | loads, gravity, curves |
-//! | `formula_tables` | parameters, and the quantities that depend on them |
 //! | `variable_tables` | random variables, correlations, outputs, limit states, life, settings of the study |
 //! | `exact` | values with as few digits as give the same number |
 
+mod clearance_tables;
 mod exact;
-mod formula_tables;
-mod guide_table;
 mod load_tables;
-mod materials;
 mod mechanism_tables;
 mod variable_tables;
 
@@ -26,12 +22,12 @@ use super::format::{UNKNOWN, count};
 use super::input::ReportInput;
 use super::mechanism::poses;
 use super::page::{captioned, numbered};
-use super::plot::PlotError;
+use super::tables;
+use super::words;
 use super::written::WrittenScene;
-use super::{tables, words};
 use crate::results::scene_summary::limit_rows;
 use common::scene::{ContactLaw, Joint, JointKind, Scene, SimulatorKind, WearingSurfaces};
-use maud::{Markup, html};
+use maud::{Markup, Render, html};
 
 /// Random variables beyond this number are listed in the appendix.
 const VARIABLES_IN_CHAPTER: usize = 12;
@@ -45,14 +41,11 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
 }
 
 /// Loads that vary by curves, over the angle of the crank.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn loads(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn loads(input: &ReportInput) -> Vec<Figure> {
     let cycle = input.nominal.as_ref().and_then(|nominal| nominal.first_cycle.as_ref());
     let varying =
         cycle.and_then(|cycle| VaryingLoads::new(&input.scene, &poses(&input.scene, cycle)?, &cycle.time));
-    varying.map_or(Ok(vec![]), |varying| varying.figures())
+    varying.map_or(vec![], |varying| varying.figures())
 }
 
 /// The chapter with its figure, as it was `drawn`; long tables are left to the [`appendix`].
@@ -60,42 +53,39 @@ pub fn chapter(input: &ReportInput, drawn: &Markup) -> Markup {
     let scene = &input.scene;
     let many = scene.variables.len() > VARIABLES_IN_CHAPTER;
     html! {
-        p {
-            "Every value is nominal and in the scene file " code { "scene.toml" } " next to this page, which is listed in the appendix"
-            @if !drawn.0.is_empty() { "; the mechanism is drawn in " (numbered::refer(drawing::NAME)) }
-            "."
-            @if !input.written.formulas.is_empty() {
-                " Values that follow from parameters, which random variables may set, have their formulas in "
-                (numbered::refer_table("formulas")) "."
-            }
-        }
-        (drawn)
-        @if let Some(simulator) = &scene.simulator {
             p {
-                "Responses are computed by an external simulator, "
-                @match &simulator.kind {
-                    SimulatorKind::Program(program) => { "the program " code { (program.command.join(" ")) } }
-                    SimulatorKind::UmBridge(model) => { "the model " (model.model) " of the server " code { (model.url) } }
-                }
+                "Every value is nominal and in the scene file " code { "scene.toml" } " next to this page, which is listed in the appendix"
+                @if !drawn.0.is_empty() { "; the mechanism is drawn in " (numbered::mark("see-figure", drawing::NAME)) }
                 "."
+                @if !input.written.formulas.is_empty() {
+                    " Values that follow from parameters, which random variables may set, have their formulas in "
+                    (numbered::refer_table("formulas")) "."
+                }
             }
-        } @else {
-            (mechanism_tables::tables(scene, &input.written))
-            (guide_table::guides(scene, &input.written))
-            (guide_table::guide_wear(scene, &input.written))
-            (load_tables::tables(scene, &input.written))
+            (drawn)
+            @if let Some(simulator) = &scene.simulator {
+                p {
+                    "Responses are computed by an external simulator, "
+                    @match &simulator.kind {
+                        SimulatorKind::Program(program) => { "the program " code { (program.command.join(" ")) } }
+                        SimulatorKind::UmBridge(model) => { "the model " (model.model) " of the server " code { (model.url) } }
+                    }
+                    "."
+                }
+            } @else {
+    (elements(scene, &input.written))
+            }
+            @if many {
+                p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "." }
+            } @else {
+                (variable_tables::variables(scene, &input.summary, &input.written))
+            }
+            (variable_tables::limits(scene, &input.summary.limits, &input.written))
+            (variable_tables::study_settings(scene, &input.summary, &input.settings))
+            h3 { "Assumptions and limits of the model" }
+            ul { @for sentence in assumptions(input) { li { (sentence) } } }
+            (facts(input))
         }
-        @if many {
-            p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "." }
-        } @else {
-            (variable_tables::variables(scene, &input.summary, &input.written))
-        }
-        (variable_tables::limits(scene, &input.summary.limits, &input.written))
-        (variable_tables::study_settings(scene, &input.summary, &input.settings))
-        h3 { "Assumptions and limits of the model" }
-        ul { @for sentence in assumptions(input) { li { (sentence) } } }
-        (facts(input))
-    }
 }
 
 /// Bodies, joints, loads, outputs and limit states of a scene, from its text `source`.
@@ -103,12 +93,23 @@ pub fn mechanism(scene: &Scene, source: &str) -> Markup {
     let written = WrittenScene::new(source);
     html! {
         @if scene.simulator.is_none() {
-            (mechanism_tables::tables(scene, &written))
-            (guide_table::guides(scene, &written))
-            (guide_table::guide_wear(scene, &written))
-            (load_tables::tables(scene, &written))
+            (elements(scene, &written))
         }
         (variable_tables::limits(scene, &limit_rows(scene), &written))
+    }
+}
+
+/// Bodies, joints and loads of a mechanism.
+fn elements(scene: &Scene, written: &WrittenScene) -> Markup {
+    html! {
+        (mechanism_tables::bodies(scene, written))
+        (mechanism_tables::starts(scene, written))
+        (mechanism_tables::joints(scene, written))
+        (clearance_tables::hinges(scene, written))
+        (clearance_tables::materials(scene, written))
+        (clearance_tables::guides(scene, written))
+        (clearance_tables::guide_wear(scene, written))
+        (load_tables::tables(scene, written))
     }
 }
 
@@ -118,7 +119,7 @@ pub fn appendix(input: &ReportInput) -> Markup {
         @if input.scene.variables.len() > VARIABLES_IN_CHAPTER {
             (variable_tables::variables(&input.scene, &input.summary, &input.written))
         }
-        (formula_tables::tables(&input.written))
+        (formulas(&input.written))
     }
 }
 
@@ -212,10 +213,7 @@ fn facts(input: &ReportInput) -> Markup {
     captioned(
         "facts",
         "The study",
-        tables::table_of_text(
-            &["item", "value"],
-            rows.into_iter().map(|(name, value)| vec![html! { (name) }, value]),
-        ),
+        tables::table_of_text(&["item", "value"], rows.map(|(name, value)| [html! { (name) }, value])),
     )
 }
 
@@ -224,6 +222,23 @@ fn moment(time: &str) -> String {
     match time.split_once('T') {
         Some((day, clock)) => format!("{day} {} UTC", clock.split(['.', 'Z']).next().unwrap_or_default()),
         None => time.to_owned(),
+    }
+}
+
+/// Parameters, and formulas of the keys that depend on them; nothing for a scene without parameters.
+fn formulas(written: &WrittenScene) -> Markup {
+    let table = |name: &str, title: &str, head: [&str; 2], all: &[(String, String)]| {
+        let rows = all.iter().map(|(name, text)| [name.render(), html! { code { (text) } }]);
+        if all.is_empty() {
+            html! {}
+        } else {
+            captioned(name, title, tables::table_of_text(&head, rows))
+        }
+    };
+    let follow = "Quantities that follow from parameters, with the values above where all variables are at their means";
+    html! {
+        (table("parameters", "Parameters of the scene", ["parameter", "value"], &written.parameters))
+        (table("formulas", follow, ["quantity", "formula"], &written.formulas))
     }
 }
 

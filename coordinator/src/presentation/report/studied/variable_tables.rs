@@ -12,42 +12,34 @@ use crate::study::Settings;
 use common::random::{Correlation, RandomVariable};
 use common::scene::expression::{ExpressionError, evaluate, read_unit};
 use common::scene::{Fails, Key, Output, OutputUnit, Scene, Value};
-use maud::{Markup, Render, html};
+use maud::{Markup, html};
 
 /// Distribution, moments and bounds of every random variable, in the unit in which it is displayed, and the correlations.
 pub fn variables(scene: &Scene, summary: &StudySummary, written: &WrittenScene) -> Markup {
     let correlations = scene.correlations.iter().map(|Correlation { first, second, coefficient }| {
-        let name = |k: usize| scene.variables[k].name.render();
-        vec![name(*first), name(*second), exact_number(*coefficient).render()]
+        let name = |k: usize| scene.variables[k].name.clone();
+        [name(*first), name(*second), exact_number(*coefficient)]
     });
     let rows = scene.variables.iter().zip(&summary.variables).map(|(variable, row)| cells(variable, row));
-    let measured: Vec<(&str, &str)> = scene
-        .variables
-        .iter()
-        .filter_map(|v| {
-            Some((v.name.as_str(), written.name(&format!("variables.{}.samples.source", v.name))?))
-        })
-        .collect();
+    let from = |v: &RandomVariable| {
+        Some(format!("{} from {}", v.name, written.name(&format!("variables.{}.samples.source", v.name))?))
+    };
+    let measured: Vec<String> = scene.variables.iter().filter_map(from).collect();
     html! {
-        (stated(
-            "variables",
-            "Random variables; of a truncated distribution mean and standard deviation are those before truncation",
-            rows,
-        ))
-        @if !measured.is_empty() {
-            p {
-                "Measured samples: "
-                (measured.iter().map(|(name, from)| format!("{name} from {from}")).collect::<Vec<_>>().join("; ")) "."
+            (stated(
+                "variables",
+                "Random variables; of a truncated distribution mean and standard deviation are those before truncation",
+                rows,
+            ))
+    @if !measured.is_empty() { p { "Measured samples: " (measured.join("; ")) "." } }
+            @if !scene.correlations.is_empty() {
+                (captioned(
+                    "correlations",
+                    "Correlations of the standard normals behind the variables (Gaussian copula); all other pairs are independent",
+                    table(&["variable", "and", "coefficient"], correlations),
+                ))
             }
         }
-        @if !scene.correlations.is_empty() {
-            (captioned(
-                "correlations",
-                "Correlations of the standard normals behind the variables (Gaussian copula); all other pairs are independent",
-                table(&["variable", "and", "coefficient"], correlations),
-            ))
-        }
-    }
 }
 
 fn cells(variable: &RandomVariable, row: &VariableRow) -> [(&'static str, String); 8] {
@@ -193,7 +185,7 @@ pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Marku
                 format!("≤ {} or ≥ {}", shown("lower", lower), shown("upper", limit.threshold))
             }
         };
-        [row.name.clone(), row.output.clone(), fails].map(|cell| cell.render()).to_vec()
+        [row.name.clone(), row.output.clone(), fails]
     });
     let life = &scene.life;
     html! {

@@ -1,0 +1,232 @@
+//! Tables of the hinges and guides with clearance of a mechanism, of their materials and of their wear.
+
+use super::exact::ExactTexts;
+use super::mechanism_tables::stated;
+use crate::presentation::report::format::{UNKNOWN, seven_digits};
+use crate::presentation::report::page::captioned;
+use crate::presentation::report::tables::table;
+use crate::presentation::report::written::WrittenScene;
+use common::scene::{
+    Clearance, ContactDamping, ControlPoints, GuideClearance, Joint, JointKind, Material, Scene,
+    WearingSurfaces,
+};
+use maud::{Markup, html};
+
+/// Guides with clearance, with what is modelled of them; nothing without any.
+pub(super) fn guides(scene: &Scene, written: &WrittenScene) -> Markup {
+    let texts = ExactTexts(written);
+    let rows = scene.joints.iter().filter_map(|joint| {
+        let JointKind::Guide(guide) = &joint.kind else { return None };
+        let key = |last: &str| format!("joints.{}.{last}", joint.name);
+        let length = |last: &str, value: f64| texts.value(&key(last), value, "mm");
+        Some([
+            ("guide", joint.name.clone()),
+            ("direction", texts.value(&key("axis"), guide.axis, "deg")),
+            ("turned by", texts.value(&key("angle"), guide.angle, "deg")),
+            ("length", length("length", guide.length)),
+            ("height", length("height", guide.height)),
+            ("width", length("width", guide.width)),
+            ("clearance", length("clearance", guide.clearance)),
+            (
+                "from end to end",
+                format!(
+                    "{} to {}",
+                    length("guide_start", guide.reach[0]),
+                    length("guide_end", guide.reach[1])
+                ),
+            ),
+            ("friction", texts.number(&key("friction"), guide.friction)),
+            ("friction speed", texts.value(&key("friction_speed"), guide.friction_speed, "mm/s")),
+            ("damping of the contact", damping(&guide.contact_damping, &texts, &key("contact_damping"))),
+        ])
+    });
+    stated(
+        "guides",
+        "Guides with clearance: length and height of the slider, width of the contact, clearance on each side; ends of the guide from its \
+         place",
+        rows,
+    )
+}
+
+/// Wear coefficients of the guides with clearance that wear and of their sliders, and their control points; nothing without any.
+pub(super) fn guide_wear(scene: &Scene, written: &WrittenScene) -> Markup {
+    let texts = ExactTexts(written);
+    let rows = scene.joints.iter().filter_map(|joint| {
+        let JointKind::Guide(GuideClearance { wear: Some(wear), .. }) = &joint.kind else { return None };
+        let value =
+            |last: &str, value: f64| texts.value(&format!("joints.{}.{last}", joint.name), value, "1/Pa");
+        let own = value("wear_coefficient", wear.coefficient);
+        let of_slider = wear.slider_coefficient.map(|of_slider| value("slider_wear_coefficient", of_slider));
+        let [guide, slider] = match wear.wears {
+            WearingSurfaces::Bushing => [own, "does not wear".to_owned()],
+            WearingSurfaces::Journal => ["does not wear".to_owned(), own],
+            WearingSurfaces::Both => [own.clone(), of_slider.unwrap_or(own)],
+        };
+        Some([
+            ("guide", joint.name.clone()),
+            ("coefficient of the guide", guide),
+            ("coefficient of the slider", slider),
+            ("control points of a face", wear.control_points.to_string()),
+        ])
+    });
+    stated(
+        "guide-wear",
+        "Wear of these guides and of their sliders by Archard's law, with the control points of each face",
+        rows,
+    )
+}
+
+/// Hinges with clearance, with what is modelled of them.
+pub(super) fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
+    let texts = ExactTexts(written);
+    let rows = scene.joints.iter().filter_map(|joint| {
+        let JointKind::Clearance(clearance) = &joint.kind else { return None };
+        let name = joint.name.as_str();
+        let key = |last: &str| format!("joints.{name}.{last}");
+        // One of the two follows from the other and the radius of the journal.
+        let stated = |last: &str| written.quantity(&key(last)).is_some();
+        let by_clearance = stated("radial_clearance");
+        let following = |text: String, follows: bool| if follows { format!("({text})") } else { text };
+        let radial = match by_clearance {
+            true => texts.value(
+                &key("radial_clearance"),
+                nominal_clearance(scene, written, name, clearance),
+                "um",
+            ),
+            false => rounded(clearance.radial_clearance(), 1e6, "µm"),
+        };
+        let radius = match by_clearance {
+            true => rounded(clearance.bushing_radius, 1e3, "mm"),
+            false => texts.value(&key("bushing_radius"), clearance.bushing_radius, "mm"),
+        };
+        let wall = clearance
+            .wall
+            .map_or(String::new(), |wall| format!("; wall {}", texts.value(&key("wall"), wall, "mm")));
+        let coefficient = |last: &str, value: f64| texts.value(&key(last), value, "1/Pa");
+        let wear = coefficient("wear_coefficient", clearance.wear_coefficient);
+        let wear = match (clearance.wears, clearance.journal_wear_coefficient) {
+            (WearingSurfaces::Bushing, _) => wear,
+            (WearingSurfaces::Journal, _) => format!("{wear} (journal)"),
+            (WearingSurfaces::Both, None) => format!("{wear} (both surfaces)"),
+            (WearingSurfaces::Both, Some(journal)) => {
+                format!("{wear}; journal {}", coefficient("journal_wear_coefficient", journal))
+            }
+        };
+        let law = clearance.contact_law.name();
+        let damping = damping(&clearance.contact_damping, &texts, &key("contact_damping"));
+        Some([
+            ("hinge", name.to_owned()),
+            ("journal radius", texts.value(&key("journal_radius"), clearance.journal_radius, "mm")),
+            ("radial clearance", following(radial.replace("um", "µm"), !by_clearance)),
+            ("bushing radius", following(radius, by_clearance)),
+            ("width", texts.value(&key("width"), clearance.width, "mm")),
+            ("wear coefficient", wear),
+            ("friction", texts.number(&key("friction"), clearance.friction)),
+            ("friction speed", texts.value(&key("friction_speed"), clearance.friction_speed, "mm/s")),
+            ("film damping", texts.value(&key("film_damping"), clearance.film_damping, "N s/m")),
+            (
+                "control points",
+                match clearance.control_points {
+                    ControlPoints::Number(number) => number.to_string(),
+                    ControlPoints::ByArc => "by the contact arc".to_owned(),
+                },
+            ),
+            ("law and damping of the contact", format!("{law}; {damping}{wall}")),
+        ])
+    });
+    stated(
+        "hinges",
+        "Hinges with clearance; values in parentheses follow from the others; friction is regularised at the friction speed; a hinge \
+         with the wear coefficient 0 does not wear",
+        rows,
+    )
+}
+
+/// The radial clearance of a hinge that states one: the mean of a variable that sets it, else what is written.
+fn nominal_clearance(scene: &Scene, written: &WrittenScene, joint: &str, clearance: &Clearance) -> f64 {
+    let key = format!("joints.{joint}.radial_clearance");
+    let variable = scene.variables.iter().find(|variable| variable.changes.contains(&key));
+    let mean = variable.map(|variable| variable.distribution.parent_mean());
+    mean.or(written.quantity(&key)).unwrap_or(clearance.radial_clearance())
+}
+
+/// A value that follows from others.
+fn rounded(value: f64, factor: f64, unit: &str) -> String {
+    format!("{}\u{a0}{unit}", seven_digits(factor * value))
+}
+
+fn damping(damping: &ContactDamping, texts: &ExactTexts<'_>, key: &str) -> String {
+    match damping {
+        ContactDamping::None => "none".to_owned(),
+        ContactDamping::HuntCrossley { factor } => {
+            format!("hunt-crossley, {}", texts.value(&format!("{key}.hunt_crossley"), *factor, "s/m"))
+        }
+        ContactDamping::Restitution { law, coefficient, least_speed } => {
+            let law = law.word();
+            let e = texts.number(&format!("{key}.restitution"), *coefficient);
+            let least = texts.value(&format!("{key}.least_speed"), *least_speed, "mm/s");
+            format!("{law}, e = {e}, approach at least {least}")
+        }
+    }
+}
+
+/// Parts of joints with a material: the word of its key, and that of the column of its joints.
+const PARTS: [(&str, &str); 4] = [
+    ("journal", "journals of"),
+    ("bushing", "bushings of"),
+    ("slider", "sliders of"),
+    ("guide", "guides of"),
+];
+
+/// A material: its name where that is known, its values, and the joints of each of [`PARTS`] that are made of it.
+struct MaterialUse {
+    name: String,
+    material: Material,
+    joints: [Vec<String>; PARTS.len()],
+}
+
+/// The materials of a joint, each with the number of its part in [`PARTS`].
+fn of_joint(joint: &Joint) -> Vec<(usize, Material)> {
+    match &joint.kind {
+        JointKind::Clearance(hinge) => vec![(0, hinge.journal_material), (1, hinge.bushing_material)],
+        JointKind::Guide(guide) => vec![(2, guide.slider_material), (3, guide.guide_material)],
+        _ => vec![],
+    }
+}
+
+/// Materials of all joints that have one; nothing without any.
+pub(super) fn materials(scene: &Scene, written: &WrittenScene) -> Markup {
+    let mut used: Vec<MaterialUse> = Vec::new();
+    for joint in &scene.joints {
+        for (part, material) in of_joint(joint) {
+            let key = format!("joints.{}.{}_material", joint.name, PARTS[part].0);
+            let name = written.name(&key).unwrap_or_default().to_owned();
+            let place = used.iter().position(|one| one.name == name && one.material == material);
+            let place = place.unwrap_or_else(|| {
+                used.push(MaterialUse { name, material, joints: Default::default() });
+                used.len() - 1
+            });
+            used[place].joints[part].push(joint.name.clone());
+        }
+    }
+    if used.is_empty() {
+        return html! {};
+    }
+    let texts = ExactTexts(written);
+    let shown: Vec<usize> =
+        (0..PARTS.len()).filter(|part| used.iter().any(|one| !one.joints[*part].is_empty())).collect();
+    let rows = used.iter().map(|one| {
+        let key = |last: &str| format!("materials.{}.{last}", one.name);
+        let or_dash = |text: String| if text.is_empty() { UNKNOWN.to_owned() } else { text };
+        let mut row = vec![
+            or_dash(one.name.clone()),
+            texts.value(&key("elastic_modulus"), one.material.elastic_modulus, "GPa"),
+            texts.number(&key("poisson_ratio"), one.material.poisson_ratio),
+        ];
+        row.extend(shown.iter().map(|part| or_dash(one.joints[*part].join(", "))));
+        row
+    });
+    let mut head = vec!["material", "elastic modulus", "Poisson's ratio"];
+    head.extend(shown.iter().map(|part| PARTS[*part].1));
+    captioned("materials", "Materials of the joints", table(&head, rows))
+}
