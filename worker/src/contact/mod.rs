@@ -94,9 +94,9 @@ use law::Elastic;
 /// The contact law of one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Contact {
-    /// See [`ContactLaw::LocalHertz`].
+    /// The law that a scene calls [`ContactLaw::LocalHertz`].
     LocalHertz(LocalHertz),
-    /// See [`ContactLaw::Foundation`].
+    /// The law that a scene calls [`ContactLaw::Foundation`].
     Foundation(Foundation),
 }
 

@@ -73,7 +73,7 @@ impl<T: Lanewise> Lanewise for Option<T> {
 
 /// Numbers, lane by lane.
 pub trait InLane {
-    /// The same in one lane.
+    /// What the number of one lane is.
     type One;
     /// The numbers in lane `k`.
     fn in_lane(&self, k: usize) -> Self::One;

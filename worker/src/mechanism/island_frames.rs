@@ -20,7 +20,7 @@ impl<'a> IslandFrames<'a> {
         IslandFrames { scene, free: bodies.len(), frames: bodies }
     }
 
-    /// Free bodies.
+    /// Free bodies, all of which have a frame.
     pub(super) fn bodies(&self) -> &[usize] {
         &self.frames[..self.free]
     }

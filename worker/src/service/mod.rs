@@ -47,7 +47,7 @@ pub use worker_handle::{Stopper, WorkerHandle, run, spawn};
 pub struct Job {
     /// What the tasks of the campaign have in common.
     pub order: Arc<WorkOrder>,
-    /// The task.
+    /// The task to work on.
     pub task: Task,
     /// Index of the coordinator that gets the outcome.
     pub coordinator: usize,
