@@ -149,7 +149,7 @@ impl ReportInput {
             notes: [
                 of_designs(&summary).into_iter().collect(),
                 unsupported(&summary),
-                rough(&summary).into_iter().chain(of_contact_law(scene)).collect(),
+                of_contact_law(scene).into_iter().collect(),
                 control_points_notes(&summary.control_points),
             ]
             .concat(),
@@ -226,15 +226,6 @@ fn unsupported(summary: &StudySummary) -> Vec<String> {
     no_simulated_failure(summary).into_iter().chain(steps).map(sentence).collect()
 }
 
-/// A caution if the accuracy is meant for a first look only.
-fn rough(summary: &StudySummary) -> Option<String> {
-    let is_rough = summary.accuracy.starts_with("draft") && summary.max_error.is_none();
-    let text = "The accuracy draft is meant for a first look: the errors of its time and wear steps can exceed the standard errors \
-            shown. Compare with balanced or reference before decisions; where their stated errors are as large, more control points \
-            are needed.";
-    is_rough.then(|| text.to_owned())
-}
-
 /// The note of a study over design variables.
 fn of_designs(summary: &StudySummary) -> Option<String> {
     let note = || {
@@ -303,12 +294,10 @@ mod tests {
     use crate::test_study;
 
     #[test]
-    fn a_draft_or_unfinished_study_has_a_caution() {
+    fn an_unfinished_study_has_a_caution() {
         let mut summary = test_study::study().summary;
-        assert!(rough(&summary).is_none() && go_on(&summary, Path::new("a/b")).is_none());
-        summary.accuracy = "draft".into();
+        assert!(go_on(&summary, Path::new("a/b")).is_none());
         summary.convergence.targets_met = false;
-        assert!(rough(&summary).unwrap().contains("first look"));
         summary.convergence.larger_budget = Some(80);
         let said = go_on(&summary, Path::new("a/b")).unwrap();
         assert!(said.contains(&summary.convergence.stopped_because), "{said}");
