@@ -65,7 +65,7 @@ sed -e "s/^initial = .*/initial = $EVALUATIONS/" -e "s/^max_evaluations = .*/max
 jobs_now() { hq job list --filter waiting,running --output-mode quiet; }
 
 began=$SECONDS
-coordinator run --scene scene.toml --accuracy reference --levels reference --out scaled --workers 0 --scale hyperqueue --most "$MOST" \
+coordinator run --scene scene.toml --levels reference --out scaled --workers 0 --scale hyperqueue --most "$MOST" \
     --idle 10s -v >scaled.out 2>scaled.log &
 study=$!
 has_first_result() { [ -n "$(python3 -c 'import sqlite3
@@ -93,11 +93,11 @@ echo "no job left $((SECONDS - ended)) s after the end; at most $most_seen jobs 
 [ -n "${cancelled:-}" ] || fail "the study ended before its jobs were cancelled: set EVALUATIONS higher"
 hq job summary --output-mode quiet
 
-coordinator run --quiet --scene scene.toml --accuracy reference --levels reference --out alone --workers auto >/dev/null
+coordinator run --quiet --scene scene.toml --levels reference --out alone --workers auto >/dev/null
 for file in reliability.csv samples.csv; do
-    # The last columns of the samples are worker, wall time and time of the end.
+    # The last columns of the samples are worker, wall time, time of the end and level.
     columns='s/$//'
-    [ "$file" = samples.csv ] && columns='s/(,[^,]*){3}$//'
+    [ "$file" = samples.csv ] && columns='s/(,[^,]*){4}$//'
     cmp <(sed -E "$columns" "scaled/$file") <(sed -E "$columns" "alone/$file") || fail "$file differs"
 done
 echo "ok: the bytes of a local study"

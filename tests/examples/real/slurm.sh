@@ -177,9 +177,9 @@ grep -q "Name=STOP JobState=TIMEOUT" "$work/jobs.txt" || fail "Slurm did not end
 
 coordinator run --quiet --scene scene.toml --accuracy reference --out alone --workers auto >/dev/null
 for file in reliability.csv samples.csv; do
-    # The last columns of the samples are worker, wall time and time of the end.
+    # The last columns of the samples are worker, wall time, time of the end and level.
     columns='s/$//'
-    [ "$file" = samples.csv ] && columns='s/(,[^,]*){3}$//'
+    [ "$file" = samples.csv ] && columns='s/(,[^,]*){4}$//'
     cmp <(sed -E "$columns" "$STUDY/$file") <(sed -E "$columns" "alone/$file") || fail "$file differs"
 done
 echo "ok: $jobs_of_workers worker jobs and the requeued coordinator give the bytes of a local study"

@@ -126,7 +126,7 @@ watch_jobs() {
 }
 
 began=$SECONDS
-coordinator run --scene scene.toml --accuracy reference --out scaled --workers 0 --scale slurm --most "$MOST" --idle 10s -v \
+coordinator run --scene scene.toml --levels reference --out scaled --workers 0 --scale slurm --most "$MOST" --idle 10s -v \
     >scaled.out 2>scaled.log &
 study=$!
 has_first_result() { [ -n "$(python3 -c 'import sqlite3
@@ -152,11 +152,11 @@ echo "both nodes back $((SECONDS - ended)) s after the end; at most $most_seen j
 echo "jobs, by state of their end:"
 sed -E 's/^JobId=([0-9]+).* JobState=([A-Z]+).*/\2/' "$work/jobs.txt" | sort | uniq -c
 
-coordinator run --quiet --scene scene.toml --accuracy reference --out alone --workers auto >/dev/null
+coordinator run --quiet --scene scene.toml --levels reference --out alone --workers auto >/dev/null
 for file in reliability.csv samples.csv; do
-    # The last columns of the samples are worker, wall time and time of the end.
+    # The last columns of the samples are worker, wall time, time of the end and level.
     columns='s/$//'
-    [ "$file" = samples.csv ] && columns='s/(,[^,]*){3}$//'
+    [ "$file" = samples.csv ] && columns='s/(,[^,]*){4}$//'
     cmp <(sed -E "$columns" "scaled/$file") <(sed -E "$columns" "alone/$file") || fail "$file differs"
 done
 echo "ok: the bytes of a local study"
