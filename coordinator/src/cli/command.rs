@@ -22,6 +22,7 @@ use super::update::UpdateArguments;
 use super::weibull::WeibullArguments;
 use super::what_if::WhatIfArguments;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -58,9 +59,24 @@ pub struct CommandLine {
 impl CommandLine {
     /// Reads the command line of this process; ends the process with a message if it is wrong.
     pub fn read() -> Self {
-        let matches = accept_negative_numbers(grouped()).get_matches();
+        let words = with_scene_option(std::env::args_os());
+        let matches = accept_negative_numbers(grouped()).get_matches_from(words);
         Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
     }
+}
+
+/// Commands that read a scene by `--scene`, or as their first word.
+const OF_SCENES: [&str; 5] = ["run", "simulate", "explain", "tradeoff", "calibrate"];
+
+/// The words of a command line with `--scene` before a scene that is the first word of its command.
+fn with_scene_option(words: impl Iterator<Item = impl Into<OsString>>) -> Vec<OsString> {
+    let mut words: Vec<OsString> = words.map(Into::into).collect();
+    let [_, command, first, ..] = &words[..] else { return words };
+    let is_option = first.as_encoded_bytes().starts_with(b"-");
+    if !is_option && OF_SCENES.iter().any(|of_scene| command == of_scene) {
+        words.insert(2, "--scene".into());
+    }
+    words
 }
 
 /// Reads `-1` after an option as its value, so that the message says what is allowed.
@@ -303,8 +319,22 @@ mod tests {
     const DESCRIBED: usize = 18;
 
     fn parse(line: &str) -> Result<CommandLine, clap::Error> {
-        let matches = accept_negative_numbers(grouped()).try_get_matches_from(line.split_whitespace())?;
+        let words = with_scene_option(line.split_whitespace());
+        let matches = accept_negative_numbers(grouped()).try_get_matches_from(words)?;
         CommandLine::from_arg_matches(&matches)
+    }
+
+    #[test]
+    fn a_scene_is_the_first_word_of_its_command() {
+        for command in OF_SCENES {
+            let more = if command == "tradeoff" { "--out x" } else { "" };
+            let more = if command == "calibrate" { "--targets x" } else { more };
+            let read = |scene: &str| {
+                format!("{:?}", parse(&format!("coordinator {command} {scene} {more}")).unwrap())
+            };
+            assert_eq!(read("my.toml"), read("--scene my.toml"), "{command}");
+        }
+        assert!(parse("coordinator run a --scene b").is_err() && parse("coordinator run a b").is_err());
     }
 
     #[test]

@@ -254,8 +254,9 @@ impl ImportedLinkage {
     /// The scene with this name, read from `file`.
     pub fn scene(&self, name: &str, file: &str) -> String {
         let mut out = format!(
-            "# Read from {file}. Assumed: lengths in {UNIT}; links are rods of steel of 1 cm^2; one hinge has a clearance with the values of\n\
-             # [joint_defaults], the other joints are ideal; limit and life are to be set.\n"
+            "# Read from {file}. Assumed: lengths in {UNIT}; links are rods of steel of 1 cm^2;\n\
+             # one hinge has a clearance with the values of [joint_defaults], the other joints are ideal.\n\
+             # Limit and life are to be set.\n"
         );
         // Writing to a String cannot fail.
         let _ = self.write(&mut out, name, file);

@@ -50,7 +50,8 @@ pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError
             let shown = from.display().to_string();
             let linkage =
                 imported::read(&read_text(from)?).map_err(|fault| CommandError::refused(&shown, fault))?;
-            let text = linkage.scene(name, &shown);
+            let file = from.file_name().unwrap_or_default().display().to_string();
+            let text = linkage.scene(name, &file);
             SceneSource::parse(&text, &shown).map_err(Faults::without_places)?;
             (text, linkage.unread)
         }
