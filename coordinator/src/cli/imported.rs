@@ -254,7 +254,7 @@ impl ImportedLinkage {
     /// The scene with this name, read from `file`.
     pub fn scene(&self, name: &str, file: &str) -> String {
         let mut out = format!(
-            "# Read from {file}. Assumed: lengths in {UNIT}; links are rods of steel of 1 cm^2;\n\
+            "# Read from {file}. Assumed: lengths in {UNIT}; links are rods of steel of 1 cm^2, blocks have 50 g;\n\
              # one hinge has a clearance with the values of [joint_defaults], the other joints are ideal.\n\
              # Limit and life are to be set.\n"
         );
@@ -282,12 +282,14 @@ impl ImportedLinkage {
                 writeln!(out, "motion = \"driven\"\nposition = {}\nspeed = \"{speed} r/min\"", pair(origin))?;
             } else {
                 let names: Vec<&str> = pins.iter().map(|pin| pin.name.as_str()).collect();
-                let mass = match names.len() {
-                    1 => "mass = \"50 g\"\ninertia = \"10 kg mm^2\"\ncentre_of_mass = [\"0 mm\", \"0 mm\"]"
-                        .to_owned(),
-                    _ => format!(
+                // A block has one place, and no extent to take a rod's mass from.
+                let mass = if pins.iter().all(|pin| pin.at == first.at) {
+                    "mass = \"50 g\"\ninertia = \"10 kg mm^2\"\ncentre_of_mass = [\"0 mm\", \"0 mm\"]"
+                        .to_owned()
+                } else {
+                    format!(
                         "shape = {{ type = \"rod\", points = {names:?}, section = \"1 cm^2\", material = \"steel\" }}"
-                    ),
+                    )
                 };
                 let start = pair(origin);
                 writeln!(
