@@ -10,7 +10,7 @@ macro_rules! choice {
         }
 
         impl $Choice {
-            /// Every choice.
+            /// Every choice, in the order of the table.
             pub const ALL: [Self; [$($word),*].len()] = [$(Self::$Variant),*];
 
             /// Every choice by its word in a scene.

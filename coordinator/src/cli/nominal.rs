@@ -159,7 +159,7 @@ fn nominal_check<'s>(scene: &'s Scene, evaluation: &Evaluation) -> (Vec<NominalL
 pub struct SceneFindings<'s> {
     /// Life of the nominal mechanism per limit state; empty if it was not simulated.
     pub lives: Vec<NominalLife<'s>>,
-    /// Cycles simulated.
+    /// Number of cycles simulated.
     pub last: u32,
     /// Laws of the variables with measured samples.
     pub measured: Vec<MeasuredFinding>,

@@ -13,7 +13,7 @@ use common::scene::expression::read_unit;
 /// Most checkpoints in a table.
 const ROWS: usize = 12;
 
-/// The answer.
+/// The answer with its tables and figure.
 pub fn answer(report: &LearnReport) -> Answer {
     let LearnReport { confident, parameters, .. } = report;
     let mut parts = vec![AnswerPart::Text(sentence(confident)), AnswerPart::Figures];

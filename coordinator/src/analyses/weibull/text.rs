@@ -13,7 +13,7 @@ const POINTS: usize = 120;
 /// p below which data contradict a study [1].
 const CONTRADICTS: f64 = 0.05;
 
-/// The answer.
+/// The answer with its tables and figure.
 pub fn answer(report: &WeibullReport) -> Answer {
     let WeibullReport { lives, confidence, .. } = report;
     let percent = significant(100.0 * confidence, 3);
