@@ -10,11 +10,14 @@ use tests::deployed::{
 use tests::{in_time, program};
 
 /// Scripts of `deploy/`, and those that run the real services.
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 11] = [
     "certificates.sh",
     "ssh-workers.sh",
     "slurm/coordinator.sbatch",
     "slurm/workers.sbatch",
+    "../tests/examples/peers/run.sh",
+    "../tests/examples/real/checks.sh",
+    "../tests/examples/real/hyperqueue_scale.sh",
     "../tests/examples/real/slurm.sh",
     "../tests/examples/real/slurm_scale.sh",
     "../tests/examples/real/systemd.sh",

@@ -37,27 +37,8 @@ finish() {
 }
 trap finish EXIT
 
-fail() {
-    echo "failed: $*" >&2
-    tail -n 10 "$work/slurmctld.log" "$work"/job/*.log >&2 || true
-    exit 1
-}
-
-# Waits until a command succeeds, at most so many seconds.
-within() {
-    local end=$((SECONDS + $1))
-    shift
-    until "$@" >/dev/null 2>&1; do
-        ((SECONDS < end)) || fail "still not true: $*"
-        sleep 0.5
-    done
-}
-
-free_port() {
-    local port
-    while port=$((20000 + RANDOM % 10000)) && (exec 3<>"/dev/tcp/127.0.0.1/$port") 2>/dev/null; do :; done
-    echo "$port"
-}
+# shellcheck source=/dev/null
+. "$top/tests/examples/real/checks.sh"
 
 # Munge: authenticates the messages of Slurm.
 dd if=/dev/urandom of="$work/munge.key" bs=128 count=1 status=none
@@ -176,10 +157,5 @@ grep -q "evaluations are done already" hingewise-coordinator-*.log || fail "the 
 grep -q "Name=STOP JobState=TIMEOUT" "$work/jobs.txt" || fail "Slurm did not end the hanging worker"
 
 coordinator run --quiet --scene scene.toml --accuracy reference --out alone --workers auto >/dev/null
-for file in reliability.csv samples.csv; do
-    # The last columns of the samples are worker, wall time, time of the end and level.
-    columns='s/$//'
-    [ "$file" = samples.csv ] && columns='s/(,[^,]*){4}$//'
-    cmp <(sed -E "$columns" "$STUDY/$file") <(sed -E "$columns" "alone/$file") || fail "$file differs"
-done
+have_same_bytes "$STUDY" alone
 echo "ok: $jobs_of_workers worker jobs and the requeued coordinator give the bytes of a local study"

@@ -35,27 +35,8 @@ finish() {
 }
 trap finish EXIT
 
-fail() {
-    echo "failed: $*" >&2
-    tail -n 10 "$work"/*.log "$work"/job/*.log >&2 || true
-    exit 1
-}
-
-# Waits until a command succeeds, at most so many seconds.
-within() {
-    local end=$((SECONDS + $1))
-    shift
-    until "$@" >/dev/null 2>&1; do
-        ((SECONDS < end)) || fail "still not true: $*"
-        sleep 0.2
-    done
-}
-
-free_port() {
-    local port
-    while port=$((20000 + RANDOM % 10000)) && (exec 3<>"/dev/tcp/127.0.0.1/$port") 2>/dev/null; do :; done
-    echo "$port"
-}
+# shellcheck source=/dev/null
+. "$top/tests/examples/real/checks.sh"
 
 dd if=/dev/urandom of="$work/munge.key" bs=128 count=1 status=none
 chmod 400 "$work/munge.key"
@@ -129,9 +110,7 @@ began=$SECONDS
 coordinator run --scene scene.toml --levels reference --out scaled --workers 0 --scale slurm --most "$MOST" --idle 10s -v \
     >scaled.out 2>scaled.log &
 study=$!
-has_first_result() { [ -n "$(python3 -c 'import sqlite3
-print(sqlite3.connect("file:scaled/campaign.db?mode=ro", uri=True).execute("select 1 from evaluation limit 1").fetchone() or "")')" ]; }
-within 120 has_first_result
+within 120 has_first_result scaled
 echo "first result after $((SECONDS - began)) s, from zero workers"
 while kill -0 "$study" 2>/dev/null; do
     watch_jobs
@@ -153,10 +132,5 @@ echo "jobs, by state of their end:"
 sed -E 's/^JobId=([0-9]+).* JobState=([A-Z]+).*/\2/' "$work/jobs.txt" | sort | uniq -c
 
 coordinator run --quiet --scene scene.toml --levels reference --out alone --workers auto >/dev/null
-for file in reliability.csv samples.csv; do
-    # The last columns of the samples are worker, wall time, time of the end and level.
-    columns='s/$//'
-    [ "$file" = samples.csv ] && columns='s/(,[^,]*){4}$//'
-    cmp <(sed -E "$columns" "scaled/$file") <(sed -E "$columns" "alone/$file") || fail "$file differs"
-done
+have_same_bytes scaled alone
 echo "ok: the bytes of a local study"
