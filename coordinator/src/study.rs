@@ -58,6 +58,7 @@ mod stored_outcome;
 mod surrogate_rows;
 mod surrogates;
 mod untested;
+mod variants;
 
 #[cfg(test)]
 mod campaign_tests;
@@ -75,6 +76,8 @@ mod lives_tests;
 mod pairs_tests;
 #[cfg(test)]
 mod two_sided_tests;
+#[cfg(test)]
+mod variants_tests;
 
 pub use campaign::Campaign;
 pub use campaign_result::CampaignResult;
@@ -98,6 +101,7 @@ pub use settings::{LARGEST_POPULATION, Method, SettingError, Settings, StudyAccu
 pub use step::{CampaignError, SampleRequest, Step, StopReason};
 pub use stored_outcome::{SimulatedPoint, StoredOutcome, completed};
 pub use surrogates::Surrogate;
+pub use variants::{FIRST_VARIANT, LearnedVariant, StudyOfVariants};
 
 use crate::farm::evaluate::Evaluator;
 use crate::results::journal::Journal;

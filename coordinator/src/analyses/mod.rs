@@ -14,6 +14,7 @@
 //! | [`test_plan`] | units and cycles of a test that demonstrates a reliability |
 //! | [`weibull`] | Weibull distribution of lives of a population, beside a study |
 //! | [`learn`] | parameters of a population from its units, R at a confidence |
+//! | [`variants`] | other choices of the model of a study, by differences |
 //! | [`update`] | single units from what was measured of them |
 //! | [`paired_results`] | changes between two results from the same simulations |
 //! | [`quantity`] | quantities of outputs as a person writes them |
@@ -32,5 +33,6 @@ mod setting;
 pub mod test_plan;
 pub mod tradeoff;
 pub mod update;
+pub mod variants;
 pub mod weibull;
 pub mod what_if;

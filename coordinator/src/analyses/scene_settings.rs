@@ -39,6 +39,23 @@ pub fn redistributed(source: &SceneSource, settings: &[String]) -> Result<SceneS
     with_settings(source, settings, Allowed::Distributions)
 }
 
+/// The scene with values at keys of its tables, as in a scene file: rows of lists by their names, `*` for all rows.
+///
+/// # Errors
+/// Keys that lead nowhere, or the faults of the changed scene.
+pub fn with_keys(source: &SceneSource, origin: &str, keys: &Table) -> Result<SceneSource, Faults> {
+    let mut faults: Vec<Fault> = Vec::new();
+    let changed = source.edited(origin, |document| {
+        for (key, value) in keys {
+            let parts: Vec<&str> = key.split('.').collect();
+            if insert(document, &parts, value.clone()).is_none() {
+                faults.push(Fault::new(origin, key, "the scene has no such key; allowed: the path of a key, e.g. joints.crank.contact_law, with * for all rows"));
+            }
+        }
+    });
+    if faults.is_empty() { changed } else { Err(Faults(faults)) }
+}
+
 fn with_settings(source: &SceneSource, settings: &[String], allowed: Allowed) -> Result<SceneSource, Faults> {
     let (read, mut faults) = parse_all(source, settings, allowed);
     let (quantities, others): (Vec<_>, Vec<_>) =
@@ -144,6 +161,10 @@ fn insert_below(below: &mut Value, path: &[&str], value: Value) -> Option<()> {
         Value::Table(table) => insert(table, path, value),
         Value::Array(rows) => {
             let (first, rest) = path.split_first()?;
+            if *first == "*" && !rest.is_empty() {
+                let of_all = rows.iter_mut().map(|row| insert_below(row, rest, value.clone()));
+                return of_all.collect::<Option<Vec<()>>>().filter(|all| !all.is_empty()).map(drop);
+            }
             let has_name = |row: &Value| row.get("name").and_then(Value::as_str) == Some(first);
             let place = rows.iter().position(has_name).or_else(|| match *first {
                 "x" => Some(0),

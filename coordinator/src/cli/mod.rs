@@ -38,6 +38,7 @@ mod study_options;
 mod test_plan;
 mod tradeoff;
 mod update;
+mod variants;
 mod weibull;
 mod what_if;
 

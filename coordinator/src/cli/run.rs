@@ -10,10 +10,11 @@ use super::monitor::Monitor;
 use super::output::{print, to_json};
 use super::results::write_results;
 use super::scenes::check_linkage;
-use super::shared::{DEFAULT_SCENE, Verbosity, load_with};
+use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, load_with};
 use super::signals::interruption;
-use super::stored_study::{END_DOCUMENT, StoredStudy, design_keys};
+use super::stored_study::{END_DOCUMENT, StoredStudy, design_keys, summary_of};
 use super::study_options::{ResumeArguments, RunArguments};
+use super::variants::{self, store_variants, variants_of};
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
 use coordinator::presentation::motion_cautions::motion_cautions;
 use coordinator::presentation::report::{self, CheckpointDistribution, SUMMARY_DOCUMENT};
@@ -59,6 +60,10 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     arguments.check_levels(scene)?;
     let mut settings = arguments.settings(scene);
     settings.check(scene)?;
+    let variants = match &arguments.variants {
+        None => vec![],
+        Some(file) => variants_of(file, &source, settings.method, space.is_some())?,
+    };
     let threads = Some(local_slots(&arguments.farm)).filter(|slots| *slots > 0).unwrap_or_else(cores);
     let interrupted = interruption()?;
     let accuracy = arguments.working_accuracy();
@@ -82,7 +87,11 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
         campaign.put_document(DESIGNS_DOCUMENT, &space.stored())?;
     }
     verbosity.say(format_args!("results go to {}", dir.display()));
-    finish(StoredStudy { campaign, source, settings }, evaluator, monitor, verbosity)
+    let mut study = StoredStudy { campaign, source, settings };
+    if !variants.is_empty() {
+        store_variants(&mut study, &variants)?;
+    }
+    finish(study, evaluator, monitor, &arguments.farm, verbosity)
 }
 
 /// Continues a study to its end, with other settings if the arguments name any: then another leg of it begins.
@@ -90,10 +99,15 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
 /// # Errors
 /// [`CommandError`].
 pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    let ResumeArguments { dir, distrust, extension, farm, monitor } = arguments;
+    let ResumeArguments { dir, distrust, variants, extension, farm, monitor } = arguments;
     // A study that this version cannot go on with is refused before its file is brought up to the present layout.
     StoredStudy::look(dir)?;
     let mut study = StoredStudy::read(CampaignFile::open(dir)?)?;
+    if let Some(file) = variants {
+        let has_designs = !design_keys(&study.campaign)?.is_empty();
+        let variants = variants_of(file, &study.source, study.settings.method, has_designs)?;
+        store_variants(&mut study, &variants)?;
+    }
     let extended = extension.extended(&study.settings, study.campaign.working_count()?)?;
     extended.check(study.scene())?;
     let mut repeated = 0;
@@ -109,7 +123,7 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
         write_results(&study.campaign, dir)?;
         return match after_study(study, Machines::ToOpen(farm), verbosity)? {
             None => Ok(()),
-            Some(study) => print_summary(&summary, &study.campaign, verbosity),
+            Some(study) => with_variants(study, farm, summary, verbosity),
         };
     }
     if !verbosity.quiet {
@@ -125,7 +139,19 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
         let settings = serde_json::to_value(&study.settings)?;
         study.campaign.begin_leg(settings, &command_line(), &program())?;
     }
-    finish(study, evaluator, monitor, verbosity)
+    finish(study, evaluator, monitor, farm, verbosity)
+}
+
+/// Learns the variants of the model that are missing, and prints the summary.
+fn with_variants(
+    study: StoredStudy,
+    farm: &FarmArguments,
+    mut summary: StudySummary,
+    verbosity: Verbosity,
+) -> Result<(), CommandError> {
+    let study = variants::after_study(study, farm, verbosity)?;
+    summary.variants = summary_of(&study.campaign)?.variants;
+    print_summary(&summary, &study.campaign, verbosity)
 }
 
 /// Version and build of this program.
@@ -168,6 +194,7 @@ fn finish(
     mut study: StoredStudy,
     mut evaluator: CommandEvaluator,
     mut monitor: Monitor,
+    farm: &FarmArguments,
     verbosity: Verbosity,
 ) -> Result<(), CommandError> {
     evaluator.start_workers()?;
@@ -198,7 +225,7 @@ fn finish(
     let unanswered = after_study(study, Machines::Open(&mut evaluator), verbosity)?;
     evaluator.close();
     if let Some(study) = unanswered {
-        print_summary(&result.summary, &study.campaign, verbosity)?;
+        with_variants(study, farm, result.summary, verbosity)?;
     }
     monitor.serve()
 }

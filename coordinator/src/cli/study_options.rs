@@ -28,6 +28,10 @@ pub struct RunArguments {
     /// then answers for every design within the range, see `designs`; up to three
     #[arg(long, value_name = "KEY=LOWER..UPPER", help_heading = "Scene")]
     pub design: Vec<String>,
+    /// Variants of the model after the study, a TOML file of [[variants]] with `name`, `set` (keys of the scene with their values) and
+    /// `accuracy`: each by its difference from the study at some of its samples (ak)
+    #[arg(long, value_name = "FILE.toml", help_heading = "Scene")]
+    pub variants: Option<PathBuf>,
     #[command(flatten)]
     pub method: MethodArguments,
     #[command(flatten)]
@@ -60,6 +64,9 @@ pub struct ResumeArguments {
     /// Repeat the evaluations of this worker, e.g. of a faulty machine
     #[arg(long, value_name = "WORKER")]
     pub distrust: Vec<String>,
+    /// Variants of the model, in the place of those before, as with `run --variants`
+    #[arg(long, value_name = "FILE.toml")]
+    pub variants: Option<PathBuf>,
     #[command(flatten)]
     pub extension: ExtensionArguments,
     #[command(flatten)]

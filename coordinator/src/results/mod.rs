@@ -42,3 +42,4 @@ pub mod store;
 pub mod summary;
 mod surrogate_summary;
 pub mod timing;
+pub mod variant_summary;

@@ -9,6 +9,7 @@ pub use super::reliability_summary::{PerLimitState, ReliabilityRange, Reliabilit
 use super::scene_summary::{LimitRow, VariableRow, limit_rows, sha256, variable_rows};
 pub use super::surrogate_summary::{SurrogateRow, UntestedRow};
 pub use super::timing::{Timing, WorkerShare};
+pub use super::variant_summary::VariantRow;
 use common::accuracy::Accuracy;
 use common::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -46,6 +47,9 @@ pub struct StudySummary {
     /// Finer levels of accuracy and the differences that pairs of simulations showed; absent without any, and in studies by earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub levels: Option<LevelsRow>,
+    /// Variants of the model; empty without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub variants: Vec<VariantRow>,
     /// Size of the final Monte Carlo population.
     pub population: usize,
     /// Condition of that population, if failures were too rare for an unconditional one.

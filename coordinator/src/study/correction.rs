@@ -27,11 +27,22 @@ pub(super) struct LevelPair {
 /// Correction of every output of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correction {
+    /// What the second level is.
+    target: PairedModel,
     /// Number of pairs.
     pub pairs: usize,
     /// Number of them with a third level.
     pub thirds: usize,
     outputs: Vec<OutputCorrection>,
+}
+
+/// What the second level of a pair is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum PairedModel {
+    /// A finer level: its remainder is a part of the correction, whose error takes the place of the stated one.
+    FinerLevel,
+    /// A variant of the model: the difference is the correction, whose error is added to the stated one.
+    Variant,
 }
 
 /// Correction of the history of one output.
@@ -43,7 +54,7 @@ struct OutputCorrection {
 }
 
 impl OutputCorrection {
-    fn new(pairs: &[LevelPair], output: usize) -> Self {
+    fn new(pairs: &[LevelPair], output: usize, target: PairedModel) -> Self {
         let both = |pair: &LevelPair| {
             let third = pair.finest.as_ref().is_none_or(|finest| finest.start[output].is_some());
             third && pair.working.start[output].is_some() && pair.finer.start[output].is_some()
@@ -60,17 +71,20 @@ impl OutputCorrection {
             .iter()
             .map(|(working, finer, finest)| HistoryPair { working, finer, finest: finest.as_deref() })
             .collect();
-        Self { difference: HistoryDifference::new(&slices), has_start }
+        let difference = HistoryDifference::new(&slices);
+        let is_variant = target == PairedModel::Variant;
+        Self { difference: if is_variant { difference.without_remainder() } else { difference }, has_start }
     }
 }
 
 impl Correction {
     /// The correction of the first `outputs` outputs; `None` with too few pairs.
-    pub(super) fn new(pairs: &[LevelPair], outputs: usize) -> Option<Self> {
+    pub(super) fn new(pairs: &[LevelPair], outputs: usize, target: PairedModel) -> Option<Self> {
         (pairs.len() >= FEWEST).then(|| Self {
+            target,
             pairs: pairs.len(),
             thirds: pairs.iter().filter(|pair| pair.finest.is_some()).count(),
-            outputs: (0..outputs).map(|output| OutputCorrection::new(pairs, output)).collect(),
+            outputs: (0..outputs).map(|output| OutputCorrection::new(pairs, output, target)).collect(),
         })
     }
 
@@ -93,12 +107,13 @@ impl Correction {
         };
         let pairs: Vec<LevelPair> = working.iter().filter_map(pair).collect();
         let outputs = pairs.first()?.working.histories.len();
-        Self::new(&pairs, outputs)
+        Self::new(&pairs, outputs, PairedModel::FinerLevel)
     }
 
     /// The corrected result of an evaluation; responses that were derived from its outputs are left out.
     pub fn correct(&self, observed: Observed) -> Observed {
-        let Observed { mut histories, mut errors, mut start, .. } = observed;
+        let Observed { mut histories, mut errors, mut start, rough: known, .. } = observed;
+        let adds = self.target == PairedModel::Variant;
         let outputs = self.outputs.len();
         histories.truncate(outputs);
         errors.truncate(outputs);
@@ -108,13 +123,21 @@ impl Correction {
             let shift = usize::from(*has_start);
             let values = histories[output].iter_mut().zip(&mut errors[output]);
             for (n, (value, error)) in values.enumerate() {
-                *error = REACH * difference.std_at(n + shift, *value);
+                let stated = if adds { *error } else { 0.0 };
+                *error = stated.hypot(REACH * difference.std_at(n + shift, *value));
                 *value += difference.at(n + shift, *value);
             }
             if let (true, Some(value)) = (*has_start, start[output].as_mut()) {
                 *value += difference.at(0, *value);
             }
-            rough.push(difference.differences[shift..].iter().map(|one| one.rough).collect());
+            let before =
+                |n: usize| known.get(output).filter(|_| adds).map_or(0.0, |rough: &Vec<f64>| rough[n]);
+            let all = difference.differences[shift..].iter().enumerate();
+            rough.push(all.map(|(n, one)| one.rough.hypot(before(n))).collect::<Vec<f64>>());
+        }
+        // A difference that is the same everywhere shows no noise where none was known.
+        if adds && known.is_empty() && rough.iter().flatten().all(|rough| *rough == 0.0) {
+            rough.clear();
         }
         Observed { histories, errors, rough, start, distances: vec![] }
     }

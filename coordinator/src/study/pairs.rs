@@ -14,7 +14,7 @@
 //! reliability analysis through active learning for failure boundary location, Structural and Multidisciplinary Optimization 64.
 
 use super::campaign::Campaign;
-use super::correction::{Correction, LevelFigures, LevelPair};
+use super::correction::{Correction, LevelFigures, LevelPair, PairedModel};
 use super::interim::InterimResult;
 use super::learner::Learner;
 use super::observations::{Observed, ObservedOutcome};
@@ -65,6 +65,9 @@ pub(super) struct PairedCampaign<'a> {
     responses: ResponseLayout,
     /// Number of finer levels, 0 to 2.
     finer: usize,
+    /// What they are, and the number of the level before them.
+    target: PairedModel,
+    before: u8,
     /// Samples of the chunks of the campaign under way, the oldest first.
     under_way: VecDeque<Vec<Vec<f64>>>,
     simulated: Vec<PairedPoint>,
@@ -84,6 +87,8 @@ impl<'a> PairedCampaign<'a> {
             campaign,
             responses: ResponseLayout::from_scene(scene),
             finer,
+            target: PairedModel::FinerLevel,
+            before: 0,
             under_way: VecDeque::new(),
             simulated: vec![],
             requested: vec![],
@@ -91,6 +96,27 @@ impl<'a> PairedCampaign<'a> {
             correction: None,
             has_ended: false,
         }
+    }
+
+    /// A campaign without budget that begins with results, complete ones, with pairs of a variant of the model as `level`.
+    pub fn of_variant(
+        scene: &'a Scene,
+        campaign: Campaign,
+        results: &[(Vec<f64>, ObservedOutcome)],
+        level: u8,
+    ) -> Self {
+        let paired = Self::new(scene, campaign, 1);
+        let point = |(sample, outcome): &(Vec<f64>, ObservedOutcome)| {
+            let observed = outcome.as_ref().ok()?.clone();
+            Some(PairedPoint { sample: sample.clone(), observed, finer: [None, None], requested: [false; 2] })
+        };
+        let simulated = results.iter().filter_map(point).collect();
+        Self { target: PairedModel::Variant, before: level - 1, simulated, ..paired }
+    }
+
+    /// What the pairs of a variant gave: the correction, and the numbers of evaluations and of those that failed.
+    pub fn of_pairs(self) -> (Option<Correction>, [usize; 2]) {
+        (self.correction, self.counts)
     }
 
     /// Result of the campaign, and what the pairs gave.
@@ -173,7 +199,7 @@ impl<'a> PairedCampaign<'a> {
             Some(LevelPair { working: one.observed.clone(), finer: finer?, finest })
         };
         let pairs: Vec<LevelPair> = self.simulated.iter().filter_map(pair).collect();
-        Correction::new(&pairs, self.scene.outputs.len())
+        Correction::new(&pairs, self.scene.outputs.len(), self.target)
     }
 
     /// Squares of the largest 95 % reaches [1] by which the scatter of the pairs, and of the points at the third level, moves any R(n); `None`
@@ -217,7 +243,10 @@ impl<'a> PairedCampaign<'a> {
     /// Corrects the results of the campaign. Learning goes on with corrected results if these no longer meet the targets.
     fn correct(&mut self) -> Result<(), CampaignError> {
         self.correction = self.current();
-        let Some(correction) = &self.correction else { return Ok(()) };
+        let Some(correction) = self.correction.as_ref().filter(|_| self.target == PairedModel::FinerLevel)
+        else {
+            return Ok(());
+        };
         let (campaign, responses) = (&mut self.campaign, &self.responses);
         campaign.data.observations.change(|observed| responses.complete(correction.correct(observed)));
         campaign.surrogates.reset_population();
@@ -317,7 +346,7 @@ impl Learner for PairedCampaign<'_> {
             self.requested = self.next_pairs();
             if !self.requested.is_empty() {
                 let request = |(i, level): &PairRequest| SampleRequest {
-                    level: *level,
+                    level: self.before + *level,
                     ..SampleRequest::new(self.simulated[*i].sample.clone())
                 };
                 let requests = self.requested.iter().map(request).collect();

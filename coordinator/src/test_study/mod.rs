@@ -244,6 +244,7 @@ pub fn study() -> TestStudy {
         unresolved_fall: None,
         control_points: Vec::new(),
         levels: None,
+        variants: Vec::new(),
         scene: scene.name.clone(),
         version: "0.1.0".into(),
         seed: 20_260_101,

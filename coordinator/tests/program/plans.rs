@@ -1,4 +1,4 @@
-//! Plans and comparisons with the real `coordinator`: `test-plan` and `weibull`.
+//! Plans and comparisons with the real `coordinator`: `test-plan`, `weibull`, and `run --variants`.
 
 use serde_json::Value;
 use std::path::Path;
@@ -62,14 +62,40 @@ fn plans_of_textbooks() {
 }
 
 #[test]
-fn a_study_is_a_prior_and_is_compared_with_lives() {
+fn a_study_with_variants_is_a_prior_and_is_compared_with_lives() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (study, file, out) = (at("study"), at("fleet.csv"), at("weibull"));
     let run =
         "run --scene four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 24 --quiet";
     let run: Vec<&str> = run.split(' ').collect();
-    let summary = json(&[&run[..], &["--out", &study, "--json"]].concat());
+    let variants = "[[variants]]\nname = \"film\"\nset = { \"parameters.film_damping\" = \"130 N s/m\" }\n\
+        [[variants]]\nname = \"same\"\nset = { \"scene.title\" = \"another title\" }\n";
+    std::fs::write(at("variants.toml"), variants).unwrap();
+    std::fs::write(at("wrong.toml"), "[[variants]]\nname = \"a\"\nset = { \"joints.x.width\" = 1 }\n")
+        .unwrap();
+    let message = refused(&[&run[..], &["--variants", &at("wrong.toml"), "--out", &study]].concat());
+    assert!(message.contains("wrong.toml:3") && !Path::new(&study).exists(), "{message}");
+    let summary =
+        json(&[&run[..], &["--variants", &at("variants.toml"), "--out", &study, "--json"]].concat());
+    let rows = summary["variants"].as_array().unwrap();
+    assert_eq!((rows.len(), &rows[1]["changes_of_lives"][0]["value"]), (2, &Value::from(0.0)));
+    assert!(
+        number(&rows[0]["changes_of_lives"][0]["value"]).abs() > 0.0
+            && number(&rows[0]["evaluations"]) >= 6.0
+    );
+    let page = std::fs::read_to_string(Path::new(&study).join("report.html")).unwrap();
+    assert!(page.contains("With 2 variants of the model") && page.contains("Variants of the model"));
+    for name in ["variants.svg", "variants-lives.csv"] {
+        assert!(Path::new(&study).join("figures").join(name).is_file(), "{name}");
+    }
+    // What is finished is not simulated again.
+    let again = coordinator(&["resume", &study, "--workers", "0"]);
+    assert!(
+        again.status.success()
+            && String::from_utf8_lossy(&again.stdout).contains("With 2 variants of the model")
+    );
+
     let with_prior = json(&[
         "test-plan",
         &study,

@@ -25,6 +25,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 pub mod untested;
+pub mod variants;
 mod words;
 mod written;
 

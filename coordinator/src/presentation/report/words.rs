@@ -7,6 +7,7 @@ use super::life::{
     LEVELS, LifeAt, failure_probability, governing, leaders, life_and_limits, life_at, unresolved_fall,
 };
 use super::plot::tick_label;
+use super::variants;
 use crate::results::summary::StudySummary;
 use common::scene::Fails;
 
@@ -56,6 +57,7 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
         })
         .collect();
     text.push(format!("{}.", lives.join("; ")));
+    text.extend(variants::sentence(summary));
     text.extend(unresolved_fall(summary));
     text.extend(failures_over_life(input));
     text.push(effort(summary));

@@ -8,7 +8,7 @@ use crate::presentation::report::life::{
     LEVELS, LifeAt, life_and_limits, life_at, reliability_table, rows_that_matter, unresolved_fall,
 };
 use crate::presentation::report::untested::{no_simulated_failure, steps_and_noise};
-
+use crate::presentation::report::variants;
 use crate::results::summary::StudySummary;
 use std::path::Path;
 
@@ -86,7 +86,7 @@ fn over_life(summary: &StudySummary) -> String {
     if let Some(note) = unresolved_fall(summary) {
         text += &format!("caution: {note}\n");
     }
-    text
+    variants::sentence(summary).map_or(text.clone(), |range| format!("{text}{range}\n"))
 }
 
 #[cfg(test)]

@@ -56,6 +56,13 @@ impl HistoryDifference {
         Self { form, differences, remainders: (0..m).map(remainder).collect() }
     }
 
+    /// The differences to the second level itself, which leaves nothing: where it is no level of accuracy.
+    #[must_use]
+    pub fn without_remainder(self) -> Self {
+        let none = Remainder { mean: 0.0, std: 0.0, of_points: 0.0, order: None };
+        Self { remainders: vec![none; self.remainders.len()], ..self }
+    }
+
     /// What is added to a value of the first level at checkpoint `n` [unit of the output].
     pub fn at(&self, n: usize, value: f64) -> f64 {
         self.differences[n].at(value) + self.remainders[n].mean

@@ -11,7 +11,7 @@ use super::input::ReportInput;
 use super::life::{FAILED_UNWORN, LEVELS, failure_probability, rows_that_matter};
 use super::page::{FigureFiles, Page, captioned, numbered};
 use super::tables::{self, table_of};
-use super::{levels, studied, words};
+use super::{levels, studied, variants, words};
 use common::outputs::JointSummary;
 use common::scene::JointKind;
 use maud::{Markup, PreEscaped, html};
@@ -36,6 +36,7 @@ pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
         (drawn, "two"),
         "The study stored no distributions.",
     );
+    variants_of_model(&mut page, input);
     influences(&mut page, input);
     points::simulated(&mut page, input);
     let scripts = if input.summary.of_mechanism() {
@@ -64,6 +65,19 @@ fn reliability(page: &mut Page, input: &ReportInput) {
             p { "All checkpoints: " (numbered::refer_table(CHECKPOINTS)) "; more digits in " code { "reliability.csv" } "." }
         }
     });
+}
+
+/// Envelope of R and change of the lives by variants of the model, if there are any.
+fn variants_of_model(page: &mut Page, input: &ReportInput) {
+    let summary = &input.summary;
+    if summary.variants.is_empty() {
+        return;
+    }
+    page.begin("Variants of the model");
+    let drawn = page.draw(variants::figures(summary), "two");
+    page.add(
+        html! { (drawn) (captioned("variants", "Lives by variants of the model", variants::rows(summary))) },
+    );
 }
 
 /// Sensitivities of the failures, and contributions to the variance of the outputs.

@@ -1,0 +1,50 @@
+//! The model's own doubt: named variants of the model of a study, e.g. another contact law or damping, each by its difference from the
+//! study at some of its samples.
+
+mod variants_file;
+
+pub use variants_file::{ModelVariant, StoredVariant, read};
+
+use crate::analyses::paired_results::PairedResults;
+use crate::results::summary::StudySummary;
+use crate::results::variant_summary::{LifeChangeRow, VariantRow};
+use crate::statistics::reliability::paired::Change;
+use crate::study::{CampaignResult, LearnedVariant, Settings, result_of};
+use common::scene::Scene;
+use std::time::Instant;
+
+/// Name of the document of a campaign file with its variants.
+pub const VARIANTS_DOCUMENT: &str = "variants";
+
+/// The row of a variant, from the study and the variant as learned from the same samples.
+pub fn row(
+    scene: &Scene,
+    settings: &Settings,
+    variant: &StoredVariant,
+    base: &CampaignResult,
+    found: &LearnedVariant,
+) -> VariantRow {
+    let [evaluations, failed] = found.evaluations;
+    let row = VariantRow {
+        name: variant.name.clone(),
+        changes: variant.changes.clone(),
+        evaluations,
+        failed,
+        ..VariantRow::default()
+    };
+    let Some(learned) = &found.learned else { return row };
+    let summary = |learned| -> StudySummary { result_of(scene, settings, learned, Instant::now()).summary };
+    let (before, after) = (summary(base), summary(learned));
+    let firsts = [base, learned].map(|learned| learned.assessment.first_failures());
+    let [first, changed] = firsts;
+    let changes = PairedResults::new(first, changed).lives(&before, &after);
+    let of_system = changes.into_iter().filter(|change| change.limit_state == "total");
+    let change =
+        |change: Change| LifeChangeRow { value: change.value, lower: change.lower, upper: change.upper };
+    VariantRow {
+        reliability: after.reliability,
+        lives: after.lives.into_iter().filter(|life| life.limit_state == "total").collect(),
+        changes_of_lives: of_system.map(|of| of.cycles.map(change)).collect(),
+        ..row
+    }
+}

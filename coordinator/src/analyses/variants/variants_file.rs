@@ -1,0 +1,210 @@
+//! Reader of a file of variants, TOML: named sets of changes of the scene and of the accuracy.
+//!
+//! ```toml
+//! [[variants]]
+//! name = "foundation"
+//! set = { "joints.*.contact_law" = "foundation" }
+//!
+//! [[variants]]
+//! name = "more points"
+//! accuracy = "balanced+points-x2"
+//! ```
+
+use crate::analyses::scene_settings::with_keys;
+use crate::study::FIRST_VARIANT;
+use common::accuracy::NamedAccuracy;
+use common::scene::{Faults, InputFile, Scene, SceneSource, Section};
+use serde::{Deserialize, Serialize};
+use toml::Table;
+
+/// Most variants that a study may have had.
+const MOST: usize = 200;
+
+/// A variant as its file names it.
+#[derive(Debug, Clone)]
+pub struct ModelVariant {
+    /// Name of the variant.
+    pub name: String,
+    /// What it changes, `key = value`.
+    pub changes: Vec<String>,
+    /// The changed scene.
+    pub source: SceneSource,
+    /// Its accuracy; `None` for that of the study.
+    pub accuracy: Option<NamedAccuracy>,
+}
+
+/// A variant as a campaign file stores it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StoredVariant {
+    /// Name of the variant.
+    pub name: String,
+    /// What it changes, `key = value`.
+    pub changes: Vec<String>,
+    /// Text of its scene.
+    pub scene: String,
+    /// Its accuracy; `None` for that of the study.
+    pub accuracy: Option<NamedAccuracy>,
+    /// Level of its evaluations.
+    pub level: u8,
+    /// False for one of an earlier file, whose evaluations remain.
+    pub is_asked: bool,
+}
+
+impl StoredVariant {
+    /// These variants, after those that the campaign file has `known`: one that is the same keeps its evaluations.
+    pub fn merged(mut known: Vec<Self>, asked: &[ModelVariant]) -> Vec<Self> {
+        known.iter_mut().for_each(|variant| variant.is_asked = false);
+        for ModelVariant { name, changes, source, accuracy } in asked {
+            let is_same = |old: &&mut Self| old.scene == source.text() && old.accuracy == *accuracy;
+            if let Some(old) = known.iter_mut().find(is_same) {
+                (old.name, old.changes, old.is_asked) = (name.clone(), changes.clone(), true);
+                continue;
+            }
+            let level =
+                FIRST_VARIANT + u8::try_from(known.len().min(MOST)).unwrap_or(u8::MAX - FIRST_VARIANT);
+            known.push(Self {
+                name: name.clone(),
+                changes: changes.clone(),
+                scene: source.text().to_owned(),
+                accuracy: accuracy.clone(),
+                level,
+                is_asked: true,
+            });
+        }
+        known
+    }
+}
+
+/// Reads the variants of a scene.
+///
+/// # Errors
+/// All faults.
+pub fn read(file: &InputFile, source: &SceneSource) -> Result<Vec<ModelVariant>, Faults> {
+    file.read(|file| {
+        let rows = file.rows("variants");
+        if rows.is_empty() || rows.len() > MOST {
+            file.inconsistent("variants", format!("allowed: 1 to {MOST} [[variants]]"));
+        }
+        let origin = &source;
+        rows.into_iter().filter_map(|(name, mut row)| variant(name, &mut row, origin)).collect()
+    })
+}
+
+fn variant(name: &str, row: &mut Section, base: &SceneSource) -> Option<ModelVariant> {
+    let before = row.fault_count();
+    let given = row.get("set");
+    let none = Table::new();
+    let keys = given.and_then(|value| value.as_table());
+    if let (Some(value), None) = (given, keys) {
+        row.wrong_type("set", value, "a table of keys of the scene and their values");
+    }
+    let keys = keys.unwrap_or(&none);
+    let text = row.text_or("accuracy", "the name of an accuracy", "").unwrap_or_default();
+    let accuracy = if text.is_empty() { Ok(None) } else { text.parse::<NamedAccuracy>().map(Some) };
+    if let Err(error) = &accuracy {
+        row.inconsistent("accuracy", error.to_string());
+    }
+    if !text.is_empty() && base.nominal().simulator.is_some() {
+        row.inconsistent("accuracy", "a scene that names its own simulator has no accuracy");
+    }
+    row.finish();
+    if keys.is_empty() && text.is_empty() {
+        row.inconsistent("name", format!("{name} changes nothing; give it `set` or `accuracy`"));
+    }
+    let source = match with_keys(base, "set", keys) {
+        Ok(source) => source,
+        Err(Faults(faults)) => {
+            faults.iter().for_each(|fault| row.inconsistent("set", fault.to_string()));
+            return None;
+        }
+    };
+    if let Some(what) = other_study(base.nominal(), source.nominal()) {
+        row.inconsistent("set", format!("{name} changes the {what} of the study; a variant changes the model alone, `what-if` the rest"));
+    }
+    let changes = keys.iter().map(|(key, value)| format!("{key} = {value}"));
+    let of_accuracy = (!text.is_empty()).then(|| format!("accuracy = {text}"));
+    let changes = changes.chain(of_accuracy).collect();
+    (row.fault_count() == before).then_some(ModelVariant {
+        name: name.to_owned(),
+        changes,
+        source,
+        accuracy: accuracy.ok()?,
+    })
+}
+
+/// What two scenes differ in that makes them different studies.
+fn other_study(a: &Scene, b: &Scene) -> Option<&'static str> {
+    let variables = |scene: &Scene| -> Vec<_> {
+        scene
+            .variables
+            .iter()
+            .map(|variable| (variable.name.clone(), variable.distribution.clone()))
+            .collect()
+    };
+    let outputs =
+        |scene: &Scene| -> Vec<String> { scene.outputs.iter().map(|output| output.name.clone()).collect() };
+    if variables(a) != variables(b) {
+        return Some("random variables");
+    }
+    if outputs(a) != outputs(b) {
+        return Some("outputs");
+    }
+    if a.limit_states != b.limit_states {
+        return Some("limit states");
+    }
+    (a.life.checkpoints() != b.life.checkpoints()).then_some("checkpoints")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::scene::Fault;
+
+    fn read_text(text: &str) -> Result<Vec<ModelVariant>, Faults> {
+        let source = SceneSource::builtin("four-bar").unwrap();
+        read(&InputFile::parse(text, "variants.toml").unwrap(), &source)
+    }
+
+    #[test]
+    fn keys_of_the_scene_and_the_accuracy_are_changed() {
+        let found = read_text(
+            "[[variants]]\nname = \"foundation\"\nset = { \"joints.*.contact_law\" = \"foundation\" }\n\
+             [[variants]]\nname = \"film\"\nset = { \"parameters.film_damping\" = \"120 N s/m\" }\naccuracy = \"draft+points-x2\"\n",
+        )
+        .unwrap();
+        assert_eq!(found[0].source.text().matches("contact_law = \"foundation\"").count(), 3);
+        assert_eq!(found[0].changes, ["joints.*.contact_law = \"foundation\""]);
+        assert_eq!(found[1].accuracy.as_ref().unwrap().accuracy.points, 2);
+        assert!(found[1].source.text().contains("film_damping = \"120 N s/m\""));
+        let stored = StoredVariant::merged(vec![], &found);
+        assert_eq!([stored[0].level, stored[1].level], [FIRST_VARIANT, FIRST_VARIANT + 1]);
+        // Another file: what is the same keeps its level, whatever its name.
+        let renamed = ModelVariant { name: "thicker film".to_owned(), ..found[1].clone() };
+        let merged = StoredVariant::merged(stored, &[renamed]);
+        assert_eq!((merged.len(), merged[0].is_asked, merged[1].is_asked), (2, false, true));
+        assert_eq!((merged[1].name.as_str(), merged[1].level), ("thicker film", FIRST_VARIANT + 1));
+    }
+
+    #[test]
+    fn faults_have_their_lines() {
+        let text = "[[variants]]\nname = \"a\"\n[[variants]]\nname = \"b\"\nset = { \"joints.hinge.contact_law\" = \"foundation\" }\n\
+            [[variants]]\nname = \"c\"\nset = { \"joints.*.contact_law\" = \"hertz\" }\naccuracy = \"fine\"\n\
+            [[variants]]\nname = \"d\"\nset = { \"limit_states.wear.threshold\" = \"9 um\" }\nsets = 1\n";
+        let Err(Faults(faults)) = read_text(text) else { panic!("faults") };
+        let placed = |fault: &Fault| format!("{} {fault}", fault.location.as_ref().unwrap());
+        let all = faults.iter().map(placed).collect::<Vec<_>>().join("\n");
+        for says in [
+            "a changes nothing",
+            "variants.toml:5",
+            "the scene has no such key",
+            "variants.toml:8",
+            "local-hertz",
+            "neither a preset",
+            "changes the limit states of the study",
+            "sets",
+        ] {
+            assert!(all.contains(says), "{says}: {all}");
+        }
+        assert!(read_text("").is_err());
+    }
+}

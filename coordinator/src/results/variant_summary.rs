@@ -1,0 +1,35 @@
+//! Variants of the model of a study, as written to `summary.json`.
+
+use super::life_summary::LifeRow;
+use super::reliability_summary::ReliabilityRow;
+use serde::{Deserialize, Serialize};
+
+/// Result of a variant, by its difference from the study at the same samples.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct VariantRow {
+    /// Name of the variant.
+    pub name: String,
+    /// What it changes, `key = value`.
+    pub changes: Vec<String>,
+    /// Its simulations, failed ones included.
+    pub evaluations: usize,
+    /// Those without a result.
+    pub failed: usize,
+    /// Reliabilities, one row per checkpoint.
+    pub reliability: Vec<ReliabilityRow>,
+    /// Lives of the system at the usual levels.
+    pub lives: Vec<LifeRow>,
+    /// Changes of these lives from the study's, with their 95 % limits [cycles]; absent where one of the lives is not known.
+    pub changes_of_lives: Vec<Option<LifeChangeRow>>,
+}
+
+/// Change of a life from that of the study.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LifeChangeRow {
+    /// Best estimate [cycles].
+    pub value: f64,
+    /// Lower limit [cycles]; absent where it is not known.
+    pub lower: Option<f64>,
+    /// Upper limit [cycles]; absent where it is not known.
+    pub upper: Option<f64>,
+}
