@@ -2,13 +2,13 @@
 
 use super::error::CommandError;
 use super::output::{answer_with, check_answer_destination};
-use super::shared::value;
+use super::shared::{probability, value};
 use super::stored_study::OpenedStudy;
 use clap::Args;
 use common::scene::Scene;
 use coordinator::analyses::quantity::output_quantity;
 use coordinator::analyses::replace::{
-    InspectionPlan, Schedule, answer, check_costs, inspect, replace as age_of_replacement,
+    Demand, InspectionPlan, Schedule, answer, check_costs, inspect, replace as age_of_replacement,
 };
 use coordinator::statistics::replacement::{PolicyCosts, ReplacementCosts};
 use std::path::PathBuf;
@@ -21,6 +21,7 @@ have surrogates (--method ak), from which lives and measured values of 20 000 un
 
 Examples:
   coordinator replace study --failure-cost 10
+  coordinator replace study --failure-cost 10 --reliability 0.99 --confidence 95%
   coordinator replace study --planned-cost 250 --failure-cost 4000 --curve wear --json
   coordinator replace study --failure-cost 10 --inspect-every 1000,2000 --inspect-cost 0.05 --inspect-error '0.5 um'
   coordinator replace study --failure-cost 10 --inspect-at 4500,5000,5500 --inspect-cost 0.02";
@@ -39,6 +40,12 @@ pub struct ReplaceArguments {
     /// Failures that count: a limit state, or total
     #[arg(long, value_name = "NAME", default_value = "total")]
     pub curve: String,
+    /// Least reliability at the age of replacement, e.g. 0.99
+    #[arg(long, value_name = "R", value_parser = probability)]
+    pub reliability: Option<f64>,
+    /// Confidence with which it is to hold, over the errors of the study
+    #[arg(long, value_name = "C", default_value = "90%", value_parser = probability, requires = "reliability")]
+    pub confidence: f64,
     /// Inspect every N cycles and replace above a measured level; several distances with commas
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = cost, group = "schedule")]
     pub inspect_every: Vec<f64>,
@@ -80,8 +87,10 @@ pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Result<(), Comman
     check_costs(&costs).map_err(CommandError::bad_input)?;
     let opened = OpenedStudy::open(&arguments.dir, false)?;
     let OpenedStudy { study, summary, .. } = &opened;
+    let confidence = arguments.confidence;
+    let demand = arguments.reliability.map(|reliability| Demand { reliability, confidence });
     let mut report =
-        age_of_replacement(summary, &arguments.curve, &costs).map_err(CommandError::bad_input)?;
+        age_of_replacement(summary, &arguments.curve, &costs, demand).map_err(CommandError::bad_input)?;
     if !(arguments.inspect_every.is_empty() && arguments.inspect_at.is_empty()) {
         let plan = plan(arguments, study.scene())?;
         report.inspections = inspect(study.scene(), &opened.life_model()?, &plan, study.settings.seed)

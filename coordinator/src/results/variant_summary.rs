@@ -2,6 +2,7 @@
 
 use super::life_summary::LifeRow;
 use super::reliability_summary::ReliabilityRow;
+use crate::statistics::reliability::paired::Change;
 use serde::{Deserialize, Serialize};
 
 /// Result of a variant, by its difference from the study at the same samples.
@@ -20,16 +21,5 @@ pub struct VariantRow {
     /// Lives of the system at the usual levels.
     pub lives: Vec<LifeRow>,
     /// Changes of these lives from the study's, with their 95 % limits [cycles]; absent where one of the lives is not known.
-    pub changes_of_lives: Vec<Option<LifeChangeRow>>,
-}
-
-/// Change of a life from that of the study.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct LifeChangeRow {
-    /// Best estimate [cycles].
-    pub value: f64,
-    /// Lower limit [cycles]; absent where it is not known.
-    pub lower: Option<f64>,
-    /// Upper limit [cycles]; absent where it is not known.
-    pub upper: Option<f64>,
+    pub changes_of_lives: Vec<Option<Change>>,
 }

@@ -95,6 +95,30 @@ pub struct Stated {
     pub upper: f64,
 }
 
+/// A reliability that is to hold up to the replacement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Demand {
+    /// Least reliability at the age of replacement [1].
+    pub reliability: f64,
+    /// Confidence with which it holds, over the errors of the study [1].
+    pub confidence: f64,
+}
+
+/// The age of replacement under a demand.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct DemandedAge {
+    /// Least reliability at the age of replacement [1].
+    pub reliability: f64,
+    /// Confidence with which it holds [1].
+    pub confidence: f64,
+    /// Latest age at which it does [cycles].
+    pub latest: f64,
+    /// Age of the least cost up to there [cycles].
+    pub age: f64,
+    /// Cost per cycle at that age.
+    pub cost_rate: f64,
+}
+
 /// Failure density and hazard between two lives.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RateRow {
@@ -149,6 +173,8 @@ pub struct ReplacementReport {
     pub rates: Vec<RateRow>,
     /// Cost per cycle over the age of replacement: cycles, best, lower, upper.
     pub cost_curve: Vec<[f64; 4]>,
+    /// The age under a demanded reliability, if there is one.
+    pub demanded: Option<DemandedAge>,
     /// Replacement above a measured level, one row per schedule of inspections.
     pub inspections: Vec<InspectionRow>,
 }
@@ -210,6 +236,7 @@ pub fn replace(
     summary: &StudySummary,
     name: &str,
     costs: &ReplacementCosts,
+    demand: Option<Demand>,
 ) -> Result<ReplacementReport, ReplacementError> {
     check_costs(costs)?;
     let row = curve_of(summary, name)?;
@@ -254,6 +281,15 @@ pub fn replace(
         let cost = sure(&|curve| costs.rate(curve, age));
         [age, cost.value, cost.lower, cost.upper]
     };
+    let demanded = demand.map(|Demand { reliability, confidence }| {
+        let latest = band.surely_until(reliability, confidence);
+        // An earlier limit is the best age up to there, unless an earlier minimum lies before it.
+        let ages = (1..=POINTS).map(|k| latest * k as f64 / POINTS as f64);
+        let ages = ages.chain((best.age <= latest).then_some(best.age));
+        let costs = ages.map(|age| (age, costs.rate(&band.best, age)));
+        let (age, cost_rate) = costs.min_by(|a, b| a.1.total_cmp(&b.1)).expect("there are ages");
+        DemandedAge { reliability, confidence, latest, age, cost_rate }
+    });
     let lives = summary.lives.iter().filter(|life| life.limit_state == row.limit_state).cloned();
     Ok(ReplacementReport {
         evaluations: 0,
@@ -275,6 +311,7 @@ pub fn replace(
         lives: lives.collect(),
         rates: (0..checkpoints.len()).map(rate).collect(),
         cost_curve: (1..=POINTS).map(at).collect(),
+        demanded,
         inspections: vec![],
     })
 }

@@ -60,7 +60,7 @@ fn exact(scene: &SceneSource) -> (f64, f64) {
 fn a_weibull_life_is_replaced_at_its_age_and_by_its_level() {
     let (source, settings, summary, stored) = studied(SCENE);
     let scene = source.nominal();
-    let report = replace(&summary, "total", &COSTS).unwrap();
+    let report = replace(&summary, "total", &COSTS, None).unwrap();
     let (rate, age) = exact(&source);
     assert!((report.cost_rate.value / rate - 1.0).abs() < 5e-3, "{:?} {rate}", report.cost_rate);
     assert!(report.cost_rate.lower < rate && rate < report.cost_rate.upper, "{:?}", report.cost_rate);
@@ -75,6 +75,20 @@ fn a_weibull_life_is_replaced_at_its_age_and_by_its_level() {
     assert!(found.lower < hazard && hazard < found.upper, "{found:?} {hazard}");
     let text = answer(&report, scene).text();
     assert!(text.contains("replace at") && text.contains("B10") && text.contains("hazard"), "{text}");
+
+    // A demanded reliability moves the replacement to an earlier age, which costs more; one that holds longer changes nothing.
+    let demanded = |reliability| {
+        let demand = Demand { reliability, confidence: 0.9 };
+        replace(&summary, "total", &COSTS, Some(demand)).unwrap().demanded.unwrap()
+    };
+    let (strict, loose) = (demanded(0.99), demanded(0.2));
+    let first = report.lives.iter().find(|life| life.reliability.to_bits() == 0.99_f64.to_bits()).unwrap();
+    assert!(
+        first.interval.lower < strict.latest && strict.latest < first.cycles.unwrap(),
+        "{strict:?} {first:?}"
+    );
+    assert!(strict.age == strict.latest && strict.cost_rate > report.cost_rate.value, "{strict:?}");
+    assert!(loose.latest > age && loose.age == report.age.value, "{loose:?} {age}");
 
     // The measured excess tells the life exactly: with free inspections every 100 cycles hardly any unit fails.
     let learned = learn_from_results(scene, scene, &settings, &stored).unwrap();
@@ -135,16 +149,16 @@ fn what_the_study_does_not_know_is_a_bound() {
         ..LifeCurveRow::default()
     };
     summary.curves = vec![curve];
-    let report = replace(&summary, "total", &COSTS).unwrap();
+    let report = replace(&summary, "total", &COSTS, None).unwrap();
     assert!(report.mean_life_is_bound && report.no_minimum && report.age.value == 1000.0);
     let text = answer(&report, &crate::test_study::scene()).text();
     assert!(text.contains("no best age") && text.contains("at least") && text.contains("at most"), "{text}");
-    let known = replace(&summary, "wear", &COSTS).unwrap_err().to_string();
+    let known = replace(&summary, "wear", &COSTS, None).unwrap_err().to_string();
     assert!(known.contains("allowed: total"), "{known}");
     let cheap = ReplacementCosts { planned: 2.0, failure: 2.0 };
     assert_eq!(check_costs(&cheap), Err(ReplacementError::Costs { planned: 2.0, failure: 2.0 }));
     summary.curves.clear();
-    assert_eq!(replace(&summary, "total", &COSTS), Err(ReplacementError::NoCurve));
+    assert_eq!(replace(&summary, "total", &COSTS, None), Err(ReplacementError::NoCurve));
 }
 
 #[test]
@@ -168,7 +182,7 @@ fn issue_a_constant_hazard_has_no_best_age_and_runs_to_failure() {
     // The straight line from 1 to R(200) has its least cost before 200 cycles for no cost of a failure, its steps at no other.
     for failure in [2.0, 10.0, 100.0] {
         let costs = ReplacementCosts { planned: 1.0, failure };
-        let report = replace(&summary, "total", &costs).unwrap();
+        let report = replace(&summary, "total", &costs, None).unwrap();
         assert!(report.no_minimum, "{failure}: {:?} {:?}", report.age, report.cost_rate);
         let rate = report.run_to_failure;
         assert!((rate.value * 1000.0 / failure - 1.0).abs() < 5e-3, "{rate:?}");

@@ -1,8 +1,8 @@
 //! The answer of `coordinator replace` with its tables.
 
-use super::{InspectionRow, RateRow, ReplacementReport, Stated};
+use super::{DemandedAge, InspectionRow, RateRow, ReplacementReport, Stated};
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
-use crate::presentation::report::format::short_percent;
+use crate::presentation::report::format::{percent, short_percent};
 use crate::results::life_summary::LifeRow;
 use common::scene::Scene;
 
@@ -56,6 +56,21 @@ fn numbers(report: &ReplacementReport) -> Vec<Vec<String>> {
         let r = of_r(&report.reliability_at_age);
         rows.push(row("replace at", format!("{value} cycles ({lower} to {upper}{later}), where R = {r}")));
         rows.push(row("cost", format!("{} per cycle", digits(&report.cost_rate))));
+    }
+    if let Some(demanded) = report.demanded {
+        let DemandedAge { reliability, confidence, latest, age, cost_rate } = demanded;
+        let with = format!("R >= {reliability} with {} confidence", percent(confidence));
+        let text = if latest > 0.0 {
+            let later = if latest >= *end { "the end of the study, " } else { "" };
+            format!(
+                "replace at {} cycles, {cost_rate:.4e} per cycle; it holds up to {later}{}",
+                life(age, *end),
+                life(latest, *end)
+            )
+        } else {
+            "it holds at no age".to_owned()
+        };
+        rows.push(row(&with, text));
     }
     if let Some(first) = report.constant_hazard_before {
         let cycles = if first == 1 { "cycle" } else { "cycles" };

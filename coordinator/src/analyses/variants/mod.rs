@@ -7,8 +7,7 @@ pub use variants_file::{ModelVariant, StoredVariant, read};
 
 use crate::analyses::paired_results::PairedResults;
 use crate::results::summary::StudySummary;
-use crate::results::variant_summary::{LifeChangeRow, VariantRow};
-use crate::statistics::reliability::paired::Change;
+use crate::results::variant_summary::VariantRow;
 use crate::study::{CampaignResult, LearnedVariant, Settings, result_of};
 use common::scene::Scene;
 use std::time::Instant;
@@ -39,12 +38,10 @@ pub fn row(
     let [first, changed] = firsts;
     let changes = PairedResults::new(first, changed).lives(&before, &after);
     let of_system = changes.into_iter().filter(|change| change.limit_state == "total");
-    let change =
-        |change: Change| LifeChangeRow { value: change.value, lower: change.lower, upper: change.upper };
     VariantRow {
         reliability: after.reliability,
         lives: after.lives.into_iter().filter(|life| life.limit_state == "total").collect(),
-        changes_of_lives: of_system.map(|of| of.cycles.map(change)).collect(),
+        changes_of_lives: of_system.map(|of| of.cycles).collect(),
         ..row
     }
 }

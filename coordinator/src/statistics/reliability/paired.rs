@@ -18,7 +18,7 @@
 //! confidence limits about effect measures, Statistics in Medicine 27(10). Common random numbers: Glasserman (2003), Monte
 //! Carlo Methods in Financial Engineering, Springer.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// An estimate with its 95 % interval, in any unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +34,7 @@ pub struct IntervalEstimate {
 }
 
 /// A change with its 95 % interval, as it is also printed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Change {
     /// Best estimate of the change.
     pub value: f64,

@@ -21,6 +21,7 @@
 
 use super::SurvivalCurve;
 use crate::statistics::reliability::REACH;
+use common::random::standard_normal_quantile;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -102,6 +103,18 @@ impl CurveBand {
         std::iter::once(&self.best).chain(&self.limits).chain(&self.realisations)
     }
 
+    /// Time until which R is at least `level` [1] with a confidence [1], one-sided, up to the end of the curve [cycles].
+    pub fn surely_until(&self, level: f64, confidence: f64) -> f64 {
+        let until = |curve: &SurvivalCurve| curve.life_at(level).unwrap_or(curve.end());
+        let mut found: Vec<f64> = self.realisations.iter().map(until).collect();
+        found.sort_unstable_by(f64::total_cmp);
+        let by_counting = found[((1.0 - confidence) * (found.len() - 1) as f64).floor() as usize];
+        let (best, [lower, upper]) = (until(&self.best), [&self.limits[0], &self.limits[1]].map(until));
+        let reach = standard_normal_quantile(confidence) / REACH;
+        let by_common_errors = best - reach * if reach > 0.0 { best - lower } else { upper - best };
+        by_counting.min(by_common_errors).max(0.0)
+    }
+
     /// Share of the realisations with a property [1].
     pub fn share(&self, has: impl Fn(&SurvivalCurve) -> bool) -> f64 {
         self.realisations.iter().filter(|curve| has(curve)).count() as f64 / REALISATIONS as f64
@@ -161,11 +174,29 @@ mod tests {
     }
 
     #[test]
+    fn a_reliability_holds_until_then_with_the_confidence_asked_for() {
+        let (level, studies) = (0.9, 200_u32);
+        let exact = 1000.0 * (-f64::ln(level)).powf(1.0 / 3.0);
+        let mut rng = ChaCha12Rng::seed_from_u64(7);
+        let mut held = [0_u32; 2];
+        for _ in 0..studies {
+            let band = counted(&mut rng);
+            for (held, confidence) in held.iter_mut().zip([0.5, 0.9]) {
+                *held += u32::from(band.surely_until(level, confidence) <= exact);
+            }
+        }
+        let shares = held.map(|held| f64::from(held) / f64::from(studies));
+        // Three standard errors of 200 studies are 0.11 and 0.06; the smaller of two bounds holds a little more often.
+        assert!((0.42..0.67).contains(&shares[0]) && (0.85..0.98).contains(&shares[1]), "{shares:?}");
+    }
+
+    #[test]
     fn a_certain_curve_has_no_width() {
         let (times, r) = ([0.0, 10.0, 20.0], [1.0, 0.5, 0.0]);
         let band = CurveBand::new(&times, &r, [&r, &r], 100, &mut ChaCha12Rng::seed_from_u64(1));
         let found = band.interval(|curve| Some(curve.restricted_mean())).unwrap();
         assert_eq!((found.lower, found.upper), (10.0, 10.0));
+        assert_eq!((band.surely_until(0.75, 0.99), band.surely_until(0.0, 0.99)), (5.0, 20.0));
         assert_eq!((band.interval(|_| None), band.share(|curve| curve.last() == 0.0)), (None, 1.0));
     }
 }
