@@ -37,6 +37,7 @@ fn sound_frames() -> Vec<Vec<u8>> {
         sample: vec![0.04, 1.5e-3, -0.25],
         with_first_cycle: task == 0,
         accuracy: None,
+        level: 0,
     };
     let evaluation = Evaluation {
         cycles: vec![1000, 2000, 3000],

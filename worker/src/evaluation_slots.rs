@@ -3,7 +3,8 @@
 
 use crate::simulate::{CycleError, simulate_program_life};
 use common::external::{
-    CycleSlot, OpenedSimulator, SampleResult, SimulatorError, SimulatorId, Slot, SlotError, StopSignal,
+    CycleSlot, OpenedSimulator, SampleResult, SimulatorError, SimulatorId, Slot, SlotError, SlotRequest,
+    StopSignal,
 };
 use common::failure::SimulationFailure;
 use common::scene::{CycleTier, Gives, SceneSource};
@@ -54,7 +55,8 @@ impl Slot for LifeSlot {
         self.slot.start()
     }
 
-    fn evaluate(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<SampleResult, SlotError> {
+    fn evaluate(&mut self, request: SlotRequest<'_>, stop: &StopSignal) -> Result<SampleResult, SlotError> {
+        let SlotRequest { id, sample, .. } = request;
         let scene = match self.source.resolve_sample(sample) {
             Ok(scene) => scene,
             Err(faults) => return Ok(Err(SimulationFailure::InvalidSample { faults: faults.to_string() })),

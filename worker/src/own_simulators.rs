@@ -6,7 +6,9 @@
 
 use crate::evaluation_slots::EvaluationSlots;
 use crate::service::{Job, Simulator};
-use common::external::{SimulatorError, SimulatorId, Slot, SlotError, StopSignal, limit_contact};
+use common::external::{
+    SimulatorError, SimulatorId, Slot, SlotError, SlotRequest, StopSignal, limit_contact,
+};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::{Faults, SceneSource};
@@ -166,7 +168,8 @@ impl Offer {
         }
         let free = self.idle().pop();
         let mut slot = free.unwrap_or_else(|| self.opened.slot(self.made.fetch_add(1, Ordering::Relaxed)));
-        let evaluated = slot.evaluate(job.task.key.task, job.sample(), stop);
+        let request = SlotRequest { id: job.task.key.task, level: job.task.level, sample: job.sample() };
+        let evaluated = slot.evaluate(request, stop);
         self.idle().push(slot);
         evaluated.unwrap_or_else(|error| {
             if !matches!(error, SlotError::Stopped) {

@@ -2,7 +2,7 @@
 //! journal of a life; and replies that are wrong. The programs are this worker and shell scripts.
 
 use common::accuracy::Accuracy;
-use common::external::{SampleResult, SlotError, StopSignal};
+use common::external::{SampleResult, SlotError, SlotRequest, StopSignal};
 use common::outputs::Evaluation;
 use common::scene::SceneSource;
 use worker::evaluation_slots::EvaluationSlots;
@@ -84,7 +84,7 @@ fn scene(program: &str) -> SceneSource {
 
 fn evaluate(source: &SceneSource, sample: &[f64]) -> Result<SampleResult, SlotError> {
     let slots = EvaluationSlots::open(source).unwrap().unwrap();
-    slots.slot(0).evaluate(7, sample, &StopSignal::default())
+    slots.slot(0).evaluate(SlotRequest { id: 7, level: 0, sample }, &StopSignal::default())
 }
 
 fn served(more: &str) -> SceneSource {

@@ -11,7 +11,7 @@ use super::cycle_reply::{CycleReply, ExpectedCycle};
 use super::error::SimulatorError;
 use super::program::{ProgramSlot, Request, SampleByName, Setup};
 use super::reply::outcome;
-use super::slot::{Slot, SlotError, StopSignal};
+use super::slot::{Slot, SlotError, SlotRequest, StopSignal};
 use crate::failure::SimulationFailure;
 use crate::scene::source::digest;
 use crate::scene::{Gives, Scene};
@@ -141,10 +141,14 @@ impl CyclesOfLife<'_> {
             return outcome(read(known), |fault| setup.broken(*id, fault));
         }
         let with_id = |sample: &[f64]| text(Some(*id), sample);
-        let asked = slot.ask(Request { id: *id, sample, text: &with_id }, stop, |setup, text| {
-            setup.check_id(*id, text)?;
-            read(text)
-        });
+        let asked = slot.ask(
+            Request { asked: SlotRequest { id: *id, level: 0, sample }, text: &with_id },
+            stop,
+            |setup, text| {
+                setup.check_id(*id, text)?;
+                read(text)
+            },
+        );
         let (cycle, reply) = match asked? {
             Ok(found) => found,
             Err(failure) => return Ok(Err(failure)),

@@ -32,6 +32,9 @@ impl SimulatorId {
             let wear = (tier, &scene.joints, &scene.wear, &scene.life, &scene.accuracy, changes);
             text += &serde_json::to_string(&wear).expect("lists of texts and numbers are JSON");
         }
+        if !simulator.levels.is_empty() {
+            text += &simulator.levels.join("\n");
+        }
         Self { scene: scene.name.clone(), digest: digest(&text) }
     }
 
@@ -80,6 +83,7 @@ mod tests {
             ("version = \"1\"", "version = \"2\""),
             ("\"load\"", "\"force\""),
             ("\"500 N\"", "500"),
+            ("version = \"1\"", "version = \"1\", levels = [\"a\", \"b\"]"),
             ("unit = \"mm\"", "unit = \"m\""),
             ("unit = \"mm\"", "unit = \"mm\", values = 1"),
             ("checkpoint_every = 10", "checkpoint_every = 20"),

@@ -39,4 +39,4 @@ pub use identity::SimulatorId;
 pub use joint_cycle::JointCycle;
 pub use opened::{OpenedSimulator, check};
 pub use process::kill_all;
-pub use slot::{SampleResult, Slot, SlotError, StopSignal};
+pub use slot::{SampleResult, Slot, SlotError, SlotRequest, StopSignal};

@@ -11,7 +11,7 @@ use super::guard::check_executable;
 use super::process::{LineError, Process};
 use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::results_file::{self, of_object};
-use super::slot::{SampleResult, Slot, SlotError, StopSignal};
+use super::slot::{SampleResult, Slot, SlotError, SlotRequest, StopSignal};
 use super::working_folder::FileProgram;
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
@@ -36,6 +36,8 @@ pub struct Setup {
     expected: Expected,
     /// Means of the inputs `(d,)`.
     nominal: Vec<f64>,
+    /// Names of the levels of accuracy; empty without any.
+    levels: Vec<String>,
     /// Whether any process has replied; before the first reply, an exit says nothing about the sample.
     answered: AtomicBool,
 }
@@ -49,8 +51,14 @@ impl Setup {
             timeout: Duration::try_from_secs_f64(timeout).unwrap_or(Duration::MAX),
             expected: Expected::from_scene(scene),
             nominal: scene.variables.iter().map(|v| v.distribution.mean()).collect(),
+            levels: scene.simulator.as_ref().map_or(vec![], |simulator| simulator.levels.clone()),
             answered: AtomicBool::new(false),
         }
+    }
+
+    /// Name of a level, of the first one beyond the last, for variants of a scene; `None` if the simulator has none.
+    fn level(&self, level: u8) -> Option<&str> {
+        self.levels.get(usize::from(level)).or(self.levels.first()).map(String::as_str)
     }
 
     fn name(&self) -> String {
@@ -62,14 +70,17 @@ impl Setup {
         SampleByName { names: &self.expected.inputs, values: sample }
     }
 
-    fn line(&self, id: u64, sample: &[f64]) -> String {
+    fn line(&self, id: u64, level: u8, sample: &[f64]) -> String {
         #[derive(Serialize)]
         struct Line<'a> {
             id: u64,
             sample: SampleByName<'a>,
             cycles: &'a [u32],
+            #[serde(skip_serializing_if = "Option::is_none")]
+            level: Option<&'a str>,
         }
-        let line = Line { id, sample: self.by_name(sample), cycles: &self.expected.cycles };
+        let (level, cycles) = (self.level(level), &self.expected.cycles[..]);
+        let line = Line { id, sample: self.by_name(sample), cycles, level };
         serde_json::to_string(&line).expect("a map of numbers by name is JSON")
     }
 
@@ -115,11 +126,10 @@ impl Setup {
     }
 }
 
-/// One request: number of the evaluation, its sample, and the text for a sample.
+/// One request: the evaluation, and the text for a sample.
 #[derive(Clone, Copy)]
 pub(super) struct Request<'a> {
-    pub(super) id: u64,
-    pub(super) sample: &'a [f64],
+    pub(super) asked: SlotRequest<'a>,
     pub(super) text: &'a dyn Fn(&[f64]) -> String,
 }
 
@@ -195,7 +205,8 @@ impl ProgramSlot {
         let line = (request.text)(sample) + "\n";
         if let Some(files) = file_program(&self.setup.program) {
             let inputs = (&self.setup.expected.inputs[..], sample);
-            let run = files.run(inputs, &line, self.setup.timeout, stop);
+            let level = self.setup.level(request.asked.level);
+            let run = files.run(inputs, (level, &line), self.setup.timeout, stop);
             return run.map_err(|reason| start_error(&self.setup.program, reason).into());
         }
         self.start_process(stop.contact())?;
@@ -249,9 +260,9 @@ impl ProgramSlot {
     ) -> Result<Result<(T, String), SimulationFailure>, SlotError> {
         let mut crash = None;
         for _ in 0..ATTEMPTS {
-            match self.attempt(request, request.sample, stop)? {
+            match self.attempt(request, request.asked.sample, stop)? {
                 Ok(text) => {
-                    let broken = |fault| self.setup.broken(request.id, fault);
+                    let broken = |fault| self.setup.broken(request.asked.id, fault);
                     let read = outcome(read(&self.setup, &text), broken);
                     match &read {
                         Ok(_) => self.setup.answered.store(true, Ordering::Relaxed),
@@ -264,7 +275,7 @@ impl ProgramSlot {
                 }
                 Err(LineError::Stopped) => return Err(SlotError::Stopped),
                 Err(LineError::Ended { status, stderr }) => {
-                    tracing::debug!("the simulator ended with {status} at evaluation {}", request.id);
+                    tracing::debug!("the simulator ended with {status} at evaluation {}", request.asked.id);
                     crash = Some(SimulationFailure::Crashed { status, stderr });
                 }
             }
@@ -279,11 +290,11 @@ impl Slot for ProgramSlot {
         if file_program(&self.setup.program).is_some() { Ok(()) } else { self.start_process(None) }
     }
 
-    fn evaluate(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<SampleResult, SlotError> {
+    fn evaluate(&mut self, asked: SlotRequest<'_>, stop: &StopSignal) -> Result<SampleResult, SlotError> {
         let setup = Arc::clone(&self.setup);
-        let text = |sample: &[f64]| setup.line(id, sample);
+        let text = |sample: &[f64]| setup.line(asked.id, asked.level, sample);
         let outcome =
-            self.ask(Request { id, sample, text: &text }, stop, |setup, text| setup.outcome(id, text));
+            self.ask(Request { asked, text: &text }, stop, |setup, text| setup.outcome(asked.id, text));
         Ok(outcome?.map(|(evaluation, _)| evaluation))
     }
 
@@ -308,7 +319,10 @@ mod tests {
     fn sample_keys_keep_the_order_of_the_scene() {
         let program = Program { command: vec!["sh".into()], folder: ".".into(), exchange: Exchange::Lines };
         let setup = Setup::new(&program, 1.0, scene().nominal());
-        assert_eq!(setup.line(3, &[0.5, 2.0]), "{\"id\":3,\"sample\":{\"z\":0.5,\"a\":2.0},\"cycles\":[1]}");
+        assert_eq!(
+            setup.line(3, 0, &[0.5, 2.0]),
+            "{\"id\":3,\"sample\":{\"z\":0.5,\"a\":2.0},\"cycles\":[1]}"
+        );
     }
 
     #[test]

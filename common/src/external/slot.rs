@@ -98,6 +98,17 @@ pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// An evaluation that is asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct SlotRequest<'a> {
+    /// Number of the evaluation.
+    pub id: u64,
+    /// Level of accuracy, 0 for the first; a simulator without levels does not see it.
+    pub level: u8,
+    /// Values of the inputs `(d,)`, SI.
+    pub sample: &'a [f64],
+}
+
 /// Evaluates one sample at a time.
 pub trait Slot: Send {
     /// Starts what the slot needs before its first sample, so that a simulator that cannot start is reported at once.
@@ -108,11 +119,11 @@ pub trait Slot: Send {
         Ok(())
     }
 
-    /// Evaluates the sample `(d,)` of evaluation `id`.
+    /// Evaluates one sample.
     ///
     /// # Errors
     /// [`SlotError`]; [`SlotError::Stopped`] once `stop` is set.
-    fn evaluate(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<SampleResult, SlotError>;
+    fn evaluate(&mut self, request: SlotRequest<'_>, stop: &StopSignal) -> Result<SampleResult, SlotError>;
 
     /// Name of the slot in results, e.g. `program/0`.
     fn name(&self) -> String;

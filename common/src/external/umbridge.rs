@@ -8,7 +8,7 @@
 
 use super::error::SimulatorError;
 use super::reply::{Expected, NoResult, outcome, parse, shown};
-use super::slot::{SampleResult, Slot, SlotError, StopSignal, WaitError};
+use super::slot::{SampleResult, Slot, SlotError, SlotRequest, StopSignal, WaitError};
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
 use crate::scene::{Scene, UmBridgeModel};
@@ -42,6 +42,8 @@ pub struct UmBridgeClient {
     agent: Agent,
     model: UmBridgeModel,
     config: Value,
+    /// Number of levels, whose number the configuration gets; 0 without any.
+    levels: usize,
     /// Time limit of one evaluation as stated in the scene [s].
     seconds: f64,
     timeout: Duration,
@@ -72,9 +74,11 @@ impl UmBridgeClient {
             Agent::config_builder().http_status_as_error(false).user_agent("hingewise").build(),
         );
         let config = serde_json::to_value(&model.config).unwrap_or_else(|_| json!({}));
+        let levels = scene.simulator.as_ref().map_or(0, |simulator| simulator.levels.len());
         let mut client = Self {
             agent,
             config,
+            levels,
             seconds: timeout,
             timeout: Duration::try_from_secs_f64(timeout).unwrap_or(Duration::MAX),
             expected: Expected::from_scene(scene),
@@ -96,7 +100,7 @@ impl UmBridgeClient {
         if !about.support.evaluate {
             return Err(SimulatorError::NoEvaluation { url: url(), model: name.clone() });
         }
-        let sizes = json!({ "name": name, "config": client.config });
+        let sizes = json!({ "name": name, "config": client.config_of(0) });
         let inputs: protocol::InputSizes = client.query("InputSizes", Some(sizes.clone()))?;
         let outputs: protocol::OutputSizes = client.query("OutputSizes", Some(sizes))?;
         let variables = client.expected.inputs.len();
@@ -150,8 +154,18 @@ impl UmBridgeClient {
         })
     }
 
+    /// Configuration of the model at a level.
+    fn config_of(&self, level: u8) -> Value {
+        let mut config = self.config.clone();
+        if self.levels > 0 {
+            // Beyond the last is a variant of the scene.
+            config["level"] = if usize::from(level) < self.levels { level } else { 0 }.into();
+        }
+        config
+    }
+
     /// Body of an evaluation request: the sample cut into the model's input vectors.
-    fn body(&self, sample: &[f64]) -> Value {
+    fn body(&self, level: u8, sample: &[f64]) -> Value {
         let mut rest = sample;
         let input: Vec<&[f64]> = self
             .input_sizes
@@ -162,7 +176,7 @@ impl UmBridgeClient {
                 vector
             })
             .collect();
-        json!({ "name": self.model.model, "input": input, "config": self.config })
+        json!({ "name": self.model.model, "input": input, "config": self.config_of(level) })
     }
 
     /// Result stated by a reply.
@@ -232,8 +246,9 @@ impl ModelSlot {
 impl Slot for ModelSlot {
     /// A server that cannot be reached is an error. A server error (HTTP 5xx) that is no UM-Bridge reply counts as a
     /// failed simulation of the sample.
-    fn evaluate(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<SampleResult, SlotError> {
-        let body = self.client.body(sample);
+    fn evaluate(&mut self, request: SlotRequest<'_>, stop: &StopSignal) -> Result<SampleResult, SlotError> {
+        let SlotRequest { id, level, sample } = request;
+        let body = self.client.body(level, sample);
         let url = format!("{}/Evaluate", self.client.model.url);
         for attempt in 1.. {
             let last = attempt == ATTEMPTS;

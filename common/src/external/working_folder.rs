@@ -22,6 +22,8 @@ use thiserror::Error;
 const LARGEST_RESULTS: u64 = 64 << 20;
 /// Stands for the folder of the program in its arguments.
 const FOLDER: &str = "{folder}";
+/// Stands for the name of the level of accuracy in its arguments, if the scene has levels.
+const LEVEL: &str = "{level}";
 
 /// The program and its files.
 #[derive(Debug, Clone, Copy)]
@@ -53,14 +55,14 @@ impl FileProgram<'_> {
         Ok(())
     }
 
-    /// Runs the program for the values `(d,)` of its inputs by their names `(d,)`, which the `request` has as JSON; the text of its results. A program that ends with status 0 and without results counts as ended.
+    /// Runs the program for the values `(d,)` of its inputs by their names `(d,)`, which the `request` has as JSON, at a level; the text of its results. A program that ends with status 0 and without results counts as ended.
     ///
     /// # Errors
     /// A file of the scene cannot be used, or the program cannot be started.
     pub fn run(
         &self,
         (names, values): (&[String], &[f64]),
-        request: &str,
+        (level, request): (Option<&str>, &str),
         timeout: Duration,
         stop: &StopSignal,
     ) -> Result<Result<String, LineError>, Error> {
@@ -71,6 +73,9 @@ impl FileProgram<'_> {
         let mut command = self.command.to_vec();
         for argument in &mut command[1..] {
             *argument = argument.replace(FOLDER, &place.display().to_string());
+            if let Some(level) = level {
+                *argument = argument.replace(LEVEL, level);
+            }
         }
         let mut process = Process::start(&command, &place, &folder.0, stop.contact())?;
         let results = process.complete(timeout, stop).and_then(|()| {

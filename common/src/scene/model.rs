@@ -67,6 +67,8 @@ pub struct ExternalSimulator {
     pub version: String,
     /// What a request is answered by.
     pub gives: Gives,
+    /// Names of its levels of accuracy, from the coarsest to the finest; empty if it has none.
+    pub levels: Vec<String>,
 }
 
 /// What a simulator gives in reply to a sample.

@@ -34,11 +34,13 @@ pub const REQUEST_FILE: &str = "request.json";
 pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>> {
     file.get("simulator")?;
     let Some(mut section) = file.section_if_any("simulator") else { return Some(None) };
+    let life_or_cycle = gives(&mut section);
     let read = record!(ExternalSimulator {
+        levels: levels(&mut section, life_or_cycle.as_ref()),
         kind: kind(&mut section),
         timeout: section.quantity_or("timeout", TIME, Range::Positive, TIMEOUT),
         version: section.text_or("version", "a text, e.g. \"2024.1\"", "").map(str::to_owned),
-        gives: gives(&mut section),
+        gives: life_or_cycle,
     });
     section.finish();
     Some(read)
@@ -75,6 +77,38 @@ fn gives(section: &mut Section) -> Option<Gives> {
     let tier = section.word("tier", &CycleTier::WORDS);
     let journal = section.if_any("journal", |section, key| section.text(key, "a folder").map(str::to_owned));
     Some(Gives::Cycle(CycleProgram { tier: tier?, journal: journal? }))
+}
+
+/// Reads the names of the levels of accuracy; empty without any, none if they are faulty.
+fn levels(section: &mut Section, gives: Option<&Gives>) -> Option<Vec<String>> {
+    let expected =
+        "two or three names, from the coarsest to the finest, e.g. [\"coarse mesh\", \"fine mesh\"]";
+    let names = section.if_any("levels", |section, key| section.texts(key, expected))?;
+    let names: Vec<String> = names.into_iter().flatten().map(str::to_owned).collect();
+    let is_twice = |(k, name): (usize, &String)| names[..k].contains(name);
+    if section.get("levels").is_none() {
+        return Some(names);
+    }
+    if !(2..=3).contains(&names.len())
+        || names.iter().any(String::is_empty)
+        || names.iter().enumerate().any(is_twice)
+    {
+        section.out_of_range("levels", format!("{names:?}"), "two or three different names");
+    } else if section
+        .get("config")
+        .and_then(Value::as_table)
+        .is_some_and(|config| config.contains_key("level"))
+    {
+        section.inconsistent("levels", "take the place of the key level of config, expected one of them");
+    } else if gives.is_some_and(|gives| *gives != Gives::Life) {
+        section.inconsistent(
+            "levels",
+            "are of a program that gives whole lives; cycles have the accuracies of [study]",
+        );
+    } else {
+        return Some(names);
+    }
+    None
 }
 
 fn program(section: &mut Section) -> Option<Program> {

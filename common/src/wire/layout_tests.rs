@@ -31,7 +31,7 @@ fn accuracy() -> Accuracy {
 fn task(attempt: u32) -> Task {
     let accuracy = (attempt > 1).then(accuracy);
     let key = TaskKey { campaign: u64::MAX, task: 70_000 };
-    Task { key, attempt, sample: vec![0.1, -2.5e300], with_first_cycle: true, accuracy }
+    Task { key, attempt, sample: vec![0.1, -2.5e300], with_first_cycle: true, accuracy, level: 1 }
 }
 
 fn cycle() -> CycleHistory {

@@ -40,6 +40,8 @@ pub struct Task {
     pub with_first_cycle: bool,
     /// Numerical settings of this evaluation, if they differ from those of its work order.
     pub accuracy: Option<Accuracy>,
+    /// Level of accuracy of an external simulator, 0 for the first.
+    pub level: u8,
 }
 
 impl Task {
@@ -48,6 +50,7 @@ impl Task {
         self.key == other.key
             && self.with_first_cycle == other.with_first_cycle
             && self.accuracy == other.accuracy
+            && self.level == other.level
             && self.sample.len() == other.sample.len()
             && self.sample.iter().zip(&other.sample).all(|(a, b)| a.to_bits() == b.to_bits())
     }

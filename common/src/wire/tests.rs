@@ -26,6 +26,7 @@ fn task() -> impl Strategy<Value = Task> {
         sample,
         with_first_cycle,
         accuracy,
+        level: attempt as u8,
     })
 }
 
@@ -322,6 +323,7 @@ fn numbers_that_are_not_finite_are_refused_both_ways() {
             sample,
             with_first_cycle: false,
             accuracy: None,
+            level: 0,
         },
         worker: "w/0".into(),
         wall,

@@ -99,7 +99,12 @@ pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -
         )?,
     }
     match &simulator.gives {
-        Gives::Life => writeln!(out, "  an evaluation may take {} s", simulator.timeout)?,
+        Gives::Life => {
+            writeln!(out, "  an evaluation may take {} s", simulator.timeout)?;
+            if !simulator.levels.is_empty() {
+                writeln!(out, "  levels, from the coarsest to the finest: {}", simulator.levels.join(", "))?;
+            }
+        }
         Gives::Cycle(program) => {
             let of = match program.tier {
                 CycleTier::Contact => "gives cycles on the worn surfaces of its joints",

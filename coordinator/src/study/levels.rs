@@ -7,9 +7,10 @@ use common::scene::Scene;
 
 impl Settings {
     /// The levels finer than the working accuracy, from the coarser to the finer: none with direct simulation, nor with a scene's own
-    /// simulator, which has no such setting.
+    /// simulator that names none.
     pub fn finer_levels(&self, scene: &Scene) -> Vec<NamedAccuracy> {
-        if self.method != Method::ActiveLearning || scene.simulator.is_some() {
+        let has_none = scene.simulator.as_ref().is_some_and(|simulator| simulator.levels.is_empty());
+        if self.method != Method::ActiveLearning || has_none {
             return vec![];
         }
         match &self.levels {

@@ -147,9 +147,16 @@ impl Default for Settings {
 impl From<&Scene> for Settings {
     /// The defaults of a scene: active learning with its `[study]` and its accuracy.
     fn from(scene: &Scene) -> Self {
-        // A checked scene without levels has the default ones.
-        let levels = FinerLevels::of_names(&scene.levels);
-        let (setting, levels) = levels.unwrap_or_else(|_| (scene.accuracy.clone(), FinerLevels::Halved));
+        let names = scene.simulator.as_ref().map_or(&[][..], |simulator| &simulator.levels);
+        let (setting, levels) = if let [working, finer @ ..] = names {
+            // Names alone: the numbers of the accuracy are those of the built-in simulator.
+            let named = |name: &String| NamedAccuracy { name: name.clone(), ..scene.accuracy.clone() };
+            (named(working), FinerLevels::Named(finer.iter().map(named).collect()))
+        } else {
+            // A checked scene without levels has the default ones.
+            let levels = FinerLevels::of_names(&scene.levels);
+            levels.unwrap_or_else(|_| (scene.accuracy.clone(), FinerLevels::Halved))
+        };
         let accuracy = StudyAccuracy { setting, max_error: None };
         Self { accuracy, levels, ..Self::from(scene.study) }
     }

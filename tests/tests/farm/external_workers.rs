@@ -90,7 +90,7 @@ fn answer(query: &Query, (state, changed): &(Mutex<State>, Condvar)) {
         Some((subject, sample)) if claim.credits > 0 => {
             let key = TaskKey { campaign: 1, task: state.given as u64 };
             state.given += 1;
-            let task = Task { key, attempt: 1, sample, with_first_cycle: false, accuracy: None };
+            let task = Task { key, attempt: 1, sample, with_first_cycle: false, accuracy: None, level: 0 };
             let (accuracy, accuracy_name) = (Accuracy::draft(), "draft".to_owned());
             Next::Work(WorkOrder { subject, accuracy, accuracy_name, licensed: false, tasks: vec![task] })
         }

@@ -65,6 +65,7 @@ impl Job {
             sample: sample.to_vec(),
             with_first_cycle: false,
             accuracy: None,
+            level: 0,
         };
         Self { order: Arc::new(order), task, coordinator: 0 }
     }

@@ -59,6 +59,7 @@ mod tests {
             sample: vec![],
             with_first_cycle: false,
             accuracy: None,
+            level: 0,
         };
         let order = WorkOrder {
             subject: Subject::Scene(String::new()),

@@ -93,7 +93,8 @@ mod tests {
     fn outcome(task: u64, bytes: usize) -> Outcome {
         let key = TaskKey { campaign: 1, task };
         let result = Err(SimulationFailure::NotModelled { what: "x".repeat(bytes) });
-        let task = Task { key, attempt: 1, sample: vec![], with_first_cycle: false, accuracy: None };
+        let task =
+            Task { key, attempt: 1, sample: vec![], with_first_cycle: false, accuracy: None, level: 0 };
         Outcome { task, worker: "w".into(), wall: 0.0, result }
     }
 

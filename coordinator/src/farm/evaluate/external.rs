@@ -3,7 +3,7 @@
 
 use super::local::run_on_threads;
 use super::{EvaluateError, Evaluator, Request, RequestSource};
-use common::external::{OpenedSimulator, SimulatorError, Slot, StopSignal};
+use common::external::{OpenedSimulator, SimulatorError, Slot, SlotRequest, StopSignal};
 use common::scene::{ExternalSimulator, Scene};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -50,7 +50,9 @@ impl Evaluator for SlotEvaluator {
     fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
         let threads = self.slots.iter_mut().map(|slot| {
             move |request: &Request, stop: &StopSignal| {
-                let outcome = slot.evaluate(request.id, &request.sample, stop)?;
+                let Request { id, level, sample, .. } = request;
+                let asked = SlotRequest { id: *id, level: *level, sample };
+                let outcome = slot.evaluate(asked, stop)?;
                 Ok((outcome, slot.name()))
             }
         });
@@ -77,8 +79,7 @@ mod tests {
     impl Slot for TestSlot {
         fn evaluate(
             &mut self,
-            id: u64,
-            _sample: &[f64],
+            SlotRequest { id, .. }: SlotRequest<'_>,
             stop: &StopSignal,
         ) -> Result<SampleResult, SlotError> {
             self.calls += 1;

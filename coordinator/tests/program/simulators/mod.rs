@@ -2,6 +2,7 @@
 //! problem with a known answer, and everything a program can do wrong. The programs are Python.
 
 mod files;
+mod levels;
 
 use serde_json::Value;
 use std::io::Write;

@@ -14,6 +14,7 @@ fn given(task: u64) -> Task {
         sample: vec![task as f64, 0.5],
         with_first_cycle: false,
         accuracy: None,
+        level: 0,
     }
 }
 

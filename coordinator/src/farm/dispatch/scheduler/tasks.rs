@@ -33,6 +33,7 @@ impl Entry {
             sample: self.request.sample.clone(),
             with_first_cycle: self.request.with_first_cycle,
             accuracy: self.request.accuracy,
+            level: self.request.level,
         }
     }
 }

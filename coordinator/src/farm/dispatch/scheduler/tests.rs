@@ -174,6 +174,7 @@ fn an_outcome_not_requested_yet_stays_with_its_worker() {
         sample: vec![0.0, 0.5],
         with_first_cycle: false,
         accuracy: None,
+        level: 0,
     };
     let actions = ask(&mut s, START, claim(&a, 1, 0, vec![outcome(&early, &a)], &[]));
     assert_eq!(reply(&actions), Some((vec![], vec![])));
