@@ -4,7 +4,9 @@
 use crate::results::life_summary::LifeRow;
 use crate::results::summary::{ReliabilityRow, StudySummary};
 use crate::statistics::reliability::REACH;
-use crate::statistics::reliability::paired::{Change, IntervalEstimate, change, sampling_correlation};
+use crate::statistics::reliability::paired::{
+    Change, IntervalEstimate, OtherErrors, change, sampling_correlation,
+};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -34,13 +36,14 @@ pub struct PairedResults {
     /// First failures `(curves)(N,)` before and after.
     first: [Vec<Vec<u32>>; 2],
     points: f64,
+    errors: OtherErrors,
 }
 
 impl PairedResults {
     /// The pair with these first failures before and after, of the system last.
-    pub fn new(before: Vec<Vec<u32>>, after: Vec<Vec<u32>>) -> Self {
+    pub fn new(before: Vec<Vec<u32>>, after: Vec<Vec<u32>>, errors: OtherErrors) -> Self {
         let points = before[0].len() as f64;
-        Self { first: [before, after], points }
+        Self { first: [before, after], points, errors }
     }
 
     /// Correlation of the shares of curve `c` at checkpoints before and after; 0 for populations of other sizes.
@@ -71,7 +74,7 @@ impl PairedResults {
         rows.map(|(n, (before, after))| {
             let of_curve = |(c, name): (usize, &String)| {
                 let r = self.correlation(c, (n, n));
-                let found = change(interval(before, name)?, interval(after, name)?, r);
+                let found = change(interval(before, name)?, interval(after, name)?, r, self.errors);
                 Some((name.clone(), found))
             };
             let change = names.iter().enumerate().filter_map(of_curve).collect();
@@ -100,7 +103,8 @@ impl PairedResults {
                     upper: row.whole_interval().upper,
                     sampling: self.sampling_of_life(summary, row),
                 };
-                Some(change(interval(b, life_before, before), interval(a, life_after, after), r))
+                let (before, after) = (interval(b, life_before, before), interval(a, life_after, after));
+                Some(change(before, after, r, self.errors))
             });
             ChangeOfLife { limit_state: b.limit_state.clone(), reliability: b.reliability, cycles: both }
         })

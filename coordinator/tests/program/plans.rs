@@ -79,11 +79,12 @@ fn a_study_with_variants_is_a_prior_and_is_compared_with_lives() {
     let summary =
         json(&[&run[..], &["--variants", &at("variants.toml"), "--out", &study, "--json"]].concat());
     let rows = summary["variants"].as_array().unwrap();
-    assert_eq!((rows.len(), &rows[1]["changes_of_lives"][0]["value"]), (2, &Value::from(0.0)));
-    assert!(
-        number(&rows[0]["changes_of_lives"][0]["value"]).abs() > 0.0
-            && number(&rows[0]["evaluations"]) >= 6.0
-    );
+    let median =
+        |row: usize| ["value", "lower", "upper"].map(|key| number(&rows[row]["changes_of_lives"][2][key]));
+    assert_eq!((rows.len(), median(1)), (2, [0.0; 3]), "the study itself");
+    let [change, lower, upper] = median(0);
+    assert!(change != 0.0 && lower < change && change < upper, "{change} {lower} {upper}");
+    assert!(upper - lower < 200.0 && number(&rows[0]["evaluations"]) >= 6.0, "{lower} {upper}");
     let page = std::fs::read_to_string(Path::new(&study).join("report.html")).unwrap();
     assert!(page.contains("With 2 variants of the model") && page.contains("Variants of the model"));
     for name in ["variants.svg", "variants-lives.csv"] {

@@ -4,6 +4,7 @@ use super::answer::DesignAnswer;
 use crate::analyses::paired_results::{ChangeOfLife, PairedResults};
 use crate::presentation::report::life::{LifeAt, life_at};
 use crate::statistics::reliability::paired::Change;
+use crate::statistics::reliability::paired::OtherErrors;
 use serde::Serialize;
 
 /// What makes a design good; both refer to the whole system.
@@ -58,7 +59,11 @@ impl Objective {
 
     /// The change of the objective from `best` to `other` with its interval; `None` where it is not known.
     fn change(self, best: &DesignAnswer, other: &DesignAnswer) -> Option<Change> {
-        let paired = PairedResults::new(best.first_failures.clone(), other.first_failures.clone());
+        let paired = PairedResults::new(
+            best.first_failures.clone(),
+            other.first_failures.clone(),
+            OtherErrors::Independent,
+        );
         match self {
             Self::Life { level } => {
                 let rows = paired.lives(&best.summary, &other.summary);

@@ -8,6 +8,7 @@ pub use variants_file::{ModelVariant, StoredVariant, read};
 use crate::analyses::paired_results::PairedResults;
 use crate::results::summary::StudySummary;
 use crate::results::variant_summary::VariantRow;
+use crate::statistics::reliability::paired::OtherErrors;
 use crate::study::{CampaignResult, LearnedVariant, Settings, result_of};
 use common::scene::Scene;
 use std::time::Instant;
@@ -36,7 +37,7 @@ pub fn row(
     let (before, after) = (summary(base), summary(learned));
     let firsts = [base, learned].map(|learned| learned.assessment.first_failures());
     let [first, changed] = firsts;
-    let changes = PairedResults::new(first, changed).lives(&before, &after);
+    let changes = PairedResults::new(first, changed, OtherErrors::Nested).lives(&before, &after);
     let of_system = changes.into_iter().filter(|change| change.limit_state == "total");
     VariantRow {
         reliability: after.reliability,

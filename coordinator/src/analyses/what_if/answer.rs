@@ -6,6 +6,7 @@ use super::outside::widen;
 use super::region::Region;
 use crate::analyses::paired_results::{ChangeOfLife, PairedResults, ReliabilityChange};
 use crate::results::summary::StudySummary;
+use crate::statistics::reliability::paired::OtherErrors;
 use crate::study::{
     Settings, StoredOutcome, StudyError, learn_from_results, learn_with_surrogates, result_of,
 };
@@ -86,7 +87,11 @@ pub fn ask(study: &FinishedStudy<'_>, changed: &Scene) -> Result<WhatIf, StudyEr
     let after = learn_with_surrogates(changed, simulated, settings, outcomes, fitted)?;
     let summaries = [(scene, &before), (changed, &after)]
         .map(|(scene, learned)| result_of(scene, settings, learned, started).summary);
-    let paired = PairedResults::new(before.assessment.first_failures(), after.assessment.first_failures());
+    let paired = PairedResults::new(
+        before.assessment.first_failures(),
+        after.assessment.first_failures(),
+        OtherErrors::Independent,
+    );
     let [before_summary, mut after_summary] = summaries;
     let region = Region::new(scene, &before, &after);
     let unknown = region.unknown_share();

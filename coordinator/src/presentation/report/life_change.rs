@@ -4,7 +4,7 @@
 use super::format::rounded_cycles;
 use super::life::{LifeAt, life_at};
 use crate::results::summary::StudySummary;
-use crate::statistics::reliability::paired::{Change, IntervalEstimate, change};
+use crate::statistics::reliability::paired::{Change, IntervalEstimate, OtherErrors, change};
 
 /// The change from `before` to `after` of a life, e.g. `+910 (700 to 1 120)` [cycles]; `known` is its estimate where both lives
 /// are resolved.
@@ -26,7 +26,9 @@ pub fn change_between(
         }
         LifeAt::Unworn { .. } | LifeAt::Between { .. } | LifeAt::Beyond { .. } => None,
     };
-    let known = estimate(before).zip(estimate(after)).map(|(before, after)| change(before, after, 0.0));
+    let known = estimate(before)
+        .zip(estimate(after))
+        .map(|(before, after)| change(before, after, 0.0, OtherErrors::Independent));
     (known, change_of_life(known, before, after))
 }
 

@@ -8,7 +8,8 @@
 //!   lower = (a - b) - sqrt((a - l_a)^2 + (u_b - b)^2 - 2 r h_a h_b),
 //!   upper = (a - b) + sqrt((u_a - a)^2 + (b - l_b)^2 - 2 r h_a h_b),
 //!
-//! where h is the part of a distance that comes from sampling. The surrogate errors of the two are taken as independent. With
+//! where h is the part of a distance that comes from sampling. The other errors of the two are taken as independent, or those of
+//! one as a part of the other's ([`OtherErrors`]). With
 //! the shares p_a and p_b of the points that have failed, and p_ab of those that have failed in both,
 //!
 //!   r = (p_ab - p_a p_b) / sqrt(p_a (1 - p_a) p_b (1 - p_b)).
@@ -44,19 +45,43 @@ pub struct Change {
     pub upper: Option<f64>,
 }
 
+/// The errors of two estimates beside those of sampling.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OtherErrors {
+    /// They have nothing in common.
+    Independent,
+    /// Those of the first are a part of those of the second, to whose squares its own are added: the same surrogates, shifted.
+    Nested,
+}
+
 /// The change from `before` to `after`, whose samples have the correlation `r` [1].
-pub fn change(before: IntervalEstimate, after: IntervalEstimate, r: f64) -> Change {
+pub fn change(before: IntervalEstimate, after: IntervalEstimate, r: f64, errors: OtherErrors) -> Change {
     let value = after.value - before.value;
     let width = |of_after: f64, of_before: f64| {
         let (h_a, h_b) = (after.sampling.min(of_after), before.sampling.min(of_before));
-        (of_after * of_after + of_before * of_before - 2.0 * r * h_a * h_b).max(0.0).sqrt()
+        let (own, known) = (of_after * of_after - h_a * h_a, of_before * of_before - h_b * h_b);
+        let others = match errors {
+            OtherErrors::Independent => own + known,
+            OtherErrors::Nested => (own - known).abs(),
+        };
+        (others + h_a * h_a + h_b * h_b - 2.0 * r * h_a * h_b).max(0.0).sqrt()
     };
     let below = |of: IntervalEstimate| (of.value - of.lower).max(0.0);
     let above = |of: IntervalEstimate| of.upper.map(|upper| (upper - of.value).max(0.0));
     Change {
         value,
-        lower: above(before).map(|of_before| value - width(below(after), of_before)),
-        upper: above(after).map(|of_after| value + width(of_after, below(before))),
+        lower: match errors {
+            OtherErrors::Independent => above(before),
+            OtherErrors::Nested => Some(below(before)),
+        }
+        .map(|of_before| value - width(below(after), of_before)),
+        upper: above(after).and_then(|of_after| {
+            let of_before = match errors {
+                OtherErrors::Independent => Some(below(before)),
+                OtherErrors::Nested => above(before),
+            };
+            Some(value + width(of_after, of_before?))
+        }),
     }
 }
 
@@ -88,6 +113,8 @@ mod tests {
             upper: Some(value + half),
             sampling,
         };
+        let nested = |before, after| super::change(before, after, 1.0, OtherErrors::Nested);
+        let change = |before, after, r| super::change(before, after, r, OtherErrors::Independent);
         // Independent: root of the sum of squares. All of it sampling, fully correlated: nothing remains.
         let found = change(of(5.0, 3.0, 3.0), of(7.0, 4.0, 4.0), 0.0);
         assert_eq!((found.value, found.lower, found.upper), (2.0, Some(-3.0), Some(7.0)));
@@ -96,6 +123,11 @@ mod tests {
         // The surrogate's part does not cancel: 5^2 = 3^2 + 4^2 each.
         let found = change(of(0.0, 5.0, 3.0), of(0.0, 5.0, 3.0), 1.0);
         assert!((found.upper.unwrap() - 32f64.sqrt()).abs() < 1e-12);
+        // A part of the other: 13^2 = 5^2 + 12^2; the same estimate twice has no change at all.
+        let found = nested(of(0.0, 5.0, 3.0), of(2.0, 13.0, 3.0));
+        assert_eq!((found.lower, found.upper), (Some(-10.0), Some(14.0)));
+        let found = nested(of(5.0, 5.0, 3.0), of(5.0, 5.0, 3.0));
+        assert_eq!((found.lower, found.upper), (Some(0.0), Some(0.0)));
         let beyond = IntervalEstimate { upper: None, ..of(7.0, 1.0, 1.0) };
         let found = change(of(5.0, 1.0, 1.0), beyond, 0.0);
         assert_eq!((found.lower, found.upper), (Some(2.0 - 2f64.sqrt()), None));
