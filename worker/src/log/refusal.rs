@@ -9,7 +9,7 @@
 //! - A refused connection to this process is logged as a warning with its cause, at the first, second, fourth, ... time:
 //!   a port scan must not fill the log.
 
-use common::wire::reason;
+use common::wire::{keys, reason};
 use std::collections::BTreeMap;
 use std::fmt::{Debug, Write};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -22,7 +22,7 @@ use tracing_subscriber::layer::{Context, Layer};
 /// Modules of Zenoh that log why a connection failed, with the level of these messages.
 pub const SOURCES: [(&str, Level); 5] = [
     ("zenoh::net::runtime::orchestrator", Level::DEBUG),
-    ("zenoh::net::routing::interceptor::access_control", Level::INFO),
+    ("zenoh::net::routing::interceptor::access_control", Level::TRACE),
     ("zenoh_link_tls", Level::WARN),
     ("zenoh_transport::unicast::establishment::accept", Level::DEBUG),
     ("zenoh_transport::unicast::manager", Level::TRACE),
@@ -160,6 +160,16 @@ fn refused(text: &str) -> Option<String> {
     if text.contains("did not match any configured ACL subject") {
         let why = "no subject of access_control in --config matches it, so its messages are dropped";
         return Some(format!("a client connected without access: {why}"));
+    }
+    // A message, not the permissions that Zenoh computes beforehand for every key.
+    let used = text.strip_prefix("Using cached result: ");
+    if let Some((_, what)) = used.and_then(|used| used.split_once(" is unauthorized to ")) {
+        // Only what a client could misuse: sessions also declare interests that no rule names.
+        let (action, key) = what.split_once(" (ingress) on ")?;
+        let forged = ["Put", "Delete", "Reply", "Declare Queryable"].contains(&action);
+        let key = [keys::NOTICE, keys::CLAIM, keys::STATUS].into_iter().find(|ours| key.contains(ours))?;
+        return forged
+            .then(|| format!("a client tried to act as the coordinator and was refused: {action} on {key}"));
     }
     if let Some(number) =
         text.strip_prefix("Max transports reached (").and_then(|rest| rest.split(')').next())

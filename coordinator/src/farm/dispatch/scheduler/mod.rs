@@ -228,6 +228,7 @@ impl Scheduler {
         } else {
             pending.credits = 0;
         }
+            actions.extend(self.warnings.on_outdated_claim(&id).map(Action::Warn));
         self.pending_replies.add(token, pending);
         self.answer_if_ready(now, token, actions);
     }
@@ -275,6 +276,10 @@ impl Scheduler {
         }
         match self.tasks.accept(&task) {
             OutcomeStatus::NotNeeded => pending.acknowledged.push(key),
+            OutcomeStatus::OtherCampaign => {
+                pending.acknowledged.push(key);
+                actions.extend(self.warnings.on_other_campaign(&pending.worker).map(Action::Warn));
+            }
             OutcomeStatus::OtherSample => {
                 pending.acknowledged.push(key);
                 actions.push(Action::Warn(Warning::OtherSample {

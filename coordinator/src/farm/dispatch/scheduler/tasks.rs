@@ -40,7 +40,9 @@ impl Entry {
 /// How an outcome relates to the tasks of the campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum OutcomeStatus {
-    /// It belongs to another campaign, or to a task that has ended.
+    /// It belongs to another campaign.
+    OtherCampaign,
+    /// It belongs to a task that has ended.
     NotNeeded,
     /// It has the number of a task, but another sample.
     OtherSample,
@@ -217,7 +219,7 @@ impl TaskTable {
 
     pub fn accept(&mut self, done: &Task) -> OutcomeStatus {
         if done.key.campaign != self.campaign {
-            return OutcomeStatus::NotNeeded;
+            return OutcomeStatus::OtherCampaign;
         }
         match self.status(done.key.task) {
             TaskStatus::Ended => return OutcomeStatus::NotNeeded,
