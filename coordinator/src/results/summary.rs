@@ -8,7 +8,7 @@ use super::point_summary::{FailurePointRow, PredictionRow};
 pub use super::reliability_summary::{PerLimitState, ReliabilityRange, ReliabilityRow};
 use super::scene_summary::{LimitRow, VariableRow, limit_rows, sha256, variable_rows};
 pub use super::surrogate_summary::{SurrogateRow, UntestedRow};
-pub use super::timing::{Timing, WorkerShare};
+pub use super::timing::{ScaleRow, Timing, WorkerShare};
 use common::accuracy::Accuracy;
 use common::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -120,6 +120,9 @@ pub struct StudySummary {
 
 impl StudySummary {
     /// Largest number of workers that simulated in one run of the study.
+    /// Jobs of a batch system; absent where the last run asked for none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<ScaleRow>,
     pub fn workers_in_a_run(&self) -> usize {
         match self.timing_s.workers {
             0 => self.workers.len(),
