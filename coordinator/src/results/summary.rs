@@ -4,6 +4,7 @@
 use super::control_points::ControlPointsRow;
 use super::level_summary::LevelsRow;
 use super::life_summary::{LifeCurveRow, LifeRow, UnresolvedFall};
+use super::outlier_summary::OutlierRow;
 use super::point_summary::{FailurePointRow, PredictionRow};
 pub use super::reliability_summary::{PerLimitState, ReliabilityRange, ReliabilityRow};
 use super::scene_summary::{LimitRow, VariableRow, limit_rows, sha256, variable_rows};
@@ -90,6 +91,9 @@ pub struct StudySummary {
     /// and in studies by earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulations_beyond_a_limit: Option<usize>,
+    /// Outliers whose samples were evaluated again; absent without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outliers: Vec<OutlierRow>,
     /// Failure probabilities that no simulation has tested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub untested: Option<UntestedRow>,
@@ -116,13 +120,13 @@ pub struct StudySummary {
     pub timing_s: Timing,
     /// Contributions of the workers.
     pub workers: Vec<WorkerShare>,
+    /// Jobs of a batch system; absent where the last run asked for none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<ScaleRow>,
 }
 
 impl StudySummary {
     /// Largest number of workers that simulated in one run of the study.
-    /// Jobs of a batch system; absent where the last run asked for none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub scale: Option<ScaleRow>,
     pub fn workers_in_a_run(&self) -> usize {
         match self.timing_s.workers {
             0 => self.workers.len(),

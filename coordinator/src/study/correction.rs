@@ -98,7 +98,7 @@ impl Correction {
 
     /// The corrected result of an evaluation; responses that were derived from its outputs are left out.
     pub fn correct(&self, observed: Observed) -> Observed {
-        let Observed { mut histories, mut errors, mut start, .. } = observed;
+        let Observed { mut histories, mut errors, mut start, source, .. } = observed;
         let outputs = self.outputs.len();
         histories.truncate(outputs);
         errors.truncate(outputs);
@@ -116,7 +116,7 @@ impl Correction {
             }
             rough.push(difference.differences[shift..].iter().map(|one| one.rough).collect());
         }
-        Observed { histories, errors, rough, start, distances: vec![] }
+        Observed { histories, errors, rough, start, distances: vec![], source }
     }
 
     /// The corrected outcomes of stored ones.

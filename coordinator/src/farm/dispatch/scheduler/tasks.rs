@@ -114,9 +114,9 @@ impl TaskTable {
         Some(point)
     }
 
-    /// Leases up to `count` tasks from the front of the queue; tasks with `losses` or more losses are skipped, and those that are not `open`
-    /// to the worker.
-    pub fn lease(&mut self, count: usize, losses: u32, open: impl Fn(u64) -> bool) -> Vec<Task> {
+    /// Leases up to `count` tasks from the front of the queue; tasks with `losses` or more losses are skipped, and those whose request is not
+    /// `open` to the worker.
+    pub fn lease(&mut self, count: usize, losses: u32, open: impl Fn(&Request) -> bool) -> Vec<Task> {
         let mut tasks = Vec::new();
         let mut withheld = Vec::new();
         while tasks.len() < count {
@@ -124,7 +124,7 @@ impl TaskTable {
             let Some(entry) = self.entries.get_mut(&id).filter(|e| e.phase == Phase::Queued) else {
                 continue;
             };
-            if entry.losses >= losses || !open(id) {
+            if entry.losses >= losses || !open(&entry.request) {
                 withheld.push(id);
                 continue;
             }

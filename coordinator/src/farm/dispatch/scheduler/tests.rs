@@ -20,6 +20,7 @@ pub(super) fn requests(ids: std::ops::Range<u64>) -> Vec<Request> {
         with_first_cycle: false,
         accuracy: None,
         level: 0,
+        not_by: vec![],
     })
     .collect()
 }
@@ -191,11 +192,14 @@ fn an_outcome_of_another_campaign_or_sample_is_acknowledged_and_not_used() {
     foreign.task.key.campaign = 8;
     assert_eq!(
         ask(&mut s, START, claim(&a, 2, 0, vec![foreign], &[0])),
-        vec![Action::Reply {
-            token: 2,
-            acknowledged: vec![TaskKey { campaign: 8, task: 0 }],
-            assignment: Assignment::Idle
-        }]
+        vec![
+            Action::Warn(Warning::OtherCampaign { worker: a.clone(), count: 1 }),
+            Action::Reply {
+                token: 2,
+                acknowledged: vec![TaskKey { campaign: 8, task: 0 }],
+                assignment: Assignment::Idle
+            }
+        ]
     );
     let mut other = outcome(&tasks[0], &a);
     other.task.sample[1] = -0.5;
