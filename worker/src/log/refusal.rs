@@ -10,6 +10,7 @@
 //!   a port scan must not fill the log.
 
 use common::wire::{keys, reason};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt::{Debug, Write};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -161,16 +162,6 @@ fn refused(text: &str) -> Option<String> {
         let why = "no subject of access_control in --config matches it, so its messages are dropped";
         return Some(format!("a client connected without access: {why}"));
     }
-    // A message, not the permissions that Zenoh computes beforehand for every key.
-    let used = text.strip_prefix("Using cached result: ");
-    if let Some((_, what)) = used.and_then(|used| used.split_once(" is unauthorized to ")) {
-        // Only what a client could misuse: sessions also declare interests that no rule names.
-        let (action, key) = what.split_once(" (ingress) on ")?;
-        let forged = ["Put", "Delete", "Reply", "Declare Queryable"].contains(&action);
-        let key = [keys::NOTICE, keys::CLAIM, keys::STATUS].into_iter().find(|ours| key.contains(ours))?;
-        return forged
-            .then(|| format!("a client tried to act as the coordinator and was refused: {action} on {key}"));
-    }
     if let Some(number) =
         text.strip_prefix("Max transports reached (").and_then(|rest| rest.split(')').next())
     {
@@ -182,6 +173,26 @@ fn refused(text: &str) -> Option<String> {
     }
     let (_, why) = REFUSALS.iter().find(|(part, _)| text.contains(part))?;
     Some(format!("a connection was refused: {why}"))
+}
+
+/// What only the coordinator may do, each with the action whose permission Zenoh computes before it for every key: such a pair is no message.
+const FORGED: [(&str, &str); 4] =
+    [("Put", "Reply"), ("Delete", "Put"), ("Reply", "Query"), ("Declare Queryable", "")];
+
+thread_local! {
+    /// The action of the last message of access control on this thread.
+    static LAST_ACTION: RefCell<String> = const { RefCell::new(String::new()) };
+}
+
+/// Warning for a message of access control about a client that acts as the coordinator; `None` for other messages.
+fn forged(text: &str) -> Option<String> {
+    let (_, what) = text.split_once("authorized to ")?;
+    let (action, key) = what.split_once(" (ingress) on ")?;
+    let before = LAST_ACTION.replace(action.to_owned());
+    let (_, computed_after) = FORGED.into_iter().find(|(name, _)| *name == action)?;
+    let key = [keys::NOTICE, keys::CLAIM, keys::STATUS].into_iter().find(|ours| key.contains(ours))?;
+    (text.contains(" is unauthorized to ") && before != computed_after)
+        .then(|| format!("a client tried to act as the coordinator and was refused: {action} on {key}"))
 }
 
 /// Log layer that reads Zenoh's messages about connections.
@@ -221,7 +232,7 @@ impl<S: Subscriber> Layer<S> for RefusalLayer {
                 let mut last = LAST_FAILURE.lock().unwrap_or_else(PoisonError::into_inner);
                 *last = Some((Instant::now(), failure));
             }
-        } else if let Some(sentence) = refused(&message.0) {
+        } else if let Some(sentence) = forged(&message.0).or_else(|| refused(&message.0)) {
             // A full queue contains enough refusals already.
             let _ = self.refusals.try_send(sentence);
         }
@@ -263,6 +274,20 @@ mod tests {
         assert!(with_cause(&reason).contains("user and password"));
         assert_eq!(failure("Unable to connect to any of [Single(tls/127.0.0.1:7)]! "), None);
         assert_eq!(failure("Try to connect: tls/127.0.0.1:7"), None);
+    }
+
+    #[test]
+    fn a_message_of_the_coordinator_by_a_client_is_named_and_a_permission_computed_beforehand_is_not() {
+        let message = |decision: &str, action: &str| {
+            forged(&format!("7a on all is {decision} to {action} (ingress) on hingewise/notice"))
+        };
+        let computed = [("authorized", "Query"), ("unauthorized", "Reply"), ("unauthorized", "Put")];
+        assert!(computed.iter().all(|(decision, action)| message(decision, action).is_none()));
+        assert_eq!(message("unauthorized", "Delete"), None);
+        assert_eq!(message("authorized", "Query"), None);
+        let forged = message("unauthorized", "Put").unwrap();
+        assert!(forged.ends_with("refused: Put on hingewise/notice"), "{forged}");
+        assert!(message("unauthorized", "Declare Queryable").is_some());
     }
 
     #[test]
