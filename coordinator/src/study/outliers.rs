@@ -183,9 +183,15 @@ impl Campaign {
             tracing::info!("a further evaluation {same} an outlier by worker {worker}");
             return;
         }
+        let output = self.problem.modes[outlier.mode].output;
+        let values: Vec<f64> = outlier
+            .evaluations
+            .iter()
+            .map(|one| one.as_ref().map_or(f64::NAN, |one| one.running_maximum(output)[outlier.checkpoint]))
+            .collect();
         tracing::warn!(
-            "an outlier by worker {worker} is left out: {} further evaluations contradict it",
-            outlier.evaluations.len() - 1
+            "an outlier by worker {worker} is left out: {} further evaluations contradict it (values {values:?} in SI, the outlier first)",
+            values.len() - 1
         );
         match decided(&outlier.evaluations, exact) {
             Ok(used) => self.data.observations.replace(z, Some(used)),

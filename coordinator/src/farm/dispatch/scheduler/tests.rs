@@ -148,9 +148,10 @@ fn a_lease_missing_from_the_claim_is_requeued() {
     // Of the reply to claim 1, only task 1 is listed.
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 2, 1, vec![], &[1]))).unwrap();
     assert_eq!(numbers(&tasks), [0]);
-    // An outdated claim gets nothing and changes nothing.
-    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 3, vec![], &[]))).unwrap();
-    assert_eq!(numbers(&tasks), [] as [u64; 0]);
+    // An outdated claim gets nothing, changes nothing and is logged.
+    let actions = ask(&mut s, START, claim(&a, 1, 3, vec![], &[]));
+    assert_eq!(reply(&actions), Some((vec![], vec![])));
+    assert!(actions.contains(&Action::Warn(Warning::OutdatedClaim { worker: a, count: 1 })));
 }
 
 #[test]
