@@ -42,6 +42,7 @@ mod lives;
 mod monte_carlo;
 mod observations;
 mod outcome_check;
+mod outliers;
 mod pairs;
 mod plan;
 mod prediction_check;
@@ -92,7 +93,8 @@ pub use from_results::{
 };
 pub use life_model::{LifeModel, LifeResponses};
 pub use lives::LEVELS;
-pub use observations::{Observations, Observed, ObservedOutcome};
+pub use observations::{Observations, Observed, ObservedOutcome, Source};
+pub use outliers::Outlier;
 pub use plan::{Plan, Problem};
 pub use result::{OutputHistory, StudyResult, blank};
 pub use round::Assessment;

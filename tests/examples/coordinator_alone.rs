@@ -142,7 +142,7 @@ fn encoded(
 
 fn request(id: u64) -> Request {
     let sample = vec![1e-13 * (1.0 + 1e-6 * id as f64), -0.8, 30e-6, 0.05];
-    Request { id, sample, with_first_cycle: false, accuracy: None, level: 0 }
+    Request { id, sample, with_first_cycle: false, accuracy: None, level: 0, not_by: vec![] }
 }
 
 /// Time of the campaign file for all outcomes.

@@ -35,8 +35,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let endpoint = evaluator.endpoints()[0].clone();
     let config = |name: &str| ServiceConfig { name: name.into(), ..ServiceConfig::new(&endpoint, 1) };
     let workers = [config("first"), config("second")].map(|config| spawn(config, Arc::new(SumOfSquares)));
-    let request =
-        |id| Request { id, sample: vec![id as f64, 1.0], with_first_cycle: false, accuracy: None, level: 0 };
+    let request = |id| Request {
+        id,
+        sample: vec![id as f64, 1.0],
+        with_first_cycle: false,
+        accuracy: None,
+        level: 0,
+        not_by: vec![],
+    };
     evaluator.evaluate(&(0..10).map(request).collect::<Vec<_>>(), &mut |finished| {
         println!("{} by {}: {:?}", finished.id, finished.worker, finished.outcome.map(|e| e.histories[0][0]));
         Ok(())

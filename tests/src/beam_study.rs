@@ -51,8 +51,8 @@ impl BeamStudy {
     /// A study in `folder` whose evaluations sleep for `seconds`.
     pub fn new(folder: &Path, seconds: f64) -> Self {
         let file = folder.join("beam.toml");
-        std::fs::write(&file, scene(folder, seconds, "1")).expect("there is room for a file");
-        std::fs::write(folder.join("newer.toml"), scene(folder, seconds, "2")).expect("and another one");
+        std::fs::write(&file, beam_scene(folder, seconds, "1")).expect("there is room for a file");
+        std::fs::write(folder.join("newer.toml"), beam_scene(folder, seconds, "2")).expect("and another one");
         let source = SceneSource::load(&file.display().to_string()).expect("the scene is valid");
         Self { folder: folder.to_owned(), source }
     }
@@ -91,7 +91,7 @@ impl BeamStudy {
         let request = |id: u64| {
             let scale = |k: usize| 1.0 + 1e-3 * ((id * (k as u64 + 7)) % 101) as f64;
             let sample = self.source.means().iter().enumerate().map(|(k, mean)| mean * scale(k)).collect();
-            Request { id, sample, with_first_cycle: false, accuracy: None, level: 0 }
+            Request { id, sample, with_first_cycle: false, accuracy: None, level: 0, not_by: vec![] }
         };
         (0..count).map(request).collect()
     }
@@ -214,7 +214,7 @@ impl BeamStudy {
 }
 
 /// The scene of the program `beam` with its log in `folder`.
-fn scene(folder: &Path, seconds: f64, version: &str) -> String {
+pub fn beam_scene(folder: &Path, seconds: f64, version: &str) -> String {
     let (beam, log) = (program("beam"), folder.join("log"));
     let variable = |name: &str, mean: &str| {
         format!("[[variables]]\nname = \"{name}\"\nmean = \"{mean}\"\nstd = \"5 %\"\n")

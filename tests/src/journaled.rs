@@ -21,7 +21,7 @@ impl Journaled {
     pub fn new(count: u64, at: &std::path::Path) -> Self {
         let request = |id: u64| {
             let sample = vec![1e-13 * (1.0 + 1e-6 * id as f64), -0.8, 30e-6, 0.05];
-            Request { id, sample, with_first_cycle: false, accuracy: None, level: 0 }
+            Request { id, sample, with_first_cycle: false, accuracy: None, level: 0, not_by: vec![] }
         };
         let folder = tempfile::tempdir_in(at).expect("there is room for a folder");
         let (file, _) =

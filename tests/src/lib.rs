@@ -74,6 +74,7 @@ pub fn requests(ids: std::ops::Range<u64>) -> Vec<Request> {
         with_first_cycle: false,
         accuracy: None,
         level: 0,
+        not_by: vec![],
     })
     .collect()
 }

@@ -1,6 +1,8 @@
 //! Zenoh sessions whose frames are changed on their way to a coordinator, below the codec of this program: real clients connect through a
 //! proxy that changes bytes. The coordinator must go on, or end with its cause and go on when resumed; it must not live on in silence.
 
+mod replay;
+
 use crate::deployed::{KilledOnDrop, LoggedProcess, small_scene, try_session};
 use crate::faults::soak::Random;
 use crate::program;
@@ -18,6 +20,8 @@ use zenoh::Wait;
 
 /// Time in which a coordinator that lives has to answer.
 const PATIENCE: Duration = Duration::from_secs(20);
+/// Time in which one that no longer answers itself ends: three queries of its own, twenty seconds apart.
+const UNTIL_END: Duration = Duration::from_secs(180);
 /// Sessions between two looks at the coordinator.
 const SESSIONS_PER_LOOK: u64 = 20;
 /// Processes of clients at the same time.
@@ -112,10 +116,7 @@ impl Attack {
             counted.fetch_add(u64::from(is_changed), Ordering::Relaxed);
             is_changed
         });
-        let plain = self.folder.join("plain.json5");
-        // An attempt that was spoilt is given up soon.
-        std::fs::write(&plain, "{ connect: { timeout_ms: 300, exit_on_failure: true } }")
-            .expect("the folder can be written");
+        let plain = self.client_settings();
         for look in 0..sessions.div_ceil(SESSIONS_PER_LOOK) {
             if Instant::now() > until {
                 break;
@@ -130,6 +131,14 @@ impl Attack {
             self.look();
         }
         &self.figures
+    }
+
+    /// The file with the settings of a client of the proxy: an attempt that was spoilt is given up soon.
+    fn client_settings(&self) -> PathBuf {
+        let plain = self.folder.join("plain.json5");
+        std::fs::write(&plain, "{ connect: { timeout_ms: 300, exit_on_failure: true } }")
+            .expect("the folder can be written");
+        plain
     }
 
     /// Starts a process with sessions `first` and following, each through its own proxy.
@@ -174,7 +183,7 @@ impl Attack {
                 return;
             }
             assert!(
-                started.elapsed() < PATIENCE,
+                started.elapsed() < UNTIL_END,
                 "the coordinator lives and does not answer: {answer:?}\n{}",
                 self.coordinator.log()
             );

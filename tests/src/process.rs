@@ -66,11 +66,16 @@ impl Process {
         assert!(sent.expect("kill runs").success(), "SIG{name} could not be sent");
     }
 
+    /// Its exit status if it has ended.
+    pub fn ended(&mut self) -> Option<ExitStatus> {
+        self.child.try_wait().expect("it is a child of this process")
+    }
+
     /// Waits for the exit of the process, at most `timeout`.
     pub fn end(&mut self, timeout: Duration) -> ExitStatus {
         let started = Instant::now();
         loop {
-            if let Some(status) = self.child.try_wait().expect("it is a child of this process") {
+            if let Some(status) = self.ended() {
                 return status;
             }
             assert!(started.elapsed() < timeout, "the process did not end within {timeout:?}");

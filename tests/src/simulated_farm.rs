@@ -271,8 +271,14 @@ impl World {
 
     fn submit(&mut self, count: usize) {
         let until = (self.submitted + count).min(self.plan.tasks);
-        let request =
-            |k| Request { id: k, sample: vec![k as f64], with_first_cycle: false, accuracy: None, level: 0 };
+        let request = |k| Request {
+            id: k,
+            sample: vec![k as f64],
+            with_first_cycle: false,
+            accuracy: None,
+            level: 0,
+            not_by: vec![],
+        };
         let requests: Vec<Request> = (self.submitted as u64..until as u64).map(request).collect();
         self.submitted = until;
         if !requests.is_empty() {

@@ -18,6 +18,7 @@ const SCRIPTS: [&str; 11] = [
     "../tests/examples/peers/run.sh",
     "../tests/examples/real/checks.sh",
     "../tests/examples/real/hyperqueue_scale.sh",
+    "../tests/examples/real/older_worker.sh",
     "../tests/examples/real/slurm.sh",
     "../tests/examples/real/slurm_scale.sh",
     "../tests/examples/real/systemd.sh",

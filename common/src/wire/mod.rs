@@ -20,6 +20,7 @@ mod layout_tests;
 pub mod message;
 mod numbers;
 mod reason;
+mod refused;
 pub mod status;
 #[cfg(test)]
 mod tests;
@@ -33,6 +34,7 @@ pub use message::{
 };
 pub use numbers::{NonFinite, failure_is_finite, find_non_finite};
 pub use reason::reason;
+pub use refused::Refused;
 pub use status::{FarmStatus, Phase, ReliabilitySoFar, ScaleStatus, Status, StudyStatus, WorkerStatus};
 
 /// Version of the messages. It changes with every change of their layout or meaning; there is no negotiation.

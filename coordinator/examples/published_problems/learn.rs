@@ -46,6 +46,7 @@ pub fn learn(problem: &PublishedProblem, settings: Settings) -> Result<Run, Camp
         targets: settings.targets(),
         largest_population: settings.samples.max(LARGEST_POPULATION),
         retry: false,
+        is_exact: true,
         settings,
     };
     let statistics = Problem {

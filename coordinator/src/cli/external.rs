@@ -76,7 +76,8 @@ pub fn own_simulator(source: &SceneSource, slots: usize) -> Result<Arc<dyn Simul
 pub fn simulate(source: &SceneSource, settings: &[(String, f64)]) -> Result<String, CommandError> {
     let scene = source.nominal();
     let sample = source.sample_with(settings)?;
-    let request = Request { id: 0, sample, with_first_cycle: false, accuracy: None, level: 0 };
+    let request =
+        Request { id: 0, sample, with_first_cycle: false, accuracy: None, level: 0, not_by: vec![] };
     let (mut found, end) = open_simulator(source, 1)?.outcomes(&[request], &mut |_| ());
     end.map_err(CommandError::Evaluate)?;
     let lost = || CommandError::Evaluate(EvaluateError::NoOutcome { id: 0 });

@@ -10,6 +10,7 @@ use common::evaluation_shape::EvaluationShape;
 use common::external::SimulatorId;
 use common::panics::end_process;
 use common::scene::SceneSource;
+use common::wire::ScaleStatus;
 use coordinator::farm::allocation::{BatchSystem, ScaleSettings, Scaling};
 use coordinator::farm::dispatch::{
     CampaignSimulator, CampaignSpec, CrossCheck, Listen, StatusBoard, Watch, Watched, ZenohEvaluator, watch,
@@ -17,6 +18,7 @@ use coordinator::farm::dispatch::{
 use coordinator::farm::evaluate::Evaluator;
 use coordinator::presentation::monitor::StatusSource;
 use coordinator::presentation::terminal::print_message;
+use coordinator::results::summary::ScaleRow;
 use coordinator::study::Settings;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -100,6 +102,13 @@ impl CommandEvaluator {
             Self::Workers(farm) => farm.start_workers(),
             Self::Simulator(..) => Ok(()),
         }
+    }
+
+    /// The jobs that the study asked for of a batch system, if it did.
+    pub fn scale_row(&self) -> Option<ScaleRow> {
+        let Self::Workers(farm) = self else { return None };
+        let ScaleStatus { system, most, asked, failed, .. } = farm.evaluator.status_board().scale()?;
+        Some(ScaleRow { system, most, asked, failed })
     }
 
     /// The evaluator as a study uses it.

@@ -215,6 +215,7 @@ fn finish(
         let _ = campaign.put_document(END_DOCUMENT, &error.to_string());
     }
     let mut result = result?;
+    result.summary.scale = evaluator.scale_row();
     result.summary.designs = design_keys(campaign)?;
     result.summary.identify(scene, &campaign.meta().scene_source, campaign.created_at());
     if let Some(Ok(nominal)) = campaign.evaluation(0)?.map(|stored| stored.outcome) {

@@ -17,7 +17,7 @@
 //! use coordinator::farm::evaluate::{Finished, Request};
 //! use coordinator::results::journal::{InMemoryJournal, Journal};
 //!
-//! let request = Request { id: 7, sample: vec![0.04], with_first_cycle: false, accuracy: None, level: 0 };
+//! let request = Request { id: 7, sample: vec![0.04], with_first_cycle: false, accuracy: None, level: 0, not_by: vec![] };
 //! let outcome = Ok(Evaluation::from_histories(vec![1000], vec![vec![2.5e-6]]));
 //! let finished = Finished { id: 7, outcome, worker: "local/0".into(), wall: 0.2 };
 //!
@@ -33,6 +33,7 @@ pub mod csv_table;
 pub mod journal;
 pub mod level_summary;
 pub mod life_summary;
+pub mod outlier_summary;
 pub mod point_summary;
 pub mod progress;
 pub mod reliability_summary;

@@ -4,11 +4,12 @@
 use super::control_points::ControlPointsRow;
 use super::level_summary::LevelsRow;
 use super::life_summary::{LifeCurveRow, LifeRow, UnresolvedFall};
+use super::outlier_summary::OutlierRow;
 use super::point_summary::{FailurePointRow, PredictionRow};
 pub use super::reliability_summary::{PerLimitState, ReliabilityRange, ReliabilityRow};
 use super::scene_summary::{LimitRow, VariableRow, limit_rows, sha256, variable_rows};
 pub use super::surrogate_summary::{SurrogateRow, UntestedRow};
-pub use super::timing::{Timing, WorkerShare};
+pub use super::timing::{ScaleRow, Timing, WorkerShare};
 pub use super::variant_summary::VariantRow;
 use common::accuracy::Accuracy;
 use common::scene::Scene;
@@ -94,6 +95,9 @@ pub struct StudySummary {
     /// and in studies by earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulations_beyond_a_limit: Option<usize>,
+    /// Outliers whose samples were evaluated again; absent without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outliers: Vec<OutlierRow>,
     /// Failure probabilities that no simulation has tested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub untested: Option<UntestedRow>,
@@ -120,6 +124,9 @@ pub struct StudySummary {
     pub timing_s: Timing,
     /// Contributions of the workers.
     pub workers: Vec<WorkerShare>,
+    /// Jobs of a batch system; absent where the last run asked for none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<ScaleRow>,
 }
 
 impl StudySummary {

@@ -36,6 +36,19 @@ impl Timing {
     }
 }
 
+/// Jobs that a coordinator asked for of a batch system in the last run of a study.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ScaleRow {
+    /// The batch system, or the command for a job.
+    pub system: String,
+    /// Most jobs at once.
+    pub most: u64,
+    /// Jobs asked for.
+    pub asked: u64,
+    /// Jobs that were refused or ended before their workers connected.
+    pub failed: u64,
+}
+
 /// Contribution of one worker.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WorkerShare {

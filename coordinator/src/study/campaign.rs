@@ -105,7 +105,10 @@ impl Campaign {
         if !self.data.observations.has_design() {
             return Ok(self.request_initial_design());
         }
-        if self.progress.assessment.is_none() {
+        while self.progress.assessment.is_none() {
+            if let Some(step) = self.repeat_outliers() {
+                return Ok(step);
+            }
             self.assess_and_decide()?;
         }
         // A rule that is met must hold over all results: no new request until those under way have arrived.
@@ -133,9 +136,10 @@ impl Campaign {
         let chunk = self.requests.finish_oldest(outcomes.len());
         let is_nominal = self.data.observations.is_empty();
         let learning = !self.progress.rounds.is_empty();
-        let is_repetition = chunk.iter().all(|pending| pending.stricter);
+        let is_repetition = chunk.iter().all(PendingSample::is_repetition);
         for (pending, outcome) in chunk.into_iter().zip(outcomes) {
             match outcome {
+                outcome if !pending.not_by.is_empty() => self.record_repetition(&pending.z, outcome),
                 Ok(observed) if pending.exploring => {
                     let judgement =
                         judge(&self.surrogates.models, &self.problem.modes, &pending.z, &observed);
@@ -163,7 +167,7 @@ impl Campaign {
     }
 
     /// Simulations the budget leaves.
-    fn budget_left(&self) -> usize {
+    pub(super) fn budget_left(&self) -> usize {
         self.plan.settings.max_evaluations.saturating_sub(self.requests.total)
     }
 
@@ -227,13 +231,17 @@ impl Campaign {
         self.requests.begin(chunk)
     }
 
-    /// Assesses all outcomes received and decides whether learning stops or needs another population.
+    /// Assesses all outcomes received and decides whether learning stops or needs another population. Where outliers are to be evaluated
+    /// again first, there is no assessment.
     fn assess_and_decide(&mut self) -> Result<(), CampaignError> {
         let unrepeated = self.requests.retries.iter().map(|(_, cause)| cause);
         let causes = self.data.failed.iter().map(|failed| &failed.cause).chain(unrepeated);
         check_results(self.data.observations.len(), causes, self.requests.samples_received())?;
         loop {
             let (assessment, met) = self.assess_until_fresh()?;
+            if self.note_outliers(&assessment) {
+                return Ok(());
+            }
             let failed = assessment.governing_failed();
             let cov = self.classified.coefficient_of_variation(failed);
             self.add_round(&assessment, cov);

@@ -3,6 +3,7 @@
 
 use super::failures::Failed;
 use super::observations::{Observations, Observed};
+use super::outliers::Outlier;
 use super::prediction_check::{Judgement, Verdict};
 use common::failure::SimulationFailure;
 
@@ -19,6 +20,8 @@ pub(super) struct CampaignData {
     approaches: Vec<(Vec<f64>, f64)>,
     /// Simulations that failed for good.
     pub failed: Vec<Failed>,
+    /// Results that no other one makes probable, with their further evaluations.
+    pub outliers: Vec<Outlier>,
     /// True if an exploring result since the last assessment lies on the other side of a limit than predicted.
     pub contradicted: bool,
 }
@@ -31,6 +34,7 @@ impl CampaignData {
             confirmed: Vec::new(),
             approaches: Vec::new(),
             failed: Vec::new(),
+            outliers: Vec::new(),
             contradicted: false,
         }
     }

@@ -6,6 +6,7 @@ use super::classified_population::ClassifiedPopulation;
 use super::failures::Failed;
 use super::interim::InterimResult;
 use super::observations::{Observations, ObservedOutcome};
+use super::outliers::Outlier;
 use super::round::Assessment;
 use super::settings::Method;
 use super::step::{CampaignError, SampleRequest, Step, StopReason};
@@ -30,6 +31,8 @@ pub struct CampaignResult {
     pub evaluations: usize,
     /// Simulations that failed for good.
     pub failed: Vec<Failed>,
+    /// Results that were evaluated again.
+    pub outliers: Vec<Outlier>,
     /// Reason for the end of learning.
     pub stop: StopReason,
     /// Failure shares with their errors.
@@ -114,6 +117,7 @@ impl Campaign {
             rounds: self.progress.rounds,
             evaluations: self.requests.received,
             failed: self.data.failed,
+            outliers: self.data.outliers,
             stop,
         })
     }

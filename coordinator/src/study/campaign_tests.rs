@@ -67,7 +67,7 @@ pub(super) fn learn_by(
         seed,
         ..Settings::default()
     };
-    let plan = Plan { settings, targets, largest_population, retry: false };
+    let plan = Plan { settings, targets, largest_population, retry: false, is_exact: true };
     Campaign::new(problem, plan).learn_from(simulate, |_| {})
 }
 
@@ -203,7 +203,7 @@ fn correlated_lognormals_beside_a_constant_have_their_closed_form() {
 fn plan(samples: usize, initial: usize, batch: usize, seed: u64) -> Plan {
     let settings = Settings { samples, initial, batch, max_evaluations: 300, seed, ..Settings::default() };
     let targets = settings.targets();
-    Plan { settings, targets, largest_population: samples, retry: false }
+    Plan { settings, targets, largest_population: samples, retry: false, is_exact: true }
 }
 
 fn static_problem(inputs: InputModel, threshold: f64) -> Problem {

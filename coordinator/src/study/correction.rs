@@ -112,7 +112,7 @@ impl Correction {
 
     /// The corrected result of an evaluation; responses that were derived from its outputs are left out.
     pub fn correct(&self, observed: Observed) -> Observed {
-        let Observed { mut histories, mut errors, mut start, rough: known, .. } = observed;
+        let Observed { mut histories, mut errors, mut start, rough: known, source, .. } = observed;
         let adds = self.target == PairedModel::Variant;
         let outputs = self.outputs.len();
         histories.truncate(outputs);
@@ -139,7 +139,7 @@ impl Correction {
         if adds && known.is_empty() && rough.iter().flatten().all(|rough| *rough == 0.0) {
             rough.clear();
         }
-        Observed { histories, errors, rough, start, distances: vec![] }
+        Observed { histories, errors, rough, start, distances: vec![], source }
     }
 
     /// The corrected outcomes of stored ones.

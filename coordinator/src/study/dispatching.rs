@@ -343,7 +343,7 @@ impl StudyRequests<'_, '_> {
         let id = finished.id;
         let Record { responses, correction, .. } = &*self.record;
         let observed = |found| {
-            let observed = Observed::from_evaluation(found);
+            let observed = Observed::from_evaluation(found).by(id, &finished.worker);
             responses.complete(match correction {
                 Some(correction) => correction.correct(observed),
                 None => observed,
@@ -369,8 +369,14 @@ impl StudyRequests<'_, '_> {
                 level => self.record.finer.get(level - 1).copied(),
             };
             let with_first_cycle = id == 0 || (id == 1 && wanted.stricter); // The nominal point, or its repetition.
-            let request =
-                Request { id, sample: wanted.sample, with_first_cycle, accuracy, level: wanted.level };
+            let request = Request {
+                id,
+                sample: wanted.sample,
+                with_first_cycle,
+                accuracy,
+                level: wanted.level,
+                not_by: wanted.not_by,
+            };
             match recalled(self.record.journal, &request, &self.record.shape)? {
                 Some(finished) => {
                     self.record.note_evaluated(&finished, true);

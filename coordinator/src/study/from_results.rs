@@ -13,6 +13,8 @@ use super::campaign_result::CampaignResult;
 use super::correction::Correction;
 use super::dispatching::Dispatcher;
 use super::observations::ObservedOutcome;
+
+use super::outliers::decided;
 use super::plan::{Plan, Problem, ResponseLayout};
 use super::result::curves_from_learning;
 use super::step::CampaignError;
@@ -26,7 +28,8 @@ use crate::results::summary::Timing;
 use crate::statistics::learning::{StoppingTargets, is_settled};
 use crate::statistics::surrogate::Effort;
 use common::scene::Scene;
-use std::collections::HashSet;
+use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
 impl Problem {
@@ -55,20 +58,28 @@ impl Campaign {
         let mut campaign = Self::new(problem, plan);
         let outcomes: Vec<(Vec<f64>, ObservedOutcome)> = outcomes.into_iter().collect();
         let bits = |sample: &[f64]| sample.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
-        let mut known: HashSet<Vec<u64>> =
-            outcomes.iter().filter(|(_, outcome)| outcome.is_ok()).map(|(sample, _)| bits(sample)).collect();
-        let count = outcomes.len();
-        let mut points = Vec::with_capacity(count);
+        // The evaluations of each sample with a result, from that on: outliers have several.
+        let mut results: HashMap<Vec<u64>, Vec<ObservedOutcome>> = HashMap::new();
+        for (sample, outcome) in &outcomes {
+            match results.entry(bits(sample)) {
+                Entry::Vacant(_) if outcome.is_err() => {}
+                entry => entry.or_default().push(outcome.clone()),
+            }
+        }
+        let mut known: HashSet<Vec<u64>> = results.keys().cloned().collect();
+        let mut points = Vec::with_capacity(outcomes.len());
         for (number, (sample, outcome)) in outcomes.into_iter().enumerate() {
             let z = campaign.problem.inputs.standardise(&sample);
-            match outcome {
-                Ok(observed) => campaign.data.observations.add(&z, observed),
+            let all = if outcome.is_ok() { results.remove(&bits(&sample)) } else { None };
+            let decides = all.is_some();
+            match all.map_or(outcome, |all| decided(&all, campaign.plan.is_exact)) {
+                Ok(observed) if decides => campaign.data.observations.add(&z, observed),
                 // Neither a repetition that failed again, nor one that succeeded.
-                Err(cause) if known.insert(bits(&sample)) => {
+                Err(cause) if decides || known.insert(bits(&sample)) => {
                     let learning = number >= campaign.plan.settings.initial;
                     campaign.data.add_failed(z.clone(), cause, learning, false);
                 }
-                Err(_) => {}
+                _ => {}
             }
             points.push(z);
         }

@@ -11,7 +11,7 @@ fn histories(x: &[f64]) -> Vec<Vec<f64>> {
     vec![(1..=10).map(|n| x[0] + 0.2 * f64::from(n) * x[1] + 0.05 * x[0] * x[1]).collect()]
 }
 
-fn problem(mean: f64, std: f64) -> Problem {
+pub(super) fn problem(mean: f64, std: f64) -> Problem {
     let load = Distribution::normal(mean, std).unwrap();
     let rate = Distribution::normal(2.0, 0.4).unwrap();
     let studied = InputModel::from(&[Distribution::normal(5.0, 0.5).unwrap(), rate.clone()]);
@@ -23,11 +23,11 @@ fn problem(mean: f64, std: f64) -> Problem {
     }
 }
 
-fn plan(samples: usize, max_evaluations: usize) -> Plan {
+pub(super) fn plan(samples: usize, max_evaluations: usize) -> Plan {
     let settings =
         Settings { samples, initial: 12, batch: 4, max_evaluations, seed: 3, ..Settings::default() };
     let targets = StoppingTargets { cov: f64::INFINITY, ..settings.targets() };
-    Plan { settings, targets, largest_population: samples, retry: true }
+    Plan { settings, targets, largest_population: samples, retry: true, is_exact: true }
 }
 
 /// The outcomes of a study, in order.

@@ -16,8 +16,13 @@ fn learn(
 ) -> CampaignResult {
     let modes: Vec<Mode> = (0..modes).map(|output| Mode { output, threshold: 1.0 }).collect();
     let problem = Problem { inputs, outputs: modes.len(), modes, checkpoints };
-    let plan =
-        Plan { targets: StoppingTargets::default(), largest_population: 400_000, retry: false, settings };
+    let plan = Plan {
+        targets: StoppingTargets::default(),
+        largest_population: 400_000,
+        retry: false,
+        is_exact: true,
+        settings,
+    };
     let simulated = |x: &[f64]| Ok(Observed::exact(simulate(x)));
     Campaign::new(problem, plan).learn_from(simulated, |_| {}).unwrap()
 }

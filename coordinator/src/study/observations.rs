@@ -5,6 +5,7 @@ use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use faer::Mat;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// Result of a successful evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +21,17 @@ pub struct Observed {
     pub start: Vec<Option<f64>>,
     /// Which histories are distances of others from a middle.
     pub distances: Vec<Distance>,
+    /// The evaluation that gave it; `None` where that is not known.
+    pub source: Option<Arc<Source>>,
+}
+
+/// The evaluation that gave a result.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Source {
+    /// Number of the evaluation in its campaign.
+    pub evaluation: u64,
+    /// Worker that made it.
+    pub worker: String,
 }
 
 /// A response that is the distance of an output from the middle between two thresholds.
@@ -64,12 +76,19 @@ impl Observed {
     /// Histories `(outputs)(m,)` without numerical errors, from an unknown start.
     pub fn exact(histories: Vec<Vec<f64>>) -> Self {
         let errors = histories.iter().map(|history| vec![0.0; history.len()]).collect();
-        Self { errors, rough: vec![], start: vec![None; histories.len()], histories, distances: vec![] }
+        let start = vec![None; histories.len()];
+        Self { errors, rough: vec![], start, histories, distances: vec![], source: None }
     }
 
     /// Running maximum of the history of one output from the start of life `(m,)` [unit of the output].
     pub fn running_maximum(&self, output: usize) -> Vec<f64> {
         running_maximum(self.start.get(output).copied().flatten(), &self.histories[output])
+    }
+
+    /// The same result with the number of its evaluation and the worker that made it.
+    #[must_use]
+    pub fn by(self, evaluation: u64, worker: &str) -> Self {
+        Self { source: Some(Arc::new(Source { evaluation, worker: worker.to_owned() })), ..self }
     }
 
     /// The histories of an evaluation; its errors are zero if it states none.
@@ -124,6 +143,33 @@ impl Observations {
         let all = self.standardised().zip(&self.results).zip(&self.modes);
         all.filter(|(_, of)| !others(of)).for_each(|((z, result), of)| own.add_for(z, result.clone(), *of));
         Cow::Owned(own)
+    }
+
+    /// The standardised point `(d,)` [1] and the result with this index.
+    pub(super) fn result(&self, i: usize) -> Option<(&[f64], &Observed)> {
+        Some((self.z.get(i * self.d..(i + 1) * self.d)?, &self.results[i]))
+    }
+
+    /// The result at a standardised point `(d,)`.
+    pub(super) fn result_at(&self, z: &[f64]) -> Option<&Observed> {
+        self.place_of(z).map(|i| &self.results[i])
+    }
+
+    fn place_of(&self, z: &[f64]) -> Option<usize> {
+        self.standardised().position(|at| at == z)
+    }
+
+    /// Replaces the result at a standardised point `(d,)`, or removes the point.
+    pub(super) fn replace(&mut self, z: &[f64], observed: Option<Observed>) {
+        let Some(i) = self.place_of(z) else { return };
+        if let Some(observed) = observed {
+            self.results[i] = observed;
+            return;
+        }
+        self.z.drain(i * self.d..(i + 1) * self.d);
+        self.results.remove(i);
+        self.modes.remove(i);
+        self.design -= usize::from(i < self.design);
     }
 
     /// Declares all points so far the initial design.

@@ -366,7 +366,12 @@ impl Learner for PairedCampaign<'_> {
             return Ok(());
         }
         let samples = self.under_way.pop_front().expect("outcomes belong to a chunk under way");
-        let results = samples.into_iter().zip(&outcomes);
+        // An outlier that is evaluated again keeps its place, see below.
+        let known: Vec<bool> =
+            samples.iter().map(|sample| self.simulated.iter().any(|one| one.sample == *sample)).collect();
+        let repeated = known.contains(&true);
+        let new = samples.into_iter().zip(&outcomes).zip(known);
+        let results = new.filter(|(_, known)| !*known).map(|(result, _)| result);
         let simulated = results.filter_map(|(sample, outcome)| {
             let observed = outcome.as_ref().ok()?.clone();
             Some(PairedPoint { sample, observed, finer: [None, None], requested: [false; 2] })
@@ -378,7 +383,17 @@ impl Learner for PairedCampaign<'_> {
             None => observed,
         };
         let outcomes = outcomes.into_iter().map(|outcome| outcome.map(corrected)).collect();
-        self.campaign.record(outcomes)
+        self.campaign.record(outcomes)?;
+        if repeated && self.correction.is_none() {
+            let Campaign { problem, data, .. } = &self.campaign;
+            for one in &mut self.simulated {
+                let z = problem.inputs.standardise(&one.sample);
+                if let Some(used) = data.observations.result_at(&z) {
+                    one.observed = used.clone();
+                }
+            }
+        }
+        Ok(())
     }
 
     fn rounds(&self) -> &[Round] {

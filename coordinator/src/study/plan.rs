@@ -47,6 +47,8 @@ pub struct Plan {
     pub largest_population: usize,
     /// Whether a failed evaluation is repeated once at a stricter accuracy.
     pub retry: bool,
+    /// Whether two evaluations of a sample agree to the last bit: those of the built-in simulator do.
+    pub is_exact: bool,
 }
 
 impl Plan {
@@ -57,6 +59,7 @@ impl Plan {
             targets: settings.targets(),
             largest_population: LARGEST_POPULATION,
             retry: settings.stricter(scene).is_some(),
+            is_exact: scene.simulator.is_none(),
         }
     }
 
@@ -154,6 +157,7 @@ mod tests {
             rough: vec![],
             start: vec![None, Some(2.0)],
             distances: vec![],
+            source: None,
         };
         let complete = responses.complete(observed.clone());
         assert_eq!(complete.histories, [[1.0], [3.0], [-3.0]]);

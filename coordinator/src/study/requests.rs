@@ -23,6 +23,8 @@ pub(super) struct PendingSample {
     pub exploring: bool,
     /// Limit state whose design alone it joins; `None` if it joins all.
     pub mode: Option<usize>,
+    /// Workers that have evaluated the sample, one for each time; empty for a first evaluation.
+    pub not_by: Vec<String>,
 }
 
 impl PendingSample {
@@ -30,6 +32,11 @@ impl PendingSample {
     pub fn nominal(inputs: &InputModel) -> Self {
         let sample = inputs.means();
         Self { sample: sample.clone(), ..Self::at(inputs.standardise(&sample), inputs) }
+    }
+
+    /// True for another evaluation of a sample that has been evaluated before.
+    pub fn is_repetition(&self) -> bool {
+        self.stricter || !self.not_by.is_empty()
     }
 
     /// The standardised point `z` `(d,)` [1], which is none of the population.
@@ -41,6 +48,7 @@ impl PendingSample {
             stricter: false,
             exploring: false,
             mode: None,
+            not_by: vec![],
         }
     }
 }
@@ -58,7 +66,7 @@ pub(super) struct Requests {
     pub total: usize,
     /// Number of outcomes received.
     pub received: usize,
-    /// Number of them that were repetitions of a failed simulation.
+    /// Number of them that were repetitions.
     repeated: usize,
     /// Chunks under way, the oldest first.
     chunks: VecDeque<Vec<PendingSample>>,
@@ -94,7 +102,8 @@ impl Requests {
             copies.for_each(|i| self.requested[i] = true);
         }
         let (z, sample) = (population.standardised(j).to_vec(), population.physical(j));
-        PendingSample { z, sample, member: Some(j), stricter: false, exploring: false, mode: None }
+        let not_by = vec![];
+        PendingSample { z, sample, member: Some(j), stricter: false, exploring: false, mode: None, not_by }
     }
 
     /// Registers a chunk as under way and returns the step that requests it.
@@ -103,6 +112,7 @@ impl Requests {
         self.known.extend(chunk.iter().map(|pending| bits(&pending.z)));
         let request = |p: &PendingSample| SampleRequest {
             stricter: p.stricter,
+            not_by: p.not_by.clone(),
             ..SampleRequest::new(p.sample.clone())
         };
         let requests = chunk.iter().map(request).collect();
@@ -115,13 +125,18 @@ impl Requests {
         let chunk = self.chunks.pop_front().expect("outcomes belong to a chunk under way");
         assert_eq!(chunk.len(), count, "every requested sample has one outcome");
         self.received += count;
-        self.repeated += chunk.iter().filter(|pending| pending.stricter).count();
+        self.repeated += chunk.iter().filter(|pending| pending.is_repetition()).count();
         chunk
     }
 
     /// Number of samples with an outcome, each counted once.
     pub fn samples_received(&self) -> usize {
         self.received - self.repeated
+    }
+
+    /// True if outliers under way are evaluated again.
+    pub fn is_repeating(&self) -> bool {
+        self.chunks.iter().flatten().any(|pending| !pending.not_by.is_empty())
     }
 
     /// Number of simulations under way.

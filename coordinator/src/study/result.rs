@@ -109,6 +109,11 @@ pub(super) fn curves_from_learning(scene: &Scene, settings: &Settings, learned: 
         },
         simulations_beyond_a_limit: Some(simulations_beyond_a_limit(scene, learned)),
         surrogates: scene.limit_states.iter().zip(&assessment.surrogates).map(surrogate_row).collect(),
+        outliers: learned
+            .outliers
+            .iter()
+            .map(|outlier| outlier.row(scene, scene.simulator.is_none()))
+            .collect(),
         ..blank(scene, settings)
     };
     Findings {
@@ -158,7 +163,7 @@ fn surrogate_row((limit, surrogate): (&LimitState, &Surrogate)) -> SurrogateRow 
         separate_would_gain: surrogate.sharing.map(|sharing| sharing.separate_would_gain),
         share_of_stated_error: surrogate.share_of_stated,
         noise_share: Some(surrogate.noise_share),
-        outlier: surrogate.outlier,
+        outlier: surrogate.outlier(),
     }
 }
 

@@ -14,12 +14,14 @@ pub struct SampleRequest {
     pub stricter: bool,
     /// Level of accuracy, 0 for the working accuracy of the study.
     pub level: u8,
+    /// Workers that have evaluated the sample before, one for each time: another one repeats it where one is connected.
+    pub not_by: Vec<String>,
 }
 
 impl SampleRequest {
     /// A first simulation of a sample `(d,)` [SI] at the working accuracy.
     pub fn new(sample: Vec<f64>) -> Self {
-        Self { sample, stricter: false, level: 0 }
+        Self { sample, stricter: false, level: 0, not_by: vec![] }
     }
 }
 

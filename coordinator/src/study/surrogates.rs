@@ -2,6 +2,7 @@
 //! two rounds, with their cached predictions.
 
 use super::observations::{Observations, Sides};
+use super::outliers::outliers;
 use super::step::CampaignError;
 use crate::statistics::learning::{LearnedThreshold, Mode, checkpoints_that_matter, learned_threshold};
 use crate::statistics::surrogate::{
@@ -13,9 +14,6 @@ use rayon::prelude::*;
 
 /// Most checkpoints used for one mode, and for all modes together.
 pub(super) const GRID: usize = 24;
-/// Interquartile ranges from the median beyond which a value is an outlier [1]: 40 standard deviations of normal values.
-const OUTLIER: f64 = 30.0;
-
 /// Results of the response of one limit state.
 pub(super) struct ModeResults<'a> {
     /// Standardised points `(d, n)` [1].
@@ -97,9 +95,9 @@ pub struct Surrogate {
     pub share_of_stated: Option<f64>,
     /// Variance of the simulations' noise over that of their values, largest over the fitted checkpoints [1].
     pub noise_share: f64,
-    /// Largest distance of a value from the median of all over their interquartile range, over the fitted checkpoints, where it is that of an
-    /// outlier [1].
-    pub outlier: Option<f64>,
+    /// Outliers at the fitted checkpoints: checkpoint, index of the result, and distance from the median of all over their interquartile
+    /// range [1].
+    pub(super) outliers: Vec<(usize, usize, f64)>,
     /// Number of repairs: starts of the likelihood that failed, and nuggets raised.
     pub repairs: usize,
     /// Threshold that the surrogate uses, and the jump of the response there.
@@ -169,7 +167,7 @@ impl Surrogate {
             sharing,
             share_of_stated: None,
             noise_share: 0.0,
-            outlier: None,
+            outliers: vec![],
             repairs: found.repairs,
             threshold,
             noise,
@@ -216,9 +214,17 @@ impl Surrogate {
             if variance > 0.0 { noise * self.model.sigma2()[*n] / variance } else { 0.0 }
         };
         self.noise_share = self.fitted_on.iter().map(share).fold(0.0, f64::max);
-        let distances =
-            self.fitted_on.iter().map(|n| farthest(results.values.col(*n).iter().copied().collect()));
-        self.outlier = distances.reduce(f64::max).filter(|distance| *distance > OUTLIER);
+        let of_checkpoint = |n: &usize| {
+            let values: Vec<f64> = results.values.col(*n).iter().copied().collect();
+            let n = *n;
+            outliers(&values).into_iter().map(move |(i, distance)| (n, i, distance))
+        };
+        self.outliers = self.fitted_on.iter().flat_map(of_checkpoint).collect();
+    }
+
+    /// Largest distance of an outlier from the median of all values over their interquartile range [1]; `None` without outliers.
+    pub(super) fn outlier(&self) -> Option<f64> {
+        self.outliers.iter().map(|(.., distance)| *distance).reduce(f64::max)
     }
 
     /// Variance of the roughness `(m,)` [unit of the output] over that of the process, a mean over the fitted checkpoints [1]; 0 without
@@ -263,15 +269,6 @@ pub(super) fn fit_surrogates(
             .map_err(|source| CampaignError::Surrogate { mode: s, source })
     };
     modes.par_iter().enumerate().map(fit).collect()
-}
-
-/// Largest distance of one of these values from their median over their interquartile range [1]; 0 where most are equal.
-fn farthest(mut values: Vec<f64>) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    let quantile = |share: f64| values[(share * (values.len() - 1) as f64).round() as usize];
-    let (median, range) = (quantile(0.5), quantile(0.75) - quantile(0.25));
-    let distance = (quantile(1.0) - median).max(median - quantile(0.0));
-    if range > 0.0 { distance / range } else { 0.0 }
 }
 
 /// The chosen columns of a matrix `(n, m)`.
@@ -349,19 +346,5 @@ impl SurrogateState {
     pub fn reset_population(&mut self) {
         self.caches.fill(PredictionCache::default());
         self.previous_curves = None;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::farthest;
-
-    #[test]
-    fn issue_one_value_of_sixty_a_hundred_times_too_large_was_believed() {
-        let mut values: Vec<f64> = (0..60).map(|k| 1.0 + 0.01 * f64::from(k)).collect();
-        assert!(farthest(values.clone()) < 2.0);
-        values[7] *= 100.0;
-        assert!(farthest(values) > super::OUTLIER);
-        assert_eq!(farthest(vec![0.0, 0.0, 0.0, 0.0, 1.0]), 0.0, "flags");
     }
 }

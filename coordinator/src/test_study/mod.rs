@@ -256,6 +256,8 @@ pub fn study() -> TestStudy {
         evaluations: EvaluationCounts { total: 216, initial: 120, added: 96, failed: 1 },
         designs: Vec::new(),
         simulations_beyond_a_limit: Some(90),
+        outliers: Vec::new(),
+        scale: None,
         untested: None,
         limit_states: scene.limit_states.iter().map(|state| state.name.clone()).collect(),
         first_failure: reliability.iter().map(|row| first_failure_row(row, &scene)).collect(),
@@ -356,7 +358,8 @@ pub fn campaign(dir: &Path) -> CampaignFile {
     let d = scene.variables.len() as u64;
     for id in 0..12 {
         let sample = (0..d).map(|k| 1.0 + 0.01 * ((id * d + k) as f64).sin()).collect();
-        let request = Request { id, sample, with_first_cycle: id == 0, accuracy: None, level: 0 };
+        let request =
+            Request { id, sample, with_first_cycle: id == 0, accuracy: None, level: 0, not_by: vec![] };
         let failure =
             SimulationFailure::TooManySteps { cycle: 61_000, time: 0.05, joint: None, bound: 200_000 };
         let outcome = if id == 7 { Err(failure) } else { Ok(evaluation(id, &scene)) };

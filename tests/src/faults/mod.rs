@@ -2,6 +2,7 @@
 //! end with the answer of an undisturbed one and every evaluation recorded once. `tests/tests/farm/faults.rs` asserts this in
 //! short runs, `tests/examples/faults.rs` in long ones.
 
+mod chaos;
 mod coordinators;
 mod disk;
 mod network;
@@ -9,6 +10,7 @@ mod routers;
 pub(crate) mod soak;
 mod workers;
 
+pub use chaos::{ChaosStudy, Faults, chaos, same_results};
 pub use coordinators::{killed_coordinator, stalled_coordinator};
 pub use disk::{MOST_UNRECORDED, full_disk, slow_disk};
 pub use network::cut_network;

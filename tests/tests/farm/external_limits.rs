@@ -103,8 +103,14 @@ impl Study {
 }
 
 fn requests(count: u64) -> Vec<Request> {
-    let request =
-        |id: u64| Request { id, sample: vec![id as f64], with_first_cycle: false, accuracy: None, level: 0 };
+    let request = |id: u64| Request {
+        id,
+        sample: vec![id as f64],
+        with_first_cycle: false,
+        accuracy: None,
+        level: 0,
+        not_by: vec![],
+    };
     (0..count).map(request).collect()
 }
 

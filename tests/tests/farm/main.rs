@@ -10,6 +10,7 @@ mod messaging;
 mod messaging_faults;
 mod misfits;
 mod mutated_frames;
+mod outliers;
 mod panics;
 mod refusals;
 mod router;

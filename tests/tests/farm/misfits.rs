@@ -100,7 +100,8 @@ fn issue_a_recorded_misfit_made_every_resume_fail() {
         let sample = study.means();
         let finished =
             Finished { id: 0, outcome: with(misfit, &sample), worker: "misfitting/0".into(), wall: 0.1 };
-        let request = Request { id: 0, sample, with_first_cycle: true, accuracy: None, level: 0 };
+        let request =
+            Request { id: 0, sample, with_first_cycle: true, accuracy: None, level: 0, not_by: vec![] };
         // The tables of some shapes cannot even be written; then nothing is recorded.
         let recorded = journal.record(&request, &finished).is_ok();
         let mut evaluator = LocalEvaluator::new(1, |request| evaluation(&request.sample));

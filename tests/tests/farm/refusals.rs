@@ -1,6 +1,7 @@
 //! Log messages of both sides about refused connections and workers.
 
-use common::wire::{self, Notice, PROTOCOL_VERSION, keys};
+use common::build::Build;
+use common::wire::{self, Claim, Notice, Offers, PROTOCOL_VERSION, WorkerId, keys};
 use std::path::Path;
 use tests::deployed::{
     HOST, LoggedProcess, NAMED, certificates, changed_configuration, configuration, has_openssl, session,
@@ -179,5 +180,44 @@ fn another_version_is_named_on_both_sides() {
         assert!(replies.unwrap().recv().unwrap().result().is_ok());
         let says = format!("worker newer is refused: it uses protocol version {}", PROTOCOL_VERSION + 1);
         coordinator.wait_for(&says);
+    });
+}
+
+/// A client that acts as the coordinator, and claims that are no longer the newest, have no effect and are logged.
+#[test]
+fn issue_forged_ends_and_answers_and_outdated_claims_were_refused_in_silence() {
+    in_time(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let plain = folder.path().join("plain.json5");
+        std::fs::write(&plain, "{}").unwrap();
+        let (coordinator, endpoint) = start_coordinator(folder.path(), "forged", "tcp/127.0.0.1:0", None);
+        // Its workers follow the notices, so that the key is known.
+        let other = session(&plain, &endpoint);
+        let _notices = other.declare_subscriber(keys::NOTICE).callback(|_| ()).wait().unwrap();
+        let thief = session(&plain, &endpoint);
+        let end = wire::encode(&Notice::Ended { campaign: 5 }).unwrap();
+        thief.put(keys::NOTICE, end).wait().unwrap();
+        coordinator.wait_for("tried to act as the coordinator and was refused: Put on hingewise/notice");
+        let _answers = thief.declare_queryable(keys::CLAIM).callback(|_| ()).wait().unwrap();
+        coordinator.wait_for("was refused: Declare Queryable on hingewise/claim");
+        let worker = WorkerId { name: "late".into(), epoch: 1 };
+        let _token = other.liveliness().declare_token(keys::alive(&worker)).wait().unwrap();
+        let claim = Claim {
+            worker,
+            sequence: 2,
+            offers: Offers::Scenes(Build::default()),
+            slots: 1,
+            credits: 0,
+            holding: vec![],
+            finished: vec![],
+            leaving: false,
+        };
+        // The first of them may arrive before the token.
+        for _ in 0..3 {
+            let query =
+                other.get(format!("{}?worker=late", keys::CLAIM)).payload(wire::encode(&claim).unwrap());
+            query.wait().unwrap().recv().unwrap();
+        }
+        coordinator.wait_for("a claim of worker late is refused (1 so far): one with a later number");
     });
 }

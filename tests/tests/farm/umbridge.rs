@@ -42,7 +42,7 @@ fn evaluator(scene: &Scene, slots: usize) -> Result<Box<dyn Evaluator>, Simulato
 }
 
 fn request(id: u64, sample: &[f64]) -> Request {
-    Request { id, sample: sample.to_vec(), with_first_cycle: false, accuracy: None, level: 0 }
+    Request { id, sample: sample.to_vec(), with_first_cycle: false, accuracy: None, level: 0, not_by: vec![] }
 }
 
 fn outcomes(scene: &Scene, batch: &[Request]) -> Result<BTreeMap<u64, EvaluationResult>, EvaluateError> {

@@ -9,7 +9,8 @@
 //! - A refused connection to this process is logged as a warning with its cause, at the first, second, fourth, ... time:
 //!   a port scan must not fill the log.
 
-use common::wire::reason;
+use common::wire::{keys, reason};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt::{Debug, Write};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -22,7 +23,7 @@ use tracing_subscriber::layer::{Context, Layer};
 /// Modules of Zenoh that log why a connection failed, with the level of these messages.
 pub const SOURCES: [(&str, Level); 5] = [
     ("zenoh::net::runtime::orchestrator", Level::DEBUG),
-    ("zenoh::net::routing::interceptor::access_control", Level::INFO),
+    ("zenoh::net::routing::interceptor::access_control", Level::TRACE),
     ("zenoh_link_tls", Level::WARN),
     ("zenoh_transport::unicast::establishment::accept", Level::DEBUG),
     ("zenoh_transport::unicast::manager", Level::TRACE),
@@ -174,6 +175,26 @@ fn refused(text: &str) -> Option<String> {
     Some(format!("a connection was refused: {why}"))
 }
 
+/// What only the coordinator may do, each with the action whose permission Zenoh computes before it for every key: such a pair is no message.
+const FORGED: [(&str, &str); 4] =
+    [("Put", "Reply"), ("Delete", "Put"), ("Reply", "Query"), ("Declare Queryable", "")];
+
+thread_local! {
+    /// The action of the last message of access control on this thread.
+    static LAST_ACTION: RefCell<String> = const { RefCell::new(String::new()) };
+}
+
+/// Warning for a message of access control about a client that acts as the coordinator; `None` for other messages.
+fn forged(text: &str) -> Option<String> {
+    let (_, what) = text.split_once("authorized to ")?;
+    let (action, key) = what.split_once(" (ingress) on ")?;
+    let before = LAST_ACTION.replace(action.to_owned());
+    let (_, computed_after) = FORGED.into_iter().find(|(name, _)| *name == action)?;
+    let key = [keys::NOTICE, keys::CLAIM, keys::STATUS].into_iter().find(|ours| key.contains(ours))?;
+    (text.contains(" is unauthorized to ") && before != computed_after)
+        .then(|| format!("a client tried to act as the coordinator and was refused: {action} on {key}"))
+}
+
 /// Log layer that reads Zenoh's messages about connections.
 pub(super) struct RefusalLayer {
     refusals: SyncSender<String>,
@@ -211,7 +232,7 @@ impl<S: Subscriber> Layer<S> for RefusalLayer {
                 let mut last = LAST_FAILURE.lock().unwrap_or_else(PoisonError::into_inner);
                 *last = Some((Instant::now(), failure));
             }
-        } else if let Some(sentence) = refused(&message.0) {
+        } else if let Some(sentence) = forged(&message.0).or_else(|| refused(&message.0)) {
             // A full queue contains enough refusals already.
             let _ = self.refusals.try_send(sentence);
         }
@@ -253,6 +274,20 @@ mod tests {
         assert!(with_cause(&reason).contains("user and password"));
         assert_eq!(failure("Unable to connect to any of [Single(tls/127.0.0.1:7)]! "), None);
         assert_eq!(failure("Try to connect: tls/127.0.0.1:7"), None);
+    }
+
+    #[test]
+    fn a_message_of_the_coordinator_by_a_client_is_named_and_a_permission_computed_beforehand_is_not() {
+        let message = |decision: &str, action: &str| {
+            forged(&format!("7a on all is {decision} to {action} (ingress) on hingewise/notice"))
+        };
+        let computed = [("authorized", "Query"), ("unauthorized", "Reply"), ("unauthorized", "Put")];
+        assert!(computed.iter().all(|(decision, action)| message(decision, action).is_none()));
+        assert_eq!(message("unauthorized", "Delete"), None);
+        assert_eq!(message("authorized", "Query"), None);
+        let forged = message("unauthorized", "Put").unwrap();
+        assert!(forged.ends_with("refused: Put on hingewise/notice"), "{forged}");
+        assert!(message("unauthorized", "Declare Queryable").is_some());
     }
 
     #[test]

@@ -17,7 +17,7 @@ use super::slots::Slots;
 use super::unacknowledged::UnacknowledgedResults;
 use super::{Departure, ServiceConfig, ServiceError};
 use crate::log::refusal;
-use common::wire::{self, Claim, Notice, Task, TaskKey, WorkerId};
+use common::wire::{self, Claim, Notice, Refused, Task, TaskKey, WorkerId};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
@@ -58,6 +58,7 @@ pub(super) struct ClaimLoop {
     campaign: OwnCampaign,
     /// A claim is due whatever the free slots: tasks were returned, or the campaign has ended.
     must_claim: bool,
+    refused_notices: Refused,
     leaving_since: Option<Instant>,
     /// A claim with the flag `leaving` was answered.
     farewell_answered: bool,
@@ -95,6 +96,7 @@ impl ClaimLoop {
             contact: LicenceContact::default(),
             campaign: OwnCampaign::default(),
             must_claim: false,
+            refused_notices: Refused::default(),
             leaving_since: None,
             farewell_answered: false,
         }
@@ -172,8 +174,12 @@ impl ClaimLoop {
                 Ok(Notice::Ended { campaign }) if self.campaign.is(campaign) => {
                     (self.must_claim, self.claim_at, self.silent_until) = (true, now, now);
                 }
-                Ok(Notice::Ended { .. }) => {}
-                Err(error) => tracing::warn!("a notice of the coordinator cannot be decoded: {error}"),
+                other => {
+                    if let Some(count) = self.refused_notices.count() {
+                        let why = other.err().map_or("it ends another study".to_owned(), |e| e.to_string());
+                        tracing::warn!("a notice is refused ({count} so far): {why}");
+                    }
+                }
             },
             ClaimEvent::Stop => {
                 self.leave_policy.request_stop(now);

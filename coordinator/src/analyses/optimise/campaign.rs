@@ -121,6 +121,7 @@ impl<'a> TargetCampaign<'a> {
             targets: StoppingTargets { error, relative_error: RELATIVE_ERROR, cov, ..default },
             largest_population: if resolved { samples } else { LARGEST_POPULATION },
             retry: false,
+            is_exact: false,
             settings,
         };
         let mut campaign = Campaign::with_results(problem, plan, self.outcomes.iter().cloned());

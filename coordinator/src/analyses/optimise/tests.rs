@@ -44,6 +44,7 @@ fn study(
         targets: settings.targets(),
         largest_population: 10_000,
         retry: false,
+        is_exact: true,
         settings: settings.clone(),
     };
     let mut outcomes = Vec::new();

@@ -1,6 +1,7 @@
 //! Back-pressure: bounds on unread queries. Excess queries are dropped, and the sender retries; liveliness changes and
 //! messages of the study are never dropped.
 
+use common::wire::Refused;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Most unread queries.
@@ -13,6 +14,7 @@ const MOST_BYTES: usize = 256 << 20;
 struct Backlog {
     messages: usize,
     bytes: usize,
+    dropped: Refused,
 }
 
 /// Counts unread queries.
@@ -25,7 +27,9 @@ impl Backpressure {
         let mut backlog = self.backlog();
         let room = backlog.messages < MOST_WAITING && bytes <= MOST_BYTES - backlog.bytes;
         if room {
-            *backlog = Backlog { messages: backlog.messages + 1, bytes: backlog.bytes + bytes };
+            (backlog.messages, backlog.bytes) = (backlog.messages + 1, backlog.bytes + bytes);
+        } else if let Some(count) = backlog.dropped.count() {
+            tracing::warn!("a query is dropped ({count} so far): {} others are unread", backlog.messages);
         }
         room
     }
@@ -33,7 +37,7 @@ impl Backpressure {
     /// Removes an admitted query of `bytes`, which was read.
     pub fn release(&self, bytes: usize) {
         let mut backlog = self.backlog();
-        *backlog = Backlog { messages: backlog.messages - 1, bytes: backlog.bytes - bytes };
+        (backlog.messages, backlog.bytes) = (backlog.messages - 1, backlog.bytes - bytes);
     }
 
     fn backlog(&self) -> MutexGuard<'_, Backlog> {

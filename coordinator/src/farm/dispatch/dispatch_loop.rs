@@ -11,7 +11,9 @@ use crate::farm::evaluate::{Finished, Request};
 use common::build::Build;
 use common::evaluation_shape::EvaluationShape;
 use common::failure::SimulationFailure;
-use common::wire::{self, Claim, Next, Notice, Outcome, Reply, Status, WireError, WorkOrder, WorkerId};
+use common::wire::{
+    self, Claim, Next, Notice, Outcome, Refused, Reply, Status, WireError, WorkOrder, WorkerId,
+};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -119,7 +121,7 @@ pub(super) struct DispatchLoop {
     /// Workers refused for their protocol version: name and version.
     refused: BTreeSet<(String, u16)>,
     /// Claims that could not be decoded.
-    malformed: u64,
+    malformed: Refused,
     /// Revision of the scheduler's workers last published in `connected`.
     published_revision: u64,
 }
@@ -151,7 +153,7 @@ impl DispatchLoop {
             next_token: 0,
             deliveries: None,
             refused: BTreeSet::new(),
-            malformed: 0,
+            malformed: Refused::default(),
             published_revision: 0,
         }
     }
@@ -263,11 +265,8 @@ impl DispatchLoop {
                 self.answer(query, &reply);
             }
             Err(error) => {
-                self.malformed += 1;
-                // Logged at the first, second, fourth, ... time: a flood must not fill the log.
-                if self.malformed.is_power_of_two() {
-                    let (name, count) = (query.name(), self.malformed);
-                    tracing::warn!("a claim of worker {name} is refused ({count} so far): {error}");
+                if let Some(count) = self.malformed.count() {
+                    tracing::warn!("a claim of worker {} is refused ({count} so far): {error}", query.name());
                 }
                 self.transport.refuse(query, error.to_string());
             }

@@ -35,6 +35,11 @@ impl StatusBoard {
         self.posted().scale = Some(scale);
     }
 
+    /// The jobs asked for of a batch system, if any were.
+    pub fn scale(&self) -> Option<ScaleStatus> {
+        self.posted().scale.clone()
+    }
+
     /// The status with the workers of `farm`; `up` is the time since the coordinator started.
     pub fn status(&self, farm: FarmStatus, up: Duration) -> Status {
         let posted = self.posted();

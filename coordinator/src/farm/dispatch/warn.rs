@@ -46,6 +46,15 @@ pub(super) fn warn(warning: &Warning, subject: &Subject, build: Option<Build>) {
             worker.name,
             after.as_secs_f64()
         ),
+        Warning::OutdatedClaim { worker, count } => tracing::warn!(
+            "a claim of worker {} is refused ({count} so far): one with a later number was received, so it was delayed or repeated, or \
+             another program claims under this name",
+            worker.name
+        ),
+        Warning::OtherCampaign { worker, count } => tracing::warn!(
+            "an outcome of worker {} is not used ({count} so far): it belongs to another study",
+            worker.name
+        ),
         Warning::OtherSample { worker, task } => tracing::warn!(
             "worker {} returned an outcome of another sample as evaluation {task}; it is not used",
             worker.name

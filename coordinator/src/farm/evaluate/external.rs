@@ -106,7 +106,14 @@ mod tests {
     }
 
     fn batch(count: u64) -> Vec<Request> {
-        let request = |id| Request { id, sample: vec![], with_first_cycle: false, accuracy: None, level: 0 };
+        let request = |id| Request {
+            id,
+            sample: vec![],
+            with_first_cycle: false,
+            accuracy: None,
+            level: 0,
+            not_by: vec![],
+        };
         (0..count).map(request).collect()
     }
 

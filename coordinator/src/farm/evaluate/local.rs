@@ -178,6 +178,7 @@ mod tests {
                 with_first_cycle: false,
                 accuracy: None,
                 level: 0,
+                not_by: vec![],
             })
             .collect()
     }

@@ -1,6 +1,7 @@
 //! The interface between a study and what evaluates its samples: threads of this process, workers over Zenoh, an
 //! external program, or a model server.
 
+pub mod agreement;
 pub mod external;
 pub mod local;
 
@@ -27,12 +28,14 @@ pub struct Request {
     pub accuracy: Option<Accuracy>,
     /// Level of accuracy in its study: 0 for the working accuracy, also where a failed evaluation is repeated.
     pub level: u8,
+    /// Workers that have evaluated this sample before, one for each time: the evaluation is repeated by another one where one is connected.
+    pub not_by: Vec<String>,
 }
 
 impl Request {
     /// A request without the first cycle, at an accuracy of its own.
     pub fn at(id: u64, sample: Vec<f64>, accuracy: Accuracy) -> Self {
-        Self { id, sample, with_first_cycle: false, accuracy: Some(accuracy), level: 0 }
+        Self { id, sample, with_first_cycle: false, accuracy: Some(accuracy), level: 0, not_by: vec![] }
     }
 
     /// True for the repetition of a failed evaluation at a stricter setting.

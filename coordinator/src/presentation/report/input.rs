@@ -219,10 +219,10 @@ fn go_on(summary: &StudySummary, dir: &Path) -> Option<String> {
     (!summary.convergence.targets_met).then_some(note)
 }
 
-/// Cautions if no simulation exceeded a limit, and where outputs jump at their limits.
+/// Cautions if no simulation exceeded a limit, where outputs jump at their limits, and of outliers.
 fn unsupported(summary: &StudySummary) -> Vec<String> {
     let sentence = |text: String| format!("{}.", capital(&text));
-    let steps = steps_and_noise(summary).into_iter().filter(|note| note.starts_with("steps"));
+    let steps = steps_and_noise(summary).into_iter().filter(|note| !note.starts_with("noise"));
     no_simulated_failure(summary).into_iter().chain(steps).map(sentence).collect()
 }
 

@@ -4,7 +4,7 @@ use super::figures::{rows_at_governing, words};
 use super::format::{UNKNOWN, count, duration, fixed, percent, three_digits, with_unit};
 use super::input::{GroovedJoint, ReportInput};
 use super::life::{self, LEVELS, LifeAt, life_and_limits, life_at};
-use crate::results::summary::{ReliabilityRow, Round, SensitivityRow, WorkerShare};
+use crate::results::summary::{ReliabilityRow, Round, ScaleRow, SensitivityRow, WorkerShare};
 use crate::statistics::reliability::REACH;
 use common::outputs::COUNTERS;
 use common::random::Distribution;
@@ -260,6 +260,9 @@ pub fn timing(input: &ReportInput) -> Markup {
                 ],
                 workers,
             ))
+        }
+        @if let Some(ScaleRow { system, most, asked, failed }) = &input.summary.scale {
+            p { (system) " was asked for " (count(*asked)) " jobs, at most " (count(*most)) " at a time; " (count(*failed)) " of them failed." }
         }
     }
 }

@@ -154,6 +154,16 @@ fn the_sentences_carry_the_numbers_of_the_curves() {
     assert!(text.contains("total time 3 min 41 s"), "{text}");
 }
 
+#[test]
+fn issue_the_report_said_nothing_of_the_jobs_asked_for() {
+    let mut input = test_study::report_input();
+    let said = |input: &ReportInput| render(input).html(None).contains("at most 4 at a time");
+    assert!(!said(&input));
+    let system = "Slurm".to_owned();
+    input.summary.scale = Some(crate::results::summary::ScaleRow { system, most: 4, asked: 9, failed: 2 });
+    assert!(said(&input) && render(&input).html(None).contains("Slurm was asked for 9 jobs"));
+}
+
 /// A page that is sent by mail and opened at once.
 #[test]
 fn a_report_of_thirty_variables_and_two_hundred_samples_is_small() {

@@ -1,6 +1,7 @@
 //! Notes on what the simulations of a study do not support: failures that none of them has met, steps and noise of outputs.
 
 use super::format::{count, power, three_digits};
+use crate::results::outlier_summary::{OutlierEvaluation, OutlierRow};
 use crate::results::summary::{StudySummary, SurrogateRow, UntestedRow};
 
 /// A caution where no simulation exceeded a limit, or none where the population is, with the bound on P_f that the initial design
@@ -63,6 +64,8 @@ pub fn steps_and_noise(summary: &StudySummary) -> Vec<String> {
             row.limit_state,
             count(values as u64)
         )),
+        // Each has a line of its own.
+        (None, Some(_), _) if summary.outliers.iter().any(|of| of.limit_state == row.limit_state) => None,
         (None, Some(distance), _) => Some(format!(
             "outlier: a simulated value of {} lies {} interquartile ranges from the median of all (samples.csv), and the surrogates \
              follow it; if the simulator or a machine is at fault, correct that and run the study again",
@@ -77,7 +80,37 @@ pub fn steps_and_noise(summary: &StudySummary) -> Vec<String> {
         )),
         (None, None, None) => None,
     };
-    summary.surrogates.iter().filter_map(line).collect()
+    let of_outlier = |row: &OutlierRow| repeated_outlier(summary, row);
+    summary.surrogates.iter().filter_map(line).chain(summary.outliers.iter().map(of_outlier)).collect()
+}
+
+/// The line of an outlier whose sample was evaluated again.
+fn repeated_outlier(summary: &StudySummary, row: &OutlierRow) -> String {
+    let unit = summary.limits.iter().find(|limit| limit.name == row.limit_state);
+    let unit = unit.map_or(String::new(), |limit| format!(" {}", limit.unit));
+    let name = |one: &OutlierEvaluation| match (one.number, one.value) {
+        (Some(number), Some(value)) => {
+            format!("evaluation {number} of worker {} gave {}{unit}", one.worker, three_digits(value))
+        }
+        _ => "one without a result".to_owned(),
+    };
+    let names = |used: bool| {
+        let chosen = row.evaluations.iter().skip(1).filter(|one| one.used == used);
+        chosen.map(name).collect::<Vec<_>>().join(", ")
+    };
+    let verdict = match row.evaluations.iter().filter(|one| one.used).count() {
+        0 if row.evaluations.len() < 3 => format!("{}: the budget allowed no further one", names(false)),
+        0 => format!("{}: no two agree, and the sample counts as failed", names(false)),
+        _ if row.is_confirmed() => format!("confirmed: {}", names(true)),
+        _ => format!("left out: {}; its worker or the simulator is at fault", names(true)),
+    };
+    let first = row.evaluations.first().map(name).unwrap_or_default();
+    format!(
+        "outlier: {first} for {} at {} cycles, {} interquartile ranges from the median of all; {verdict}",
+        row.limit_state,
+        count(u64::from(row.cycles)),
+        three_digits(row.distance)
+    )
 }
 
 #[cfg(test)]
@@ -111,6 +144,9 @@ mod tests {
         for row in &mut summary.surrogates {
             (row.different_values, row.outlier) = (Some(3), Some(41.0));
         }
+        let failed = OutlierEvaluation { number: None, value: None, ..OutlierEvaluation::default() };
+        summary.outliers = vec![OutlierRow { evaluations: vec![failed], ..OutlierRow::default() }];
+        summary.scale = Some(crate::results::summary::ScaleRow::default());
         let schema: serde_json::Value =
             serde_json::from_str(include_str!("../../../schemas/summary.schema.json")).unwrap();
         let summary = serde_json::to_value(&summary).unwrap();
@@ -128,5 +164,28 @@ mod tests {
         (summary.surrogates[0].outlier, summary.surrogates[0].noise_share) = (Some(4610.0), Some(0.98));
         let said = steps_and_noise(&summary).remove(0);
         assert!(said.starts_with("outlier: ") && said.contains("4610 interquartile ranges"), "{said}");
+        // With its further evaluations it has one line, which names them.
+        let evaluation = |number, value, used| OutlierEvaluation {
+            number: Some(number),
+            worker: format!("w{number}/0"),
+            value: Some(value),
+            used,
+        };
+        let limit_state = summary.surrogates[0].limit_state.clone();
+        let row = OutlierRow { limit_state, cycles: 1000, distance: 4610.0, evaluations: vec![] };
+        let cases: [(&[bool], &str); 4] = [
+            (&[true, true], "confirmed: evaluation 1 of worker w1/0"),
+            (&[false, true, true], "left out: evaluation 1 of worker w1/0"),
+            (&[false, false], "the budget allowed no further one"),
+            (&[false; 3], "no two agree, and the sample counts as failed"),
+        ];
+        for (used, words) in cases {
+            let evaluations = used.iter().zip(0..).map(|(used, k)| evaluation(k, 7.0, *used)).collect();
+            summary.outliers = vec![OutlierRow { evaluations, ..row.clone() }];
+            let said = steps_and_noise(&summary);
+            let of_outliers = said.iter().filter(|line| line.starts_with("outlier")).collect::<Vec<_>>();
+            let [said] = of_outliers[..] else { panic!("{said:?}") };
+            assert!(said.contains("evaluation 0 of worker w0/0 gave 7") && said.contains(words), "{said}");
+        }
     }
 }

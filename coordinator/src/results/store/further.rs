@@ -77,10 +77,12 @@ impl CampaignFile {
 
     /// The recorded outcome of this sample at this accuracy under any number, as that of the request.
     fn find_sample(&self, request: &Request) -> Result<Option<Finished>, StoreError> {
-        let sql =
-            format!("SELECT {COLUMNS} FROM evaluation WHERE sample = ?1 AND stricter = ?2 AND level = ?3");
+        let sql = format!(
+            "SELECT {COLUMNS} FROM evaluation WHERE sample = ?1 AND stricter = ?2 AND level = ?3 ORDER BY id < 0, abs(id) LIMIT 1 OFFSET ?4"
+        );
         let sample = exact::sample_to_bytes(&request.sample);
-        let of_request = params![sample, request.is_stricter(), request.level];
+        // Of an outlier, the evaluation after those that are known.
+        let of_request = params![sample, request.is_stricter(), request.level, request.not_by.len() as i64];
         let found = self.query(|connection| {
             connection.prepare_cached(&sql)?.query_row(of_request, RawEvaluation::read).optional()
         })?;

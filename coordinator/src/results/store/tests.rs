@@ -60,7 +60,7 @@ fn awkward(id: u64) -> Vec<f64> {
 }
 
 pub(super) fn request(id: u64) -> Request {
-    Request { id, sample: awkward(id), with_first_cycle: id == 0, accuracy: None, level: 0 }
+    Request { id, sample: awkward(id), with_first_cycle: id == 0, accuracy: None, level: 0, not_by: vec![] }
 }
 
 pub(super) fn finished(id: u64) -> Finished {

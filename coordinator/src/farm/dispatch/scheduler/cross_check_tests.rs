@@ -163,3 +163,22 @@ fn results_of_external_simulators_agree_within_their_stated_errors() {
     farm.run(&[("a", 1.0), ("b", 1.01)]);
     assert_eq!(farm.given_up.len(), 1);
 }
+
+#[test]
+fn an_outlier_is_evaluated_again_by_another_worker_while_one_is_connected() {
+    let repeated = || {
+        let mut again = requests(0..1);
+        again[0].not_by = vec!["a/0".into()];
+        Event::Submit(again)
+    };
+    for others in [true, false] {
+        let names: &[&str] = if others { &["a", "b", "ab"] } else { &["a"] };
+        let mut farm = Farm::new(names, 0, CrossCheck { share: 0.0, is_exact: false });
+        farm.scheduler.on_event(START, repeated());
+        let (_, tasks) = farm.claims("a", 1, vec![], &[]);
+        assert_eq!(tasks.is_empty(), others, "{names:?}");
+        if others {
+            assert_eq!(numbers(&farm.claims("ab", 1, vec![], &[]).1), [0]);
+        }
+    }
+}

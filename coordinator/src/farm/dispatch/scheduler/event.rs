@@ -122,6 +122,20 @@ pub enum Warning {
         /// What it reports.
         reason: String,
     },
+    /// A claim is not newer than an earlier one of its worker, which gets no tasks by it.
+    OutdatedClaim {
+        /// The worker concerned.
+        worker: WorkerId,
+        /// Number of such claims so far.
+        count: u64,
+    },
+    /// An outcome belongs to another campaign.
+    OtherCampaign {
+        /// The worker concerned.
+        worker: WorkerId,
+        /// Number of such outcomes so far.
+        count: u64,
+    },
     /// An outcome has the number of a task but another sample.
     OtherSample {
         /// The worker concerned.

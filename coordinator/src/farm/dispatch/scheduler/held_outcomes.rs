@@ -1,14 +1,11 @@
 //! Outcomes that another worker has to repeat, and when two of them agree.
 
 use super::event::Action;
-use crate::farm::evaluate::Finished;
+use crate::farm::evaluate::{Finished, agreement::agree};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::wire::WorkerId;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Difference of results of external simulators beyond their stated errors that counts as none, relative to the values [1].
-const SAME: f64 = 1e-9;
 
 /// Which results another worker has to repeat.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,23 +29,14 @@ impl CrossCheck {
         other: &Result<Evaluation, SimulationFailure>,
     ) -> bool {
         match (one, other) {
-            (Ok(one), Ok(other)) if self.is_exact => {
-                one.cycles == other.cycles && one.histories == other.histories && one.errors == other.errors
+            (Ok(one), Ok(other)) => {
+                let [one_values, other_values] =
+                    [one, other].map(|of| (of.histories.as_slice(), of.errors.as_slice()));
+                one.cycles == other.cycles && agree(one_values, other_values, self.is_exact)
             }
-            (Ok(one), Ok(other)) => one.cycles == other.cycles && agree_within_errors(one, other),
             (one, other) => one.is_err() == other.is_err(),
         }
     }
-}
-
-fn agree_within_errors(one: &Evaluation, other: &Evaluation) -> bool {
-    let error =
-        |of: &Evaluation, k: usize, j: usize| of.errors.get(k).and_then(|e| e.get(j)).copied().unwrap_or(0.0);
-    one.histories.iter().zip(&other.histories).enumerate().all(|(k, (a, b))| {
-        a.iter().zip(b).enumerate().all(|(j, (a, b))| {
-            (a - b).abs() <= error(one, k, j) + error(other, k, j) + SAME * a.abs().max(b.abs())
-        })
-    })
 }
 
 /// Outcomes that wait for those of other workers.

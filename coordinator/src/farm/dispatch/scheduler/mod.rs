@@ -58,6 +58,7 @@ pub use snapshot::FarmSnapshot;
 use crate::farm::evaluate::{Finished, Request};
 use common::failure::SimulationFailure;
 use common::wire::{Claim, Offers, Outcome, TaskKey, WorkerId};
+use cross_check::is_for_worker;
 use held_outcomes::HeldOutcomes;
 use licences::HeldLicences;
 use pending_replies::{PendingReplies, PendingReply};
@@ -227,6 +228,7 @@ impl Scheduler {
             }
         } else {
             pending.credits = 0;
+            actions.extend(self.warnings.on_outdated_claim(&id).map(Action::Warn));
         }
         self.pending_replies.add(token, pending);
         self.answer_if_ready(now, token, actions);
@@ -274,6 +276,10 @@ impl Scheduler {
             return;
         }
         match self.tasks.accept(&task) {
+            OutcomeStatus::OtherCampaign => {
+                pending.acknowledged.push(key);
+                actions.extend(self.warnings.on_other_campaign(&pending.worker).map(Action::Warn));
+            }
             OutcomeStatus::NotNeeded => pending.acknowledged.push(key),
             OutcomeStatus::OtherSample => {
                 pending.acknowledged.push(key);
@@ -328,8 +334,10 @@ impl Scheduler {
                 let room = room.min(self.licences_for(&id));
                 let wanted = room.min(credits.min(self.settings.most_tasks) as usize);
                 let losses = self.losses_bound(&id);
-                let held = &self.held;
-                let mut tasks = self.tasks.lease(wanted, losses, |task| !held.has(task, &id));
+                let (held, workers) = (&self.held, &self.workers);
+                let is_open =
+                    |request: &Request| !held.has(request.id, &id) && is_for_worker(request, &id, workers);
+                let mut tasks = self.tasks.lease(wanted, losses, is_open);
                 if tasks.len() < wanted && self.settings.licences.is_none() {
                     let SchedulerSettings { straggler_factor, straggler_least, .. } = self.settings;
                     let late = self.workers.stragglers(&id, now, straggler_factor, straggler_least);

@@ -41,7 +41,9 @@ impl Entry {
 /// How an outcome relates to the tasks of the campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum OutcomeStatus {
-    /// It belongs to another campaign, or to a task that has ended.
+    /// It belongs to another campaign.
+    OtherCampaign,
+    /// It belongs to a task that has ended.
     NotNeeded,
     /// It has the number of a task, but another sample.
     OtherSample,
@@ -113,9 +115,9 @@ impl TaskTable {
         Some(point)
     }
 
-    /// Leases up to `count` tasks from the front of the queue; tasks with `losses` or more losses are skipped, and those that are not `open`
-    /// to the worker.
-    pub fn lease(&mut self, count: usize, losses: u32, open: impl Fn(u64) -> bool) -> Vec<Task> {
+    /// Leases up to `count` tasks from the front of the queue; tasks with `losses` or more losses are skipped, and those whose request is not
+    /// `open` to the worker.
+    pub fn lease(&mut self, count: usize, losses: u32, open: impl Fn(&Request) -> bool) -> Vec<Task> {
         let mut tasks = Vec::new();
         let mut withheld = Vec::new();
         while tasks.len() < count {
@@ -123,7 +125,7 @@ impl TaskTable {
             let Some(entry) = self.entries.get_mut(&id).filter(|e| e.phase == Phase::Queued) else {
                 continue;
             };
-            if entry.losses >= losses || !open(id) {
+            if entry.losses >= losses || !open(&entry.request) {
                 withheld.push(id);
                 continue;
             }
@@ -218,7 +220,7 @@ impl TaskTable {
 
     pub fn accept(&mut self, done: &Task) -> OutcomeStatus {
         if done.key.campaign != self.campaign {
-            return OutcomeStatus::NotNeeded;
+            return OutcomeStatus::OtherCampaign;
         }
         match self.status(done.key.task) {
             TaskStatus::Ended => return OutcomeStatus::NotNeeded,

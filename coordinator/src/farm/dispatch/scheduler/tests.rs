@@ -20,6 +20,7 @@ pub(super) fn requests(ids: std::ops::Range<u64>) -> Vec<Request> {
         with_first_cycle: false,
         accuracy: None,
         level: 0,
+        not_by: vec![],
     })
     .collect()
 }
@@ -147,9 +148,10 @@ fn a_lease_missing_from_the_claim_is_requeued() {
     // Of the reply to claim 1, only task 1 is listed.
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 2, 1, vec![], &[1]))).unwrap();
     assert_eq!(numbers(&tasks), [0]);
-    // An outdated claim gets nothing and changes nothing.
-    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 3, vec![], &[]))).unwrap();
-    assert_eq!(numbers(&tasks), [] as [u64; 0]);
+    // An outdated claim gets nothing, changes nothing and is logged.
+    let actions = ask(&mut s, START, claim(&a, 1, 3, vec![], &[]));
+    assert_eq!(reply(&actions), Some((vec![], vec![])));
+    assert!(actions.contains(&Action::Warn(Warning::OutdatedClaim { worker: a, count: 1 })));
 }
 
 #[test]
@@ -192,11 +194,14 @@ fn an_outcome_of_another_campaign_or_sample_is_acknowledged_and_not_used() {
     foreign.task.key.campaign = 8;
     assert_eq!(
         ask(&mut s, START, claim(&a, 2, 0, vec![foreign], &[0])),
-        vec![Action::Reply {
-            token: 2,
-            acknowledged: vec![TaskKey { campaign: 8, task: 0 }],
-            assignment: Assignment::Idle
-        }]
+        vec![
+            Action::Warn(Warning::OtherCampaign { worker: a.clone(), count: 1 }),
+            Action::Reply {
+                token: 2,
+                acknowledged: vec![TaskKey { campaign: 8, task: 0 }],
+                assignment: Assignment::Idle
+            }
+        ]
     );
     let mut other = outcome(&tasks[0], &a);
     other.task.sample[1] = -0.5;

@@ -1,7 +1,7 @@
 //! Warnings about workers: none connected while tasks wait, or no liveliness token.
 
 use super::{SchedulerSettings, Warning};
-use common::wire::{Offers, WorkerId};
+use common::wire::{Offers, Refused, WorkerId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
@@ -24,6 +24,8 @@ pub(super) struct WorkerWarnings {
     unattended: Option<Unattended>,
     without_token: BTreeMap<WorkerId, u32>,
     without_subject: BTreeSet<WorkerId>,
+    outdated: Refused,
+    other_campaign: Refused,
 }
 
 impl WorkerWarnings {
@@ -46,6 +48,16 @@ impl WorkerWarnings {
     pub fn on_claim_without_subject(&mut self, id: &WorkerId, offers: Offers) -> Option<Warning> {
         let is_new = self.without_subject.len() < MOST_REMEMBERED && self.without_subject.insert(id.clone());
         is_new.then(|| Warning::NotOffered { worker: id.clone(), offers })
+    }
+
+    /// Counts a claim that is not the newest of its worker; returns a warning at the first, second, fourth, ... one.
+    pub fn on_outdated_claim(&mut self, id: &WorkerId) -> Option<Warning> {
+        self.outdated.count().map(|count| Warning::OutdatedClaim { worker: id.clone(), count })
+    }
+
+    /// Counts an outcome of another campaign in the same way.
+    pub fn on_other_campaign(&mut self, id: &WorkerId) -> Option<Warning> {
+        self.other_campaign.count().map(|count| Warning::OtherCampaign { worker: id.clone(), count })
     }
 
     /// Returns a warning if `open` tasks have waited without any worker for `settings.unattended`; `open` is 0 while a
