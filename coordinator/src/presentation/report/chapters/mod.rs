@@ -136,15 +136,14 @@ fn appendix(page: &mut Page, input: &ReportInput) {
         }
         @for (_, table) in sensitivities(input) { (table) }
     });
-    page.add_figures("Distributions of the outputs", figures::distributions(input), "two");
+    let (drawn, none) = (figures::distributions(input), "The study stored no distributions.");
+    page.add_chapter("Distributions of the outputs", html! {}, (drawn, "two"), none);
     if input.summary.of_mechanism() {
         wear_and_cycles(page, input);
     }
-    page.add_figures(
-        "Convergence of the study",
-        figures::learning(input).into_iter().skip(1).collect(),
-        "two",
-    );
+    let drawn = figures::learning(input).into_iter().skip(1).collect();
+    let none = "The study had no rounds of learning.";
+    page.add_chapter("Convergence of the study", html! {}, (drawn, "two"), none);
     if !input.summary.convergence.rounds.is_empty() {
         page.add(captioned("rounds", "Rounds of learning", tables::rounds(input)));
     }

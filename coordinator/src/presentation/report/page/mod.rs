@@ -109,13 +109,6 @@ impl Page {
         });
     }
 
-    /// Adds a chapter of drawn figures; nothing for none.
-    pub fn add_figures(&mut self, title: &'static str, drawn: Vec<Figure>, columns: &str) {
-        if !drawn.is_empty() {
-            self.add_chapter(title, html! {}, (drawn, columns), "");
-        }
-    }
-
     /// The list of the chapters of the body, or of the appendix.
     fn contents(&self, of_appendix: bool) -> Markup {
         let all =
