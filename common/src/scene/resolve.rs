@@ -125,6 +125,7 @@ impl Parts {
     /// Reads the parts of a scene of `variables` random variables.
     fn read(file: &mut Section, variables: usize) -> Self {
         let head = head(file);
+        check_responsibility(file);
         let simulator = simulator(file);
         // A faulty simulator may still say that it gives cycles.
         let gives = file.peek("simulator").and_then(|simulator| simulator.get("gives"));
@@ -218,6 +219,18 @@ fn head(file: &mut Section) -> Option<(String, String, bool)> {
         if has_joints { section.boolean_or("control_points_of_model", false) } else { Some(false) };
     section.finish();
     Some((name?.to_owned(), title?.to_owned(), of_model?))
+}
+
+/// Keys of `[report]`: who is responsible for a study, and what its reader should know. They change no result.
+pub const RESPONSIBILITY: [&str; 6] = ["author", "project", "revision", "checked", "approved", "note"];
+
+/// Checks `[report]`, whose texts only the report of a study shows.
+fn check_responsibility(file: &mut Section) {
+    let Some(mut section) = file.section_if_any("report") else { return };
+    for key in RESPONSIBILITY {
+        section.text_or(key, "a text", "");
+    }
+    section.finish();
 }
 
 /// Accuracy of an evaluation, and the levels of a study by active learning.

@@ -3,11 +3,13 @@
 use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
 use super::farm::{WorkerFarm, of_mechanism};
-use super::output::{answer_with, check_answer_destination};
+use super::output::{Destination, answer_with};
 use super::scenes::check_linkage;
-use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive, seed, whole};
+use super::shared::{
+    DEFAULT_SCENE, FarmArguments, SetArguments, Verbosity, load_with, positive, seed, whole,
+};
 use clap::Args;
-use common::scene::{InputFile, SceneSource};
+use common::scene::InputFile;
 use coordinator::analyses::calibrate::{
     CalibrationProgress, CalibrationSettings, Space, answer, calibrate as fit, of_parameters, read_targets,
 };
@@ -19,6 +21,8 @@ pub struct CalibrateArguments {
     /// Scene file, or name of a built-in scene
     #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
     pub scene: String,
+    #[command(flatten)]
+    pub set: SetArguments,
     /// Free parameters and targets, TOML
     #[arg(long, value_name = "FILE")]
     pub targets: PathBuf,
@@ -38,7 +42,7 @@ pub struct CalibrateArguments {
     /// Write calibration.html, calibration.md and calibration.json to this folder, created if missing; or the report (Markdown, or JSON
     /// with --json) to this file, which ends in .md, .txt or .json, instead of standard output
     #[arg(long, value_name = "DIR-or-FILE", help_heading = "Output")]
-    pub out: Option<PathBuf>,
+    pub out: Option<Destination>,
 }
 
 /// Runs the command.
@@ -46,8 +50,7 @@ pub struct CalibrateArguments {
 /// # Errors
 /// [`CommandError`].
 pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    check_answer_destination(arguments.out.as_deref())?;
-    let source = SceneSource::load(&arguments.scene)?;
+    let source = load_with(&arguments.scene, &arguments.set.set)?;
     let scene = source.nominal();
     check_linkage(source.origin(), &source, scene)?;
     let file = InputFile::load(&arguments.targets)?;
@@ -69,5 +72,5 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
     };
     let found = fit(&targets, &plan, &mut farm.evaluator, &space, report_progress)?;
     farm.close();
-    answer_with(&answer(&found, &scene.name), &found, arguments.out.as_deref(), verbosity.json)
+    answer_with(&answer(&found, &scene.name), &found, arguments.out.as_ref(), verbosity.json)
 }

@@ -1,7 +1,7 @@
 //! `coordinator compare`: the curves of several finished studies on one page, and as CSV.
 
 use super::error::CommandError;
-use super::output::{answer_with, check_destination, unusable};
+use super::output::{Destination, answer_with, check_destination, unusable};
 use super::stored_study::{scene_of, summary_of};
 use clap::Args;
 use common::scene::SceneSource;
@@ -47,7 +47,7 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     let [page, numbers] = ["html", "csv"].map(|end| folder.join(format!("{name}.{end}")));
     let gains = gains(&studies);
     let document = json!({ "page": page, "csv": numbers, "differences": differing, "gains": gains });
-    answer_with(&answer(name, studies, &table), &document, Some(&folder), as_json)
+    answer_with(&answer(name, studies, &table), &document, Some(&Destination::Folder(folder)), as_json)
 }
 
 /// Folder of the files, and their name without its ending.

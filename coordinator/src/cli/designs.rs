@@ -3,7 +3,7 @@
 
 use super::error::CommandError;
 use super::farm::CommandEvaluator;
-use super::output::answer_with;
+use super::output::{Destination, answer_with};
 use super::shared::{FarmArguments, Verbosity, positive, value};
 use super::stored_study::{OpenedStudy, StoredStudy, failed, known_outcomes, stored_correction};
 use clap::Args;
@@ -56,7 +56,7 @@ pub struct DesignsArguments {
     pub refine: Option<usize>,
     /// Write designs.html, designs.md, designs.json, designs.csv and figures/ to this folder, created if missing
     #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    pub out: Option<Destination>,
     #[command(flatten)]
     pub farm: FarmArguments,
 }
@@ -89,7 +89,7 @@ pub fn designs(arguments: &DesignsArguments, verbosity: Verbosity) -> Result<(),
     };
     let asked = AskedDesigns { grid, objective, budget: arguments.refine.unwrap_or(0) };
     let machines = Machines::ToOpen(&arguments.farm);
-    answer_for(&mut opened, &space, &asked, machines, arguments.out.as_deref(), verbosity)
+    answer_for(&mut opened, &space, &asked, machines, arguments.out.as_ref(), verbosity)
 }
 
 /// The end of a study with design variables: adds simulations within its budget until the reliability of every design is as
@@ -109,7 +109,7 @@ pub fn after_study(
         objective: Objective::Life { level: LEVELS[0] },
         budget: opened.settings.max_evaluations.saturating_sub(opened.outcomes()?.len()),
     };
-    let out = opened.study.campaign.dir().join(FOLDER);
+    let out = Destination::Folder(opened.study.campaign.dir().join(FOLDER));
     answer_for(&mut opened, &space, &asked, machines, Some(&out), verbosity)?;
     Ok(None)
 }
@@ -151,7 +151,7 @@ fn answer_for(
     space: &DesignSpace,
     asked: &AskedDesigns,
     machines: Machines<'_>,
-    out: Option<&Path>,
+    out: Option<&Destination>,
     verbosity: Verbosity,
 ) -> Result<(), CommandError> {
     let dir = opened.study.campaign.dir().to_path_buf();

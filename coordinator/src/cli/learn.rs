@@ -1,7 +1,7 @@
 //! `coordinator learn`: parameters of a population from what was observed of its units, and R at a confidence.
 
 use super::error::CommandError;
-use super::output::answer_with;
+use super::output::{Destination, answer_with};
 use super::shared::{share, value};
 use super::stored_study::OpenedStudy;
 use clap::Args;
@@ -50,7 +50,7 @@ pub struct LearnArguments {
     pub sets: usize,
     /// Write learn.html, learn.md, learn.json, reliability.csv and figures/ to this folder, created if missing
     #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    pub out: Option<Destination>,
 }
 
 /// Reads a confidence.
@@ -82,5 +82,5 @@ pub fn learn(arguments: &LearnArguments, as_json: bool) -> Result<(), CommandErr
     let fixed = fixed_bounds(&opened.study.source);
     let Learned { report, .. } = learn_fleet(studied, summary, model, &data, &designs, &fixed, &settings)
         .map_err(|error| CommandError::refused(arguments.data.display(), error.to_string()))?;
-    answer_with(&answer(&report), &report, arguments.out.as_deref(), as_json)
+    answer_with(&answer(&report), &report, arguments.out.as_ref(), as_json)
 }

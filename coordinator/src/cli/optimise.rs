@@ -2,7 +2,7 @@
 //! simulations at the optimum.
 
 use super::error::CommandError;
-use super::output::answer_with;
+use super::output::{Destination, answer_with};
 use super::shared::{FarmArguments, Verbosity, whole};
 use super::stored_study::{OpenedStudy, StoredStudy, stored_correction};
 use clap::Args;
@@ -52,7 +52,7 @@ pub struct OptimiseArguments {
     pub max_evaluations: usize,
     /// Write optimum.html, optimum.md, optimum.json, the scene.toml of the optimum and figures/ to this folder
     #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    pub out: Option<Destination>,
     #[command(flatten)]
     pub farm: FarmArguments,
 }
@@ -79,7 +79,7 @@ pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(
         .to_vec();
     let mut answer = answer(&result, &opened.study.scene().name, curves);
     answer.files.push(("scene.toml".to_owned(), changed.text().to_owned()));
-    answer_with(&answer, &document, arguments.out.as_deref(), verbosity.json)
+    answer_with(&answer, &document, arguments.out.as_ref(), verbosity.json)
 }
 
 /// Finds the optimum from the design `base`, with simulations by the workers of the command.

@@ -1,11 +1,13 @@
 //! Output of results to standard output or a file.
 
 use super::error::CommandError;
+use clap::builder::{PathBufValueParser, TypedValueParser, ValueParser, ValueParserFactory};
 use coordinator::presentation::report::answer::Answer;
 use coordinator::results::result_files::write_text;
+use rustix::fs::{Access, access};
 use serde::Serialize;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A count with its noun, e.g. `1 joint`, `0 loads`.
 pub fn count(n: usize, noun: &str) -> String {
@@ -37,15 +39,21 @@ pub fn print(text: &str) -> Result<(), CommandError> {
 /// [`CommandError::BadInput`].
 pub fn check_destination(file: Option<&Path>) -> Result<(), CommandError> {
     let Some(file) = file else { return Ok(()) };
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let fault = if file.is_dir() {
-        "is a folder, expected a file".to_owned()
-    } else if !folder.is_dir() {
-        format!("there is no folder {}", folder.display())
-    } else {
-        return Ok(());
-    };
-    Err(unusable(file, fault))
+    fault_of_file(file).map_or(Ok(()), |fault| Err(unusable(file, fault)))
+}
+
+/// What is wrong with a file as a destination.
+fn fault_of_file(file: &Path) -> Option<String> {
+    let folder = or_here(file.parent().unwrap_or(file));
+    if file.is_dir() {
+        return Some("is a folder, expected a file".to_owned());
+    }
+    (!folder.is_dir()).then(|| format!("there is no folder {}", folder.display()))
+}
+
+/// A folder, or the working folder where its path is empty.
+fn or_here(folder: &Path) -> &Path {
+    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 
 /// The error of a destination that cannot be written.
@@ -64,19 +72,41 @@ pub fn deliver(text: &str, file: Option<&Path>) -> Result<(), CommandError> {
     }
 }
 
-/// Whether `--out` names a file for an answer instead of a folder: a file or device that exists, or a name that ends as those of texts do.
-pub fn is_file(out: &Path) -> bool {
-    let ending = out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    let is_text = matches!(ending.as_deref(), Some("json" | "md" | "txt"));
-    !out.is_dir() && (out.exists() || is_text)
+/// Where the files of an answer go, checked when the command line is read: before anything is computed.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Destination {
+    /// A file for what is printed otherwise.
+    File(PathBuf),
+    /// A folder, which is created if missing.
+    Folder(PathBuf),
 }
 
-/// Checks the destination of an answer, a file or a folder, before it is computed.
-///
-/// # Errors
-/// [`CommandError::BadInput`].
-pub fn check_answer_destination(out: Option<&Path>) -> Result<(), CommandError> {
-    check_destination(out.filter(|out| is_file(out)))
+impl Destination {
+    /// A file or device that exists, or a name that ends as those of texts do; else a folder.
+    fn read(out: PathBuf) -> Result<Self, String> {
+        let ending = out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        let is_text = matches!(ending.as_deref(), Some("json" | "md" | "txt"));
+        if !out.is_dir() && (out.exists() || is_text) {
+            return fault_of_file(&out).map_or(Ok(Self::File(out)), Err);
+        }
+        let nearest = out.ancestors().map(or_here).find(|folder| folder.exists()).unwrap_or(Path::new("/"));
+        let shown = nearest.display();
+        if !nearest.is_dir() {
+            return Err(format!("{shown} is a file, expected a folder"));
+        }
+        match access(nearest, Access::WRITE_OK | Access::EXEC_OK) {
+            Ok(()) => Ok(Self::Folder(out)),
+            Err(error) => Err(format!("nothing can be written to {shown}: {error}")),
+        }
+    }
+}
+
+impl ValueParserFactory for Destination {
+    type Parser = ValueParser;
+
+    fn value_parser() -> ValueParser {
+        PathBufValueParser::new().try_map(Self::read).into()
+    }
 }
 
 /// Prints an answer, or with `as_json` its `document`. With `out` it also writes its files, NAME.json among them, to this folder, or
@@ -87,14 +117,14 @@ pub fn check_answer_destination(out: Option<&Path>) -> Result<(), CommandError> 
 pub fn answer_with(
     answer: &Answer,
     document: &impl Serialize,
-    out: Option<&Path>,
+    out: Option<&Destination>,
     as_json: bool,
 ) -> Result<(), CommandError> {
     let json = to_json(document)?;
     let mut printed = if as_json { json.clone() } else { answer.text() };
     match out {
-        Some(file) if is_file(file) => return Ok(write_text(file, &printed)?),
-        Some(folder) => {
+        Some(Destination::File(file)) => return Ok(write_text(file, &printed)?),
+        Some(Destination::Folder(folder)) => {
             let page = answer.write(folder)?;
             write_text(&folder.join(format!("{}.json", answer.name)), &json)?;
             if !as_json {

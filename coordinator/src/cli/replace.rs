@@ -1,7 +1,7 @@
 //! `coordinator replace`: the age, or the measured level, of replacement with the least cost, from a finished study.
 
 use super::error::CommandError;
-use super::output::{answer_with, check_answer_destination};
+use super::output::{Destination, answer_with};
 use super::shared::{probability, value};
 use super::stored_study::OpenedStudy;
 use clap::Args;
@@ -64,7 +64,7 @@ pub struct ReplaceArguments {
     /// Write replace.html, replace.md and replace.json to this folder, created if missing; or the answer (text, or JSON with --json) to
     /// this file, which ends in .txt, .md or .json, instead of standard output
     #[arg(long, value_name = "DIR-or-FILE")]
-    pub out: Option<PathBuf>,
+    pub out: Option<Destination>,
 }
 
 /// Reads a number above zero.
@@ -82,7 +82,6 @@ fn cost_or_zero(text: &str) -> Result<f64, String> {
 /// # Errors
 /// [`CommandError`].
 pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Result<(), CommandError> {
-    check_answer_destination(arguments.out.as_deref())?;
     let costs = ReplacementCosts { planned: arguments.planned_cost, failure: arguments.failure_cost };
     check_costs(&costs).map_err(CommandError::bad_input)?;
     let opened = OpenedStudy::open(&arguments.dir, false)?;
@@ -96,7 +95,7 @@ pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Result<(), Comman
         report.inspections = inspect(study.scene(), &opened.life_model()?, &plan, study.settings.seed)
             .map_err(CommandError::bad_input)?;
     }
-    answer_with(&answer(&report, study.scene()), &report, arguments.out.as_deref(), as_json)
+    answer_with(&answer(&report, study.scene()), &report, arguments.out.as_ref(), as_json)
 }
 
 /// The inspections asked for.

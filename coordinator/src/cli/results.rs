@@ -3,6 +3,7 @@
 use super::error::CommandError;
 use super::output::{print, to_json};
 use super::pdf::{PdfError, print_page};
+use super::shared::ReportTexts;
 use super::stored_study::{not_finished, scene_of, summary_of};
 use clap::Args;
 use coordinator::presentation::report;
@@ -28,6 +29,8 @@ pub struct ReportArguments {
     /// Print the report to report.pdf as well, with a browser of this machine (Chromium, Chrome, Edge)
     #[arg(long)]
     pub pdf: bool,
+    #[command(flatten)]
+    pub texts: ReportTexts,
 }
 
 /// Writes the result files and the report of a finished study again.
@@ -35,11 +38,11 @@ pub struct ReportArguments {
 /// # Errors
 /// [`CommandError::Store`], [`CommandError::BadInput`], [`CommandError::Failed`], or the error of a file that cannot be written.
 pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandError> {
-    let ReportArguments { dir, out, pdf } = arguments;
-    let campaign = CampaignFile::look(dir)?;
+    let ReportArguments { dir, out, pdf, texts } = arguments;
+    let (campaign, texts) = (CampaignFile::look(dir)?, texts.given());
     let page = match out {
-        Some(out) => write_results(&campaign, out)?,
-        None => write_results(&campaign, dir).map_err(|error| error.of_report_in(dir))?,
+        Some(out) => write_results(&campaign, out, &texts)?,
+        None => write_results(&campaign, dir, &texts).map_err(|error| error.of_report_in(dir))?,
     };
     let failed = |error: PdfError| CommandError::Failed(error.to_string());
     let printed = match pdf {
@@ -57,13 +60,18 @@ pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandE
     print(&files.map(|file| format!("{}\n", file.display())).collect::<String>())
 }
 
-/// Writes every result file of a finished study to the folder `out`; returns the path of the report.
+/// Writes every result file of a finished study to the folder `out`, with these texts by their keys in a scene; returns the path of the
+/// report.
 ///
 /// # Errors
 /// [`CommandError::BadInput`], or the error of a file that cannot be written.
-pub fn write_results(campaign: &CampaignFile, out: &Path) -> Result<PathBuf, CommandError> {
+pub fn write_results(
+    campaign: &CampaignFile,
+    out: &Path,
+    texts: &[(&'static str, &str)],
+) -> Result<PathBuf, CommandError> {
     let source = scene_of(campaign)?;
-    report::write_all(campaign, source.nominal(), out)?.ok_or_else(|| not_finished(campaign))
+    report::write_all(campaign, source.nominal(), out, texts)?.ok_or_else(|| not_finished(campaign))
 }
 
 /// Prints the sensitivities of the failure probabilities of a finished study.

@@ -31,7 +31,8 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// [`CommandError`].
 pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    let mut source = load_with(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE), &arguments.set)?;
+    let source = load_with(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE), &arguments.set)?;
+    let mut source = arguments.texts.in_scene(source)?;
     let space = match arguments.design.as_slice() {
         [] => None,
         ranges => Some(DesignSpace::new(source.clone(), ranges)?),
@@ -120,7 +121,7 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
     let summary = study.campaign.document::<StudySummary>(SUMMARY_DOCUMENT)?;
     if let Some(summary) = summary.filter(|_| !begins_leg) {
         verbosity.say("this study is finished; writing its results again");
-        write_results(&study.campaign, dir)?;
+        write_results(&study.campaign, dir, &[])?;
         return match after_study(study, Machines::ToOpen(farm), verbosity)? {
             None => Ok(()),
             Some(study) => with_variants(study, farm, summary, verbosity),

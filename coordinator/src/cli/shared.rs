@@ -62,6 +62,68 @@ pub fn load_with(name: &str, set: &[String]) -> Result<SceneSource, Faults> {
     if set.is_empty() { Ok(source) } else { scene_with(&source, set) }
 }
 
+/// Who is responsible for a study, as its report states it, in place of what the scene states.
+#[derive(Debug, Clone, Default, Args, PartialEq)]
+#[command(next_help_heading = "Head and signatures of the report")]
+pub struct ReportTexts {
+    /// Title [default: that of the scene]
+    #[arg(long, value_name = "TEXT")]
+    pub title: Option<String>,
+    /// Author of the study
+    #[arg(long, value_name = "TEXT")]
+    pub author: Option<String>,
+    /// Project, or name and number of the item
+    #[arg(long, value_name = "TEXT")]
+    pub project: Option<String>,
+    /// Revision of the study
+    #[arg(long, value_name = "TEXT")]
+    pub revision: Option<String>,
+    /// Who checked the study
+    #[arg(long, value_name = "TEXT")]
+    pub checked: Option<String>,
+    /// Who approved the study
+    #[arg(long, value_name = "TEXT")]
+    pub approved: Option<String>,
+    /// Note to the reader, such as the intended use
+    #[arg(long, value_name = "TEXT")]
+    pub note: Option<String>,
+}
+
+impl ReportTexts {
+    /// Those that are given, each with its key in a scene.
+    pub fn given(&self) -> Vec<(&'static str, &str)> {
+        let Self { title, author, project, revision, checked, approved, note } = self;
+        let all = [
+            ("scene.title", title),
+            ("report.author", author),
+            ("report.project", project),
+            ("report.revision", revision),
+            ("report.checked", checked),
+            ("report.approved", approved),
+            ("report.note", note),
+        ];
+        all.into_iter().filter_map(|(key, text)| Some((key, text.as_deref()?))).collect()
+    }
+
+    /// The scene with these texts.
+    ///
+    /// # Errors
+    /// [`Faults`] of the scene.
+    pub fn in_scene(&self, source: SceneSource) -> Result<SceneSource, Faults> {
+        let given = self.given();
+        if given.is_empty() {
+            return Ok(source);
+        }
+        source.edited("--title", |document| {
+            for (path, text) in given {
+                let (table, key) = path.split_once('.').unwrap_or_default();
+                let table = document.entry(table).or_insert_with(|| toml::Table::new().into());
+                table.as_table_mut().and_then(|table| table.insert(key.to_owned(), text.into()));
+            }
+        })
+    }
+}
+
 /// Local and remote workers.
 #[derive(Debug, Clone, Default, Args, PartialEq)]
 #[command(next_help_heading = "Machines")]

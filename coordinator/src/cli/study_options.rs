@@ -2,7 +2,7 @@
 
 use super::accuracy::AccuracyArguments;
 use super::monitor::MonitorArguments;
-use super::shared::{FarmArguments, positive, seed, share, word, word_or_auto};
+use super::shared::{FarmArguments, ReportTexts, positive, seed, share, word, word_or_auto};
 use clap::Args;
 use common::accuracy::{LevelsError, NamedAccuracy};
 use common::scene::Scene;
@@ -52,6 +52,8 @@ pub struct RunArguments {
     /// Folder for the results, created if missing [default: hingewise-SCENE, or the next free number after it]
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub texts: ReportTexts,
     #[command(flatten)]
     pub monitor: MonitorArguments,
 }

@@ -1,7 +1,7 @@
 //! `coordinator test-plan`: units and cycles of a test that demonstrates a reliability.
 
 use super::error::CommandError;
-use super::output::{answer_with, check_answer_destination};
+use super::output::{Destination, answer_with};
 use super::shared::{probability, value};
 use super::stored_study::{StoredStudy, summary_of};
 use clap::Args;
@@ -58,7 +58,7 @@ pub struct TestPlanArguments {
     pub prior_units: Option<f64>,
     /// Write test-plan.html, test-plan.md and test-plan.json to this folder, created if missing; or the answer to this file
     #[arg(long, value_name = "DIR-or-FILE")]
-    pub out: Option<PathBuf>,
+    pub out: Option<Destination>,
 }
 
 fn above_zero(text: &str) -> Result<f64, String> {
@@ -78,7 +78,6 @@ fn many(text: &str) -> Result<u64, String> {
 /// # Errors
 /// [`CommandError`].
 pub fn test_plan(arguments: &TestPlanArguments, as_json: bool) -> Result<(), CommandError> {
-    check_answer_destination(arguments.out.as_deref())?;
     let summary = match &arguments.dir {
         None => None,
         Some(dir) => Some(summary_of(&StoredStudy::look(dir)?.campaign)?),
@@ -97,5 +96,5 @@ pub fn test_plan(arguments: &TestPlanArguments, as_json: bool) -> Result<(), Com
     };
     let study = summary.as_ref().map(|summary| (summary, arguments.curve.as_str()));
     let report = plan(&question, study).map_err(CommandError::bad_input)?;
-    answer_with(&answer(&report), &report, arguments.out.as_deref(), as_json)
+    answer_with(&answer(&report), &report, arguments.out.as_ref(), as_json)
 }

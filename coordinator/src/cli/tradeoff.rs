@@ -4,10 +4,9 @@ use super::error::CommandError;
 use super::farm::{WorkerFarm, of_mechanism};
 use super::output::print;
 use super::scenes::check_linkage;
-use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive};
+use super::shared::{DEFAULT_SCENE, FarmArguments, SetArguments, Verbosity, load_with, positive};
 use clap::{Args, ValueEnum};
 use common::accuracy::NamedAccuracy;
-use common::scene::SceneSource;
 use coordinator::analyses::tradeoff::{
     QUICK, TradeoffPlan, TradeoffProgress, answer, compare, full, reference_row, settings, values_csv,
 };
@@ -31,6 +30,8 @@ pub struct TradeoffArguments {
     #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
     pub scene: String,
     #[command(flatten)]
+    pub set: SetArguments,
+    #[command(flatten)]
     pub farm: FarmArguments,
     /// Number of points of the variables, the nominal one included
     #[arg(long, default_value = "3", value_name = "N", value_parser = positive, help_heading = "Method")]
@@ -52,7 +53,7 @@ pub struct TradeoffArguments {
 /// # Errors
 /// [`CommandError`].
 pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    let source = SceneSource::load(&arguments.scene)?;
+    let source = load_with(&arguments.scene, &arguments.set.set)?;
     let scene = source.nominal();
     check_linkage(source.origin(), &source, scene)?;
     create_folder(&arguments.out)?;

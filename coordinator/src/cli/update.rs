@@ -1,7 +1,7 @@
 //! `coordinator update`: reliability and remaining life of single units from what was measured of them.
 
 use super::error::CommandError;
-use super::output::answer_with;
+use super::output::{Destination, answer_with};
 use super::shared::value;
 use super::stored_study::OpenedStudy;
 use clap::Args;
@@ -42,7 +42,7 @@ pub struct UpdateArguments {
     pub particles: usize,
     /// Write update.html, update.md, update.json, units.csv and figures/ to this folder, created if missing
     #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    pub out: Option<Destination>,
 }
 
 /// Least number of points or particles.
@@ -69,5 +69,5 @@ pub fn update(arguments: &UpdateArguments, as_json: bool) -> Result<(), CommandE
     settings.monte_carlo.particles = arguments.particles;
     settings.monte_carlo.least = KEPT * arguments.points as f64;
     let report = update_fleet(study.scene(), summary, &model, &units, &settings);
-    answer_with(&answer(&report), &report, arguments.out.as_deref(), as_json)
+    answer_with(&answer(&report), &report, arguments.out.as_ref(), as_json)
 }

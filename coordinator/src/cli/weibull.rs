@@ -1,7 +1,7 @@
 //! `coordinator weibull`: the Weibull distribution of lives of a population, beside the reliability of a study.
 
 use super::error::CommandError;
-use super::output::{answer_with, check_answer_destination};
+use super::output::{Destination, answer_with};
 use super::shared::probability;
 use super::stored_study::{StoredStudy, summary_of};
 use clap::Args;
@@ -44,7 +44,7 @@ pub struct WeibullArguments {
     pub confidence: f64,
     /// Write weibull.html, weibull.md, weibull.json and figures/ to this folder, created if missing; or the answer to this file
     #[arg(long, value_name = "DIR-or-FILE")]
-    pub out: Option<PathBuf>,
+    pub out: Option<Destination>,
 }
 
 /// Runs the command.
@@ -53,7 +53,6 @@ pub struct WeibullArguments {
 /// [`CommandError`].
 pub fn weibull(arguments: &WeibullArguments, as_json: bool) -> Result<(), CommandError> {
     let WeibullArguments { file, study, mode, reliability, confidence, out } = arguments;
-    check_answer_destination(out.as_deref())?;
     let summary = match study {
         None => None,
         Some(dir) => Some(summary_of(&StoredStudy::look(dir)?.campaign)?),
@@ -70,5 +69,5 @@ pub fn weibull(arguments: &WeibullArguments, as_json: bool) -> Result<(), Comman
     if let Some(summary) = &summary {
         report.compare(summary, mode.as_deref().unwrap_or("total")).map_err(CommandError::bad_input)?;
     }
-    answer_with(&answer(&report), &json(&report), out.as_deref(), as_json)
+    answer_with(&answer(&report), &json(&report), out.as_ref(), as_json)
 }

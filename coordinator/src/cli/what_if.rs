@@ -3,7 +3,7 @@
 
 use super::error::CommandError;
 use super::learn::confidence as confidence_level;
-use super::output::answer_with;
+use super::output::{Destination, answer_with};
 use super::shared::{FarmArguments, Verbosity, positive, share};
 use super::stored_study::{OpenedStudy, StoredStudy, failed, stored_correction};
 use clap::Args;
@@ -54,7 +54,7 @@ pub struct WhatIfArguments {
     pub samples: Option<usize>,
     /// Write what-if.html, what-if.md, what-if.json, the changed scene.toml and figures/ to this folder, created if missing
     #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    pub out: Option<Destination>,
     #[command(flatten)]
     pub farm: FarmArguments,
 }
@@ -124,5 +124,5 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), 
         answer.figures.push(confident_figure(&confident, &found.after.reliability, end));
         as_json["confident"] = serde_json::to_value(&confident)?;
     }
-    answer_with(&answer, &as_json, out.as_deref(), verbosity.json)
+    answer_with(&answer, &as_json, out.as_ref(), verbosity.json)
 }

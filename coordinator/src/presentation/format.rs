@@ -224,6 +224,11 @@ pub fn capital(text: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
+/// As a sentence: with a capital first letter and a full stop.
+pub fn sentence(text: &str) -> String {
+    capital(text.strip_suffix('.').unwrap_or(text)) + "."
+}
+
 /// The rows as lines. Columns stand to the right, those numbered in `to_the_left` to the left; a row may have fewer cells.
 pub fn in_columns(rows: &[Vec<String>], to_the_left: &[usize]) -> String {
     let length = |text: &String| text.chars().count();

@@ -68,7 +68,7 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
     StudySummary {
         schema: SCHEMA,
         scene: scene.name.clone(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
+        version: concat!(env!("CARGO_PKG_VERSION"), env!("HINGEWISE_COMMIT")).to_owned(),
         seed: settings.seed,
         method: settings.method.name().to_owned(),
         accuracy: if mechanism {

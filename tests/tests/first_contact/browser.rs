@@ -23,6 +23,7 @@ addEventListener('unhandledrejection', (event) => wrong.push(String(event.reason
 
 /// Says what is seen once the page is open, and of the mechanism when its slider is moved too.
 const PROBE: &str = "<script>addEventListener('load', () => {
+  document.querySelectorAll('details').forEach((one) => { one.open = true; });
   const box = (node) => { const b = node.getBoundingClientRect(); return [b.left, b.right, b.width, b.height]; };
   const figures = [...document.querySelectorAll('figure')].map((figure) => {
     const svg = figure.querySelector('svg');

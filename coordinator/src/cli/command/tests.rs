@@ -93,3 +93,74 @@ fn slips_are_refused() {
         assert_eq!(parse(line).unwrap_err().exit_code(), 2, "{line}");
     }
 }
+
+/// The conventions of the command line, and the commands that have reason to differ.
+#[test]
+fn commands_share_one_grammar() {
+    let grammar = CommandLine::command();
+    let shown = || grammar.get_subcommands().filter(|command| !command.is_hide_set());
+    let option = |command: &clap::Command, name: &str| {
+        command.get_arguments().find(|argument| argument.get_long() == Some(name)).cloned()
+    };
+    let has = |command: &clap::Command, name: &str| option(command, name).is_some();
+    let first = |command: &clap::Command| {
+        let word = command.get_positionals().next().map(|word| word.get_id().to_string());
+        word.or(has(command, "scene").then(|| "scene".to_owned())).unwrap_or_default()
+    };
+    let differing = |is_so: &dyn Fn(&clap::Command) -> bool| -> Vec<&str> {
+        let names = shown().filter(|command| !is_so(command)).map(clap::Command::get_name);
+        names.collect::<BTreeSet<_>>().into_iter().collect()
+    };
+    // The first word is a scene or a study: `--scene` is one too, see `a_scene_is_the_first_word_of_its_command`.
+    let of_scene = |command: &clap::Command| {
+        first(command) == "scene" || (first(command) == "file" && has(command, "quick"))
+    };
+    let of_study = |command: &clap::Command| ["dir", "dirs"].contains(&first(command).as_str());
+    let scenes: BTreeSet<&str> = shown().filter(|c| has(c, "scene")).map(clap::Command::get_name).collect();
+    assert_eq!(scenes, OF_SCENES.into_iter().collect());
+    assert_eq!(
+        differing(&|command| of_scene(command) || of_study(command)),
+        ["completions", "doctor", "init", "man", "scenes", "schema", "status", "weibull"]
+    );
+    // `--out` is a folder; a single file where there is but one result.
+    let is_folder = |command: &clap::Command| {
+        option(command, "out").is_none_or(|out| out.get_value_names().unwrap()[0].starts_with("DIR"))
+    };
+    assert_eq!(differing(&is_folder), ["draw", "init", "simulate"]);
+    let is_required =
+        |command: &clap::Command| option(command, "out").is_some_and(|out| out.is_required_set());
+    assert_eq!(differing(&|command| !is_required(command)), ["compare", "tradeoff"]);
+    // `--set` wherever a scene is read, and `--accuracy` wherever its mechanism is simulated.
+    let set = |command: &clap::Command| !of_scene(command) || has(command, "set");
+    assert_eq!(differing(&set), [""; 0]);
+    let accuracy = |command: &clap::Command| !of_scene(command) || has(command, "accuracy");
+    assert_eq!(differing(&accuracy), ["draw", "tradeoff"]);
+    // `--json` prints: it belongs to all of them.
+    assert!(option(&grammar, "json").is_some_and(|json| json.is_global_set()));
+}
+
+#[test]
+fn a_destination_is_checked_before_anything_is_computed() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, inside] = ["taken", "taken/inside"].map(|name| folder.path().join(name).display().to_string());
+    std::fs::write(&file, "").unwrap();
+    let missing = folder.path().join("no/such/answer.md").display().to_string();
+    for command in [
+        "what-if s --set a=1",
+        "designs s",
+        "learn s --data d",
+        "update s --measured m",
+        "optimise s --problem p",
+        "replace s --planned-cost 1 --failure-cost 2",
+        "test-plan --reliability 0.9 --at 1000 --confidence 90%",
+        "weibull f.csv",
+        "calibrate --targets t",
+    ] {
+        let said = |out: &str| parse(&format!("coordinator {command} --out {out}")).unwrap_err().to_string();
+        assert!(said(&inside).contains("taken is a file, expected a folder"), "{command}: {}", said(&inside));
+        assert!(said(&missing).contains("there is no folder"), "{command}: {}", said(&missing));
+        let fresh = folder.path().join("new/answers").display().to_string();
+        assert!(parse(&format!("coordinator {command} --out {fresh}")).is_ok(), "{command}");
+        assert!(!folder.path().join("new").exists());
+    }
+}

@@ -1,7 +1,7 @@
 //! The data of a report, read from the campaign file: the source of the scene, every evaluation, and the results of the
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
-use super::format::{capital, words};
+use super::format::words;
 use super::stated_errors::{StatedAt, StatedErrorCollector};
 use super::untested::{no_simulated_failure, steps_and_noise};
 use super::written::WrittenScene;
@@ -87,6 +87,8 @@ pub struct ReportInput {
     pub settings: serde_json::Value,
     /// Command line that started the study.
     pub command: String,
+    /// Version and build of the program that started it.
+    pub program: String,
     /// The scene with every variable at its mean.
     pub scene: Scene,
 }
@@ -109,6 +111,7 @@ impl ReportInput {
         input.written = WrittenScene::new(&input.scene_source);
         input.settings = campaign.meta().settings.clone();
         input.command = campaign.meta().command.clone();
+        input.program = campaign.meta().version.clone();
         let mut stated = StatedErrorCollector::default();
         campaign.for_each(|stored| {
             if stored.level > 0 {
@@ -164,7 +167,18 @@ impl ReportInput {
             written: WrittenScene::default(),
             settings: serde_json::Value::Null,
             command: String::new(),
+            program: String::new(),
             scene: scene.clone(),
+        }
+    }
+
+    /// States these texts by their keys in a scene, in place of those of the scene.
+    pub fn sign(&mut self, texts: &[(&'static str, &str)]) {
+        for (key, text) in texts {
+            match *key {
+                "scene.title" => (*text).clone_into(&mut self.scene.title),
+                key => self.written.rename(key, text),
+            }
         }
     }
 
@@ -221,9 +235,8 @@ fn go_on(summary: &StudySummary, dir: &Path) -> Option<String> {
 
 /// Cautions if no simulation exceeded a limit, where outputs jump at their limits, and of outliers.
 fn unsupported(summary: &StudySummary) -> Vec<String> {
-    let sentence = |text: String| format!("{}.", capital(&text));
     let steps = steps_and_noise(summary).into_iter().filter(|note| !note.starts_with("noise"));
-    no_simulated_failure(summary).into_iter().chain(steps).map(sentence).collect()
+    no_simulated_failure(summary).into_iter().chain(steps).collect()
 }
 
 /// The note of a study over design variables.

@@ -1,10 +1,8 @@
-//! Parts of the interval of R, the levels of accuracy that correct it, and the stated numerical errors over life, in words and as
-//! tables.
+//! Parts of the interval of R and the levels of accuracy that correct it, in words and as tables; the stated numerical errors in words.
 
-use super::format::{count, fixed, percent, with_unit};
+use super::format::{count, fixed, percent};
 use super::input::ReportInput;
 use super::life::governing;
-use super::stated_errors::StatedAt;
 use super::tables::{table, table_of};
 use crate::results::level_summary::DifferenceRow;
 use crate::results::reliability_summary::ErrorParts;
@@ -107,39 +105,6 @@ pub fn tables(summary: &StudySummary) -> Markup {
     }
 }
 
-/// Lives shown in the table: the end of every sixth of the life, and the governing checkpoint.
-const SIXTHS: usize = 6;
-
-/// Typical and largest stated error of every limit state's output over life, in its unit and relative to its limit;
-/// empty if no evaluation states errors.
-pub fn errors_over_life(input: &ReportInput) -> Markup {
-    let governing = governing(&input.summary).map(|row| row.cycles);
-    let rows = input.scene.limit_states.iter().flat_map(|state| {
-        let errors = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
-        let is_shown = move |(k, stated): &(usize, &StatedAt)| {
-            (1..=SIXTHS).any(|sixth| k + 1 == errors.len() * sixth / SIXTHS)
-                || Some(stated.cycles) == governing
-        };
-        errors.iter().enumerate().filter(is_shown).map(move |(_, stated)| (state, stated))
-    });
-    let rows: Vec<(&LimitState, &StatedAt)> = rows.collect();
-    if rows.is_empty() {
-        return html! {};
-    }
-    let value = |state: &LimitState, error: f64| with_unit(&input.unit_of(state), error);
-    table_of::<(&LimitState, &StatedAt)>(
-        &[
-            ("stated error of", &|(state, _)| input.output_of(state)),
-            ("at cycles", &|(_, stated)| count(stated.cycles.into())),
-            ("typical", &|(state, stated)| value(state, stated.typical)),
-            ("of the limit", &|(state, stated)| of_limit(state, stated.typical)),
-            ("largest", &|(state, stated)| value(state, stated.largest)),
-            ("of the limit", &|(state, stated)| of_limit(state, stated.largest)),
-        ],
-        rows,
-    )
-}
-
 /// An error as a share of its limit.
 fn of_limit(state: &LimitState, error: f64) -> String {
     percent(error.abs() / state.scale())
@@ -236,6 +201,6 @@ mod tests {
         assert!(text.contains("5.0 % for wear"), "{text}");
         let mut silent = input.clone();
         silent.stated.clear();
-        assert!(sentences(&silent).is_empty() && errors_over_life(&silent).0.is_empty());
+        assert!(sentences(&silent).is_empty());
     }
 }

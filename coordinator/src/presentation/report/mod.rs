@@ -122,18 +122,24 @@ pub fn deliver(
     summary_json(summary)?;
     campaign.put_document(DISTRIBUTIONS_DOCUMENT, &distributions)?;
     campaign.put_document(SUMMARY_DOCUMENT, summary)?;
-    let written = write_all(campaign, scene, campaign.dir())?;
+    let written = write_all(campaign, scene, campaign.dir(), &[])?;
     Ok(written.expect("the summary was stored two statements ago"))
 }
 
 /// Writes `summary.json`, `reliability.csv`, `samples.csv`, `scene.toml`, `report.html` and `figures/` of a finished study from
-/// its campaign file alone into the folder `dir`, which is created if missing; returns the path of the page, or `None` if
-/// the study has not been finished.
+/// its campaign file alone into the folder `dir`, which is created if missing; the page states `texts` by their keys in a scene in place of
+/// those of the scene. Returns the path of the page, or `None` if the study has not been finished.
 ///
 /// # Errors
 /// [`ReportError`].
-pub fn write_all(campaign: &CampaignFile, scene: &Scene, dir: &Path) -> Result<Option<PathBuf>, ReportError> {
-    let Some(input) = ReportInput::from_campaign(campaign, scene)? else { return Ok(None) };
+pub fn write_all(
+    campaign: &CampaignFile,
+    scene: &Scene,
+    dir: &Path,
+    texts: &[(&'static str, &str)],
+) -> Result<Option<PathBuf>, ReportError> {
+    let Some(mut input) = ReportInput::from_campaign(campaign, scene)? else { return Ok(None) };
+    input.sign(texts);
     create_folder(dir)?;
     write_text(&dir.join("summary.json"), &summary_json(&input.summary)?)?;
     write_text(&dir.join("reliability.csv"), &reliability_csv(&input.summary))?;

@@ -5,7 +5,7 @@ use super::figure::Figure;
 use super::figures;
 use super::format::{UNKNOWN, count, whole, with_unit};
 use super::input::ReportInput;
-use super::page::{self, FigureFiles, Page, captioned};
+use super::page::{FigureFiles, Page, captioned};
 use super::{chapters, studied, tables};
 use crate::presentation::nominal_life::{NominalLife, nominal_lives};
 use crate::results::summary::StudySummary;
@@ -49,11 +49,12 @@ impl NominalView<'_> {
         let rows = facts.iter().map(|(name, value)| [*name, value]);
         page.add(captioned("facts", "The simulation", tables::table_of_text(&["item", "value"], rows)));
         self.begin(&mut page, &input);
-        let scripts = chapters::mechanism(&mut page, &input);
+        let scripts = chapters::motion(&mut page, &input);
+        chapters::wear_and_cycles(&mut page, &input);
         page.begin("What was simulated");
         page.add(studied::mechanism(self.scene, source));
         page.begin_appendix();
-        page.add(html! { (page::details("Scene file", html! { pre { code { (source) } } })) (scripts) });
+        page.add(html! { h3 { "Scene file" } pre { code { (source) } } (scripts) });
         page
     }
 

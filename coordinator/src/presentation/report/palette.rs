@@ -24,20 +24,20 @@ pub enum Ink {
 /// Number of distinct series colours.
 pub const SERIES: usize = 6;
 
-/// Name of the CSS variable, light shade, dark shade. The tests require that the series differ for every kind of colour
-/// vision, and that all but the grid contrast with the paper.
+/// Name of the CSS variable, light shade, dark shade. The tests require that both shades of a series have one hue, that the series differ
+/// for every kind of colour vision, and that all but the grid contrast with the paper.
 const SHADES: [(&str, u32, u32); 5 + SERIES] = [
     ("paper", 0xFFFFFF, 0x14181D),
     ("ink", 0x1B1F24, 0xE8EBEE),
     ("muted", 0x57616D, 0xA3AEBA),
     ("grid", 0xE1E5EA, 0x2C333B),
-    ("limit", 0x9B031F, 0xFC4350),
-    ("series-1", 0x273D83, 0x429DFF),
-    ("series-2", 0xDE0276, 0xC3B262),
-    ("series-3", 0x0D755E, 0x1A9755),
-    ("series-4", 0xAF52AE, 0xE172B9),
-    ("series-5", 0x6C7E00, 0xFFD754),
-    ("series-6", 0x0A72ED, 0x91C9F2),
+    ("limit", 0x9B031F, 0xFB2E4D),
+    ("series-1", 0x273D83, 0x4B80FE),
+    ("series-2", 0xDE0276, 0xE593A7),
+    ("series-3", 0x0D755E, 0x95FED7),
+    ("series-4", 0xAF52AE, 0xA471A5),
+    ("series-5", 0x6C7E00, 0xDEF044),
+    ("series-6", 0x0A72ED, 0x8BBAFF),
 ];
 
 impl Ink {
@@ -182,6 +182,18 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn light_and_dark_shades_have_one_hue() {
+        for (name, light, dark) in &SHADES[4..] {
+            let [light, dark] = [light, dark].map(|shade| {
+                let [_, a, b] = oklab(linear(*shade));
+                b.atan2(a).to_degrees()
+            });
+            let apart = (light - dark).rem_euclid(360.0);
+            assert!(apart.min(360.0 - apart) < 5.0, "{name}: {light} and {dark} degrees");
         }
     }
 

@@ -1,10 +1,10 @@
 //! Results of a study in sentences.
 
 use super::figures::shares_of_failures;
-use super::format::{count, duration, fixed, number_of_cycles, percent, short_percent, whole};
+use super::format::{count, duration, number_of_cycles, percent, short_percent};
 use super::input::ReportInput;
 use super::life::{
-    LEVELS, LifeAt, failure_probability, governing, leaders, life_and_limits, life_at, unresolved_fall,
+    LifeAt, failure_probability, governing, leaders, life_and_limits, life_at, unresolved_fall,
 };
 use super::plot::tick_label;
 use super::variants;
@@ -41,25 +41,11 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
     let mut text = Vec::new();
     if summary.is_static() {
         text.extend(failure_probabilities(input));
-        text.push(effort(summary));
-        text.extend(failed_runs(summary));
-        return text;
+    } else {
+        text.extend(variants::sentence(summary));
+        text.extend(unresolved_fall(summary));
+        text.extend(failures_over_life(input));
     }
-    let lives: Vec<String> = LEVELS
-        .iter()
-        .map(|level| {
-            format!(
-                "{} of the {}s reach {}",
-                whole_percent(*level),
-                input.subject(),
-                cycles(life_at(summary, "total", *level))
-            )
-        })
-        .collect();
-    text.push(format!("{}.", lives.join("; ")));
-    text.extend(variants::sentence(summary));
-    text.extend(unresolved_fall(summary));
-    text.extend(failures_over_life(input));
     text.push(effort(summary));
     text.extend(failed_runs(summary));
     text
@@ -72,25 +58,6 @@ fn failure_probabilities(input: &ReportInput) -> Option<String> {
     let each: Vec<String> =
         names.map(|name| format!("{} ({name})", failure_probability(row, name))).collect();
     Some(format!("The probability of failure (95 % interval) is {}.", each.join(", ")))
-}
-
-/// A share in whole per cent.
-fn whole_percent(share: f64) -> String {
-    format!("{}\u{a0}%", fixed(100.0 * share, 0))
-}
-
-fn cycles(life_at_level: LifeAt) -> String {
-    match life_at_level {
-        LifeAt::Beyond { lower, end } if lower >= end => {
-            format!("more than the {} cycles studied", whole(end))
-        }
-        LifeAt::Beyond { lower, .. } => format!("more than {} cycles", whole(lower.floor())),
-        LifeAt::Unworn { .. } => "no age: too many exceed a limit unworn".to_owned(),
-        LifeAt::Between { .. } => {
-            format!("an age that is not resolved, {} cycles", life_and_limits(life_at_level).0)
-        }
-        LifeAt::Cycles { .. } => format!("{} cycles", life_and_limits(life_at_level).0),
-    }
 }
 
 /// The most frequent failure over life, and the failures at the governing checkpoint.

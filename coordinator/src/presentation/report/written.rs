@@ -101,6 +101,22 @@ impl WrittenScene {
         self.names.get(key).map(String::as_str)
     }
 
+    /// States another text at this key.
+    pub fn rename(&mut self, key: &str, text: &str) {
+        self.names.insert(key.to_owned(), text.to_owned());
+    }
+
+    /// The files that values were read from, as `NAME, SHA-256 HASH`, with the keys of these values.
+    pub fn files(&self) -> Vec<(&str, Vec<&str>)> {
+        let mut files = BTreeMap::<&str, Vec<&str>>::new();
+        for (key, file) in &self.names {
+            if let Some(key) = key.strip_suffix(".source") {
+                files.entry(file).or_default().push(key);
+            }
+        }
+        files.into_iter().collect()
+    }
+
     /// The value at this key, where the scene writes one [SI].
     pub fn quantity(&self, key: &str) -> Option<f64> {
         self.quantities.get(key).copied()

@@ -3,10 +3,12 @@
 
 mod end;
 mod points;
+mod signed;
 
 use super::animation::{SCRIPT, animation};
+use super::figure::Figure;
 use super::figures::{self, file_name};
-use super::format::{count, fixed};
+use super::format::{count, fixed, sentence};
 use super::input::ReportInput;
 use super::life::{FAILED_UNWORN, LEVELS, failure_probability, rows_that_matter};
 use super::page::{FigureFiles, Page, captioned, numbered};
@@ -19,45 +21,37 @@ use maud::{Markup, PreEscaped, html};
 /// The script that shows the values of a chart at the pointer.
 const HOVER: &str = include_str!("hover.js");
 
-/// The whole page.
+/// The whole page: the verdict, what a reader decides by, and an appendix with everything else.
 pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
     let mut page = Page::new(&input.scene.title, header(input), files);
-    page.add(lead(input));
+    lead(&mut page, input);
     page.add_contents();
     page.begin("What was studied");
-    let drawing = studied::figure(input).into_iter().chain(studied::loads(input)).collect();
-    let drawing = page.draw(drawing, "one");
+    let drawing = page.draw(studied::figure(input).into_iter().collect(), "one");
     page.add(studied::chapter(input, &drawing));
     reliability(&mut page, input);
-    let drawn = [figures::distributions(input), figures::histories(input)].concat();
-    page.add_chapter(
-        "Distributions of the outputs",
-        html! {},
-        (drawn, "two"),
-        "The study stored no distributions.",
-    );
+    let none = "The study stored no distributions.";
+    page.add_chapter("Outputs over life", html! {}, (figures::histories(input), "two"), none);
     variants_of_model(&mut page, input);
     influences(&mut page, input);
-    points::simulated(&mut page, input);
+    points::failures(&mut page, input);
     let scripts = if input.summary.of_mechanism() {
-        mechanism(&mut page, input)
+        motion(&mut page, input)
     } else {
         html! {}
     };
     quality(&mut page, input);
-    end::effort(&mut page, input);
+    signed::chapter(&mut page, input);
     appendix(&mut page, input);
     page.add(html! { (scripts) script { "\n" (PreEscaped(HOVER)) } "\n" });
     page
 }
 
-/// Curves, what fails first, and the numbers.
+/// What fails first, and the numbers.
 fn reliability(page: &mut Page, input: &ReportInput) {
-    let curves = [figures::reliability(&input.summary), figures::first_failure(input)];
-    let drawn = curves.into_iter().flatten().chain(figures::failure_rates(&input.summary)).collect();
     let (rows, all) = (rows_that_matter(&input.summary, 1), &input.summary.reliability);
     page.begin("Reliability");
-    let drawn = page.draw(drawn, "two");
+    let drawn = page.draw(figures::first_failure(input).into_iter().collect(), "two");
     page.add(html! {
         (drawn)
         (captioned("reliability", "Reliability at the checkpoints that matter, with 95 % intervals", tables::reliability(input, rows)))
@@ -82,9 +76,10 @@ fn variants_of_model(page: &mut Page, input: &ReportInput) {
 
 /// Sensitivities of the failures, and contributions to the variance of the outputs.
 fn influences(page: &mut Page, input: &ReportInput) {
-    let (sensitivity, variance) = (figures::sensitivities(input), figures::variance_contributions(input));
+    let (mut drawn, variance) = (figures::sensitivities(input), figures::variance_contributions(input));
     let has_indices = !variance.is_empty();
-    let drawn = [sensitivity, variance].concat();
+    drawn.retain(|figure| figure.name != SYSTEM);
+    drawn.extend(variance);
     page.add_chapter("Sensitivity", html! {}, (drawn, "two"), "No sensitivities were computed.");
     let tables: Vec<String> = sensitivities(input).into_iter().map(|(name, _)| name).collect();
     page.add(html! {
@@ -101,6 +96,9 @@ fn influences(page: &mut Page, input: &ReportInput) {
     });
 }
 
+/// Name of the figure of the system's sensitivities, which those of its limit states have in their shares.
+const SYSTEM: &str = "sensitivity-total";
+
 /// Name of the table of all checkpoints.
 const CHECKPOINTS: &str = "checkpoints";
 
@@ -114,67 +112,82 @@ fn sensitivities(input: &ReportInput) -> Vec<(String, Markup)> {
     input.scene.limit_states.iter().filter_map(|state| of(&state.name)).collect()
 }
 
-/// Quality of the surrogates, convergence, and numerical error.
+/// Quality of the surrogates, convergence, and the parts of the interval.
 fn quality(page: &mut Page, input: &ReportInput) {
-    let stopped = &input.summary.convergence.stopped_because;
-    let stated = levels::sentences(input).join(" ");
-    let none = if input.summary.is_direct() {
-        "Every sample was simulated; there are no surrogates."
-    } else {
-        "The study stored no predictions of its surrogates."
+    let summary = &input.summary;
+    let stopped = &summary.convergence.stopped_because;
+    let predicted = figures::predicted_against_simulated(input);
+    let none = match (predicted.is_empty(), summary.is_direct()) {
+        (true, true) => "Every sample was simulated; there are no surrogates.",
+        (true, false) => "The study stored no predictions of its surrogates.",
+        (false, _) => "",
     };
-    let drawn = figures::predicted_against_simulated(input);
-    page.add_chapter("Quality of the surrogates", html! {}, (drawn, "two"), none);
-    let reason = html! { @if !stopped.is_empty() { "Stopped because: " (stopped) "." } };
-    let drawn = figures::learning(input);
-    page.add_chapter(
-        "Convergence of the study",
-        reason,
-        (drawn, "three"),
-        "The study had no rounds of learning.",
-    );
-    let drawn =
-        figures::parts_of_interval(&input.summary).into_iter().chain(figures::numerical(input)).collect();
-    let none = if stated.is_empty() { "The simulations state no numerical errors." } else { &stated };
-    page.add_chapter("Numerical error", html! { (stated) }, (drawn, "three"), none);
-    page.add(levels::tables(&input.summary));
-    page.add(levels::errors_over_life(input));
+    let of_rounds = figures::learning(input).into_iter().take(1);
+    let drawn: Vec<Figure> =
+        predicted.into_iter().chain(of_rounds).chain(figures::parts_of_interval(summary)).collect();
+    page.begin("Quality of the result");
+    let drawn = page.draw(drawn, "two");
+    page.add(html! {
+        @if !none.is_empty() { p.none { (none) } }
+        @if !stopped.is_empty() { p { "Stopped because: " (stopped) "." } }
+        (drawn)
+    });
 }
 
-/// Long tables, and what is needed to repeat the study.
+/// Everything else: figures and tables that few readers need, and what is needed to repeat the study.
 fn appendix(page: &mut Page, input: &ReportInput) {
     let (rows, all) = (rows_that_matter(&input.summary, 1), &input.summary.reliability);
     page.begin_appendix();
+    studied::appendix(page, input);
+    page.begin("Reliability in detail");
+    let of_system = figures::sensitivities(input).into_iter().filter(|figure| figure.name == SYSTEM);
+    let drawn =
+        page.draw(figures::failure_rates(&input.summary).into_iter().chain(of_system).collect(), "two");
     page.add(html! {
-        (studied::appendix(input))
+        (drawn)
         @if rows.len() < all.len() {
             (captioned(CHECKPOINTS, "Reliability at all checkpoints, with 95 % intervals", tables::reliability(input, all)))
         }
         @for (_, table) in sensitivities(input) { (table) }
-        @if !input.summary.convergence.rounds.is_empty() {
-            (captioned("rounds", "Rounds of learning", tables::rounds(input)))
-        }
-        (end::repeat(input))
     });
+    let (drawn, none) = (figures::distributions(input), "The study stored no distributions.");
+    page.add_chapter("Distributions of the outputs", html! {}, (drawn, "two"), none);
+    if input.summary.of_mechanism() {
+        wear_and_cycles(page, input);
+    }
+    let drawn = figures::learning(input).into_iter().skip(1).collect();
+    let none = "The study had no rounds of learning.";
+    page.add_chapter("Convergence of the study", html! {}, (drawn, "two"), none);
+    if !input.summary.convergence.rounds.is_empty() {
+        page.add(captioned("rounds", "Rounds of learning", tables::rounds(input)));
+    }
+    let stated = levels::sentences(input).join(" ");
+    let none = if stated.is_empty() { "The simulations state no numerical errors." } else { &stated };
+    page.add_chapter("Numerical error", html! { (stated) }, (figures::numerical(input), "three"), none);
+    page.add(levels::tables(&input.summary));
+    end::effort(page, input);
+    page.add(end::repeat(input));
 }
 
-/// Adds the nominal mechanism: its motion, its bores and orbits, its first and its last cycle. Returns the data of the animation and its
-/// script, for the end of the page.
-pub fn mechanism(page: &mut Page, input: &ReportInput) -> Markup {
+/// Adds the motion of the nominal mechanism. Returns the data of the animation and its script, for the end of the page.
+pub fn motion(page: &mut Page, input: &ReportInput) -> Markup {
+    page.begin("The mechanism");
+    let Some(motion) = animation(input) else {
+        page.add(html! { p.none { "The nominal evaluation does not include the motion of every body." } });
+        return html! {};
+    };
+    page.add_moving(motion.figure, controls());
+    html! {
+        script type="application/json" id="motion" { (PreEscaped(motion.data)) } "\n"
+        script { "\n" (PreEscaped(SCRIPT)) } "\n"
+    }
+}
+
+/// Adds the bores and orbits of the nominal mechanism, its first and its last cycle.
+pub fn wear_and_cycles(page: &mut Page, input: &ReportInput) {
     let end = input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(0, |cycles| *cycles);
     let lives = figures::lives_in_words(input);
     let no_history = input.nominal.as_ref().is_none_or(|nominal| nominal.worn.is_none());
-    let mut scripts = html! {};
-    page.begin("The mechanism");
-    if let Some(motion) = animation(input) {
-        page.add_moving(motion.figure, controls());
-        scripts = html! {
-        script type="application/json" id="motion" { (PreEscaped(motion.data)) } "\n"
-        script { "\n" (PreEscaped(SCRIPT)) } "\n"
-        };
-    } else {
-        page.add(html! { p.none { "The nominal evaluation does not include the motion of every body." } });
-    }
     page.add_chapter(
 "Worn bores",
 html! {
@@ -209,7 +222,6 @@ html! {
     if lacks_last {
         page.add(html! { p.none { "The nominal evaluation has no last cycle." } });
     }
-    scripts
 }
 
 /// The controls of the animation, which its script unhides.
@@ -229,6 +241,9 @@ fn controls() -> Markup {
 /// Title, and what was studied how.
 pub fn header(input: &ReportInput) -> Markup {
     let summary = &input.summary;
+    let named = [("", "project"), ("revision ", "revision"), ("by ", "author")].into_iter();
+    let text = |(before, key)| Some(format!("{before}{}", input.written.name(&format!("report.{key}"))?));
+    let responsible: Vec<String> = named.filter_map(text).collect();
     html! {
         header {
             p.brand { "Hingewise" }
@@ -237,14 +252,17 @@ pub fn header(input: &ReportInput) -> Markup {
                 "Reliability study of scene " code { (summary.scene) } ", method " (summary.method) ", accuracy "
                 (words::accuracy(summary)) ", seed " (summary.seed)
             }
+            @if !responsible.is_empty() { p.meta { (responsible.join(", ")) } }
+            @if let Some(note) = input.written.name("report.note") { p { (note) } }
         }
     }
 }
 
-/// The three lives (or the failure probability), and the summary in sentences.
-pub fn lead(input: &ReportInput) -> Markup {
+/// Adds the three lives (or the failure probability) and the summary in sentences, the curve beside the lives, and the cautions.
+fn lead(page: &mut Page, input: &ReportInput) {
     let summary = &input.summary;
-    html! {
+    let curve = page.draw(figures::reliability(summary).into_iter().collect(), "one");
+    page.add(html! {
         div.tiles {
             @if summary.is_static() {
                 div.tile {
@@ -263,12 +281,15 @@ pub fn lead(input: &ReportInput) -> Markup {
                 }
             }
         }
-        @if !summary.is_static() { (captioned("lives", "Lives, with 95 % intervals", tables::lives(input))) }
-        div.says {
-            @for sentence in words::sentences(input) { p { (sentence) } }
-            @for note in &input.notes { p.note { strong { "Caution:" } " " (note) } }
+        div.beside {
+            (curve)
+            div {
+                @if !summary.is_static() { (captioned("lives", "Lives, with 95 % intervals", tables::lives(input))) }
+                div.says { @for sentence in words::sentences(input) { p { (sentence) } } }
+            }
         }
-    }
+        div.says { @for note in &input.notes { p.note { strong { "Caution:" } " " (sentence(note)) } } }
+    });
 }
 
 /// Largest depths of both faces of each guide that wears and of its slider; nothing without any.

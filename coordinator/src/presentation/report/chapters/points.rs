@@ -1,8 +1,6 @@
-//! The chapter of the simulations: histograms of the random variables, combinations that fail, most probable failures.
+//! The chapter of the simulations: combinations that fail, most probable failures.
 
-use crate::presentation::report::figures::{
-    MOST_HISTOGRAMS, capital, input_histograms, parallel_coordinates,
-};
+use crate::presentation::report::figures::{capital, parallel_coordinates};
 use crate::presentation::report::format::{
     UNKNOWN, fixed, number_of_cycles, percent, seven_digits, three_digits,
 };
@@ -14,22 +12,11 @@ use common::random::RandomVariable;
 use common::scene::expression::read_unit;
 use maud::{Markup, html};
 
-/// Adds the chapter.
-pub fn simulated(page: &mut Page, input: &ReportInput) {
-    let variables = input.scene.variables.len();
+/// Adds the chapter of combinations that fail and of most probable failures.
+pub fn failures(page: &mut Page, input: &ReportInput) {
     page.begin("Simulations and failure points");
-    let histograms = page.draw(input_histograms(input), "three");
     let combinations = page.draw(parallel_coordinates(input).into_iter().collect(), "two");
-    page.add(html! {
-        @if histograms.0.is_empty() {
-            p.none { "With fewer than ten simulations there is no histogram." }
-        } @else if variables > MOST_HISTOGRAMS {
-            p { "Of the " (variables) " random variables the " (MOST_HISTOGRAMS) " with the largest effect on failures." }
-        }
-        (histograms)
-        (combinations)
-(failure_points(input))
-});
+    page.add(html! { (combinations) (failure_points(input)) });
 }
 
 /// The most probable failures of all limit states: one pair of columns each, one row per variable.

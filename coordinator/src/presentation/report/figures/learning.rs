@@ -16,16 +16,12 @@ use common::scene::{Fails, LimitState};
 /// Smallest share on the logarithmic axis [1]; smaller ones are drawn there.
 const SMALLEST_SHARE: f64 = 1e-5;
 
-/// Convergence over the rounds: reliability, remaining uncertainty, and smallest learning function.
+/// Convergence over the rounds: reliability, and remaining uncertainty.
 pub fn learning(input: &ReportInput) -> Vec<Figure> {
     let rounds = &input.summary.convergence.rounds;
     let (Some(first), Some(last)) = (rounds.first(), rounds.last()) else { return vec![] };
     let x = Axis::linear("evaluations", (first.evaluations as f64, last.evaluations as f64));
-    vec![
-        reliability(rounds, last, x, &format!("R of the {}", input.subject())),
-        uncertainty(rounds, last, x),
-        smallest_u(rounds, x),
-    ]
+    vec![reliability(rounds, last, x, &format!("R of the {}", input.subject())), uncertainty(rounds, last, x)]
 }
 
 /// A quantity of every round over its number of evaluations, where it is known.
@@ -49,7 +45,7 @@ fn reliability(rounds: &[Round], last: &Round, x: Axis<'_>, label: &str) -> Figu
 }
 
 fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Figure {
-    let log = |share: f64| share.max(SMALLEST_SHARE).log10();
+    let log = |share: f64| (100.0 * share.max(SMALLEST_SHARE)).log10();
     let uncertain = over(rounds, |round| Some(log(round.share_uncertain)));
     let error = over(rounds, |round| Some(log(round.surrogate_error)));
     let change = over(rounds, |round| round.change_of_r.map(|change| log(change.abs())));
@@ -57,9 +53,9 @@ fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Figure {
         figure: "learning-shares",
         x,
         y: Axis {
-            text: |power| format!("{}\u{a0}%", tick_label(10f64.powf(power + 2.0))),
+            text: |power| tick_label(10f64.powf(power)),
             scale: Scale::Logarithm,
-            ..Axis::linear("share", (SMALLEST_SHARE.log10(), 0.0))
+            ..Axis::linear("share [%]", (log(SMALLEST_SHARE), log(1.0)))
         },
         series: &[
             Series::new("uncertain share (U < 2)", Ink::Series(0), Shape::Dotted(uncertain)),
@@ -69,25 +65,6 @@ fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Figure {
     };
     let caption = format!("At the end {} of the population is uncertain.", percent(last.share_uncertain));
     plot.figure("Remaining uncertainty", &caption)
-}
-
-fn smallest_u(rounds: &[Round], x: Axis<'_>) -> Figure {
-    let min_u = over(rounds, |round| Some(round.min_u));
-    let top = range(min_u.iter().map(|point| point.1)).1.max(2.0) * 1.1;
-    let plot = Plot {
-        figure: "learning-min-u",
-        x,
-        y: Axis::linear("min U", (0.0, top)),
-        series: &[
-            Series::new("U = 2", Ink::Limit, Shape::Level(2.0)),
-            Series::unlisted("min U", Ink::Series(0), Shape::Dotted(min_u)),
-        ],
-    };
-    plot.figure(
-        "Smallest learning function",
-        "U: distance of the surrogate's mean from the threshold in units of its standard deviation; the smallest over \
-         population, limit states and checkpoints.",
-    )
 }
 
 /// One figure per limit state; none for a study without surrogates, or by an earlier version.

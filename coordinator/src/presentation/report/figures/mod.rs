@@ -3,7 +3,6 @@
 mod bores;
 mod cycle;
 mod influences;
-mod inputs;
 mod learning;
 mod loads;
 mod outputs;
@@ -14,8 +13,7 @@ mod reliability;
 
 pub use bores::{bores, lives_in_words, orbits};
 pub use cycle::{first_cycle, last_cycle};
-pub use influences::{by_influence, rows_at_governing, sensitivities, variance_contributions};
-pub use inputs::{MOST_HISTOGRAMS, input_histograms};
+pub use influences::{rows_at_governing, sensitivities, variance_contributions};
 pub use learning::{learning, numerical, parts_of_interval, predicted_against_simulated};
 pub use loads::VaryingLoads;
 pub use outputs::{distributions, histories};

@@ -1,7 +1,8 @@
 //! Parallel coordinates of the simulations: one line per simulation over the variables with the most influence, in standard
 //! deviations, coloured by the limit state that failed first.
 
-use super::{by_influence, governing_cycles, ink_of, words};
+use super::influences::by_influence;
+use super::{governing_cycles, ink_of, words};
 use crate::presentation::report::bars::{NamedRows, shortened};
 use crate::presentation::report::figure::{Drawing, Figure, csv};
 use crate::presentation::report::format::count;

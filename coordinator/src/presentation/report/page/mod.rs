@@ -11,9 +11,6 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("style.css");
 
-/// Title of the chapter that begins a sheet of its own.
-const APPENDIX: &str = "Appendix";
-
 /// A page in the style of the report.
 #[derive(Debug, Clone)]
 pub struct Page {
@@ -22,7 +19,10 @@ pub struct Page {
     /// Content before the list of the chapters, where there is a list.
     before_contents: Option<Markup>,
     body: Markup,
-    chapters: Vec<&'static str>,
+    /// What is folded on a screen and begins a sheet of its own on paper, once it has begun.
+    appendix: Option<Markup>,
+    /// Titles of the chapters, and whether they are in the appendix.
+    chapters: Vec<(&'static str, bool)>,
     figures: Vec<Figure>,
     files: FigureFiles,
 }
@@ -47,6 +47,7 @@ impl Page {
             header,
             before_contents: None,
             body: html! {},
+            appendix: None,
             chapters: vec![],
             figures: vec![],
             files,
@@ -55,7 +56,7 @@ impl Page {
 
     /// Adds content to the last chapter.
     pub fn add(&mut self, content: Markup) {
-        self.body.0 += &content.0;
+        self.appendix.as_mut().unwrap_or(&mut self.body).0 += &content.0;
     }
 
     /// Adds the list of all chapters.
@@ -65,14 +66,14 @@ impl Page {
 
     /// Begins a chapter.
     pub fn begin(&mut self, title: &'static str) {
-        self.chapters.push(title);
+        self.chapters.push((title, self.appendix.is_some()));
         let anchor = format!("chapter-{}", self.chapters.len());
-        self.add(html! { a id=(anchor) {} h2 class=[(title == APPENDIX).then_some("appendix")] { (title) } });
+        self.add(html! { a id=(anchor) {} h2 { (title) } });
     }
 
-    /// Begins the appendix.
+    /// Begins the appendix: all that is added from here on is folded on a screen.
     pub fn begin_appendix(&mut self) {
-        self.begin(APPENDIX);
+        self.appendix = Some(html! {});
     }
 
     /// Figures side by side in the columns of a class of the style sheet, as content that is to be added; empty for none.
@@ -108,6 +109,17 @@ impl Page {
         });
     }
 
+    /// The list of the chapters of the body, or of the appendix.
+    fn contents(&self, of_appendix: bool) -> Markup {
+        let all =
+            self.chapters.iter().enumerate().filter(|(_, (_, is_appended))| *is_appended == of_appendix);
+        html! {
+            ol type=[of_appendix.then_some("A")] {
+                @for (k, (title, _)) in all { li { a href=(format!("#chapter-{}", k + 1)) { (title) } } }
+            }
+        }
+    }
+
     /// The figures in their order.
     pub fn figures(&self) -> &[Figure] {
         &self.figures
@@ -120,11 +132,10 @@ impl Page {
             @if let Some(live) = live { "\n" (live.progress) }
             @if let Some(lead) = &self.before_contents {
                 (lead)
-                nav aria-label="contents" {
-                    ol { @for (k, title) in self.chapters.iter().enumerate() { li { a href=(format!("#chapter-{}", k + 1)) { (title) } } } }
-                }
+                nav aria-label="contents" { (self.contents(false)) @if self.appendix.is_some() { p { "Appendix" } (self.contents(true)) } }
             }
             (self.body)
+            @if let Some(appendix) = &self.appendix { details.appendix { summary { "Appendix" } (appendix) } }
         };
         let body = PreEscaped(numbered::resolve(&body.0, self.files));
         let page = html! {
@@ -155,7 +166,7 @@ fn running_head(title: &str) -> String {
     // What could end the string or the style element is left out.
     let plain: String = title.chars().filter(|c| !"\"\\<>\n".contains(*c)).collect();
     format!(
-        "@page{{margin:18mm 14mm 16mm;@top-left{{content:\"Hingewise · {plain}\";font-size:8pt;color:#57616D}}\
+        "@page{{size:A4;margin:18mm 14mm 16mm;@top-left{{content:\"Hingewise · {plain}\";font-size:8pt;color:#57616D}}\
          @bottom-right{{content:counter(page) \" / \" counter(pages);font-size:8pt;color:#57616D}}}}\n"
     )
 }
@@ -219,11 +230,14 @@ mod tests {
         page.add(html! { p { "before" } });
         page.add_contents();
         ["One", "Two"].into_iter().for_each(|title| page.begin(title));
+        page.begin_appendix();
+        page.begin("Three");
         let text = page.html(None);
         for said in [
             "<p>before</p><nav",
             "<li><a href=\"#chapter-1\">One</a></li><li><a href=\"#chapter-2\">Two</a></li>",
-            "<a id=\"chapter-2\"></a><h2>Two</h2>",
+            "<ol type=\"A\"><li><a href=\"#chapter-3\">Three</a></li></ol>",
+            "<a id=\"chapter-2\"></a><h2>Two</h2><details class=\"appendix\"><summary>Appendix</summary><a id=\"chapter-3\"></a>",
         ] {
             assert!(text.contains(said), "{said} in {text}");
         }

@@ -1,5 +1,5 @@
-//! The chapter "What was studied": drawing, bodies, joints, loads, random variables, limit states, assumptions, and the facts
-//! that identify the study.
+//! The chapter "What was studied": drawing, random variables, limit states, settings and assumptions; and, for the appendix, bodies, joints,
+//! loads and formulas.
 //!
 //! | file | content |
 //! |---|---|
@@ -18,12 +18,10 @@ mod variable_tables;
 use super::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
 use super::figure::Figure;
 use super::figures::VaryingLoads;
-use super::format::{UNKNOWN, count};
 use super::input::ReportInput;
 use super::mechanism::poses;
-use super::page::{captioned, numbered};
+use super::page::{Page, captioned, numbered};
 use super::tables;
-use super::words;
 use super::written::WrittenScene;
 use crate::results::scene_summary::limit_rows;
 use common::scene::{ContactLaw, Joint, JointKind, Scene, SimulatorKind, WearingSurfaces};
@@ -53,39 +51,36 @@ pub fn chapter(input: &ReportInput, drawn: &Markup) -> Markup {
     let scene = &input.scene;
     let many = scene.variables.len() > VARIABLES_IN_CHAPTER;
     html! {
-            p {
-                "Every value is nominal and in the scene file " code { "scene.toml" } " next to this page, which is listed in the appendix"
-                @if !drawn.0.is_empty() { "; the mechanism is drawn in " (numbered::mark("see-figure", drawing::NAME)) }
-                "."
-                @if !input.written.formulas.is_empty() {
-                    " Values that follow from parameters, which random variables may set, have their formulas in "
-                    (numbered::refer_table("formulas")) "."
-                }
+        p {
+            "Every value is nominal and in the scene file " code { "scene.toml" } " next to this page, which is listed in the appendix"
+            @if !drawn.0.is_empty() { "; the mechanism is drawn in " (numbered::mark("see-figure", drawing::NAME)) }
+            "."
+            @if !input.written.formulas.is_empty() {
+                " Values that follow from parameters, which random variables may set, have their formulas in "
+                (numbered::refer_table("formulas")) "."
             }
-            (drawn)
-            @if let Some(simulator) = &scene.simulator {
-                p {
-                    "Responses are computed by an external simulator, "
-                    @match &simulator.kind {
-                        SimulatorKind::Program(program) => { "the program " code { (program.command.join(" ")) } }
-                        SimulatorKind::UmBridge(model) => { "the model " (model.model) " of the server " code { (model.url) } }
-                    }
-                    "."
-                }
-            } @else {
-    (elements(scene, &input.written))
-            }
-            @if many {
-                p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "." }
-            } @else {
-                (variable_tables::variables(scene, &input.summary, &input.written))
-            }
-            (variable_tables::limits(scene, &input.summary.limits, &input.written))
-            (variable_tables::study_settings(scene, &input.summary, &input.settings))
-            h3 { "Assumptions and limits of the model" }
-            ul { @for sentence in assumptions(input) { li { (sentence) } } }
-            (facts(input))
         }
+        (drawn)
+        @if let Some(simulator) = &scene.simulator {
+            p {
+                "Responses are computed by an external simulator, "
+                @match &simulator.kind {
+                    SimulatorKind::Program(program) => { "the program " code { (program.command.join(" ")) } }
+                    SimulatorKind::UmBridge(model) => { "the model " (model.model) " of the server " code { (model.url) } }
+                }
+                "."
+            }
+        }
+        @if many {
+            p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "." }
+        } @else {
+            (variable_tables::variables(scene, &input.summary))
+        }
+        (variable_tables::limits(scene, &input.summary.limits, &input.written))
+        (variable_tables::study_settings(scene, &input.summary, &input.settings))
+        h3 { "Assumptions and limits of the model" }
+        ul { @for sentence in assumptions(input) { li { (sentence) } } }
+    }
 }
 
 /// Bodies, joints, loads, outputs and limit states of a scene, from its text `source`.
@@ -113,14 +108,18 @@ fn elements(scene: &Scene, written: &WrittenScene) -> Markup {
     }
 }
 
-/// What is too long for the chapter.
-pub fn appendix(input: &ReportInput) -> Markup {
-    html! {
+/// Adds the chapters of the appendix with what is too long for that chapter.
+pub fn appendix(page: &mut Page, input: &ReportInput) {
+    page.begin("Inputs in full");
+    let loads = page.draw(loads(input), "two");
+    page.add(html! {
+        @if input.scene.simulator.is_none() { (elements(&input.scene, &input.written)) }
+        (loads)
         @if input.scene.variables.len() > VARIABLES_IN_CHAPTER {
-            (variable_tables::variables(&input.scene, &input.summary, &input.written))
+            (variable_tables::variables(&input.scene, &input.summary))
         }
         (formulas(&input.written))
-    }
+    });
 }
 
 /// What the model does not contain.
@@ -192,39 +191,6 @@ fn assumptions(input: &ReportInput) -> Vec<String> {
     text
 }
 
-/// What identifies the study.
-fn facts(input: &ReportInput) -> Markup {
-    let summary = &input.summary;
-    let or_unknown = |text: &str| if text.is_empty() { UNKNOWN.to_string() } else { text.to_string() };
-    let workers: Vec<&str> = summary.workers.iter().map(|worker| worker.name.as_str()).collect();
-    let rows = [
-        ("begun", html! { (or_unknown(&moment(&summary.created))) }),
-        ("command", html! { code { (or_unknown(&input.command)) } }),
-        ("version", html! { "Hingewise " (or_unknown(&summary.version)) }),
-        (
-            "scene",
-            html! { (summary.scene) ", SHA-256 of " code { "scene.toml" } " " code { (or_unknown(&summary.scene_sha256)) } },
-        ),
-        ("method", html! { (summary.method) ", accuracy " (words::accuracy(summary)) }),
-        ("seed", html! { (summary.seed) }),
-        ("population", html! { (count(summary.population as u64)) }),
-        ("workers", html! { (or_unknown(&workers.join(", "))) }),
-    ];
-    captioned(
-        "facts",
-        "The study",
-        tables::table_of_text(&["item", "value"], rows.map(|(name, value)| [html! { (name) }, value])),
-    )
-}
-
-/// A time of the campaign file, e.g. `2026-11-23T23:18:38.139Z`, to the second.
-fn moment(time: &str) -> String {
-    match time.split_once('T') {
-        Some((day, clock)) => format!("{day} {} UTC", clock.split(['.', 'Z']).next().unwrap_or_default()),
-        None => time.to_owned(),
-    }
-}
-
 /// Parameters, and formulas of the keys that depend on them; nothing for a scene without parameters.
 fn formulas(written: &WrittenScene) -> Markup {
     let table = |name: &str, title: &str, head: [&str; 2], all: &[(String, String)]| {
@@ -245,13 +211,9 @@ fn formulas(written: &WrittenScene) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::presentation::report::page::FigureFiles;
     use crate::test_study;
     use common::scene::SceneSource;
-
-    #[test]
-    fn times_are_stated_to_the_second() {
-        assert_eq!(moment("2026-11-23T23:18:38.139Z"), "2026-11-23 23:18:38 UTC");
-    }
 
     /// Every name of the scene with every word of the language is in the chapter or in the appendix.
     #[test]
@@ -262,7 +224,9 @@ mod tests {
         input.scene = scene.clone();
         input.written = WrittenScene::new(source);
         input.summary.identify(&scene, source, "");
-        let text = (chapter(&input, &html! {}).0 + &appendix(&input).0).replace('\u{a0}', " ");
+        let mut page = Page::new("", chapter(&input, &html! {}), FigureFiles::Absent);
+        appendix(&mut page, &input);
+        let text = page.html(None).replace('\u{a0}', " ");
         let names = scene.bodies.iter().map(|body| &body.name);
         let names = names.chain(scene.joints.iter().map(|joint| &joint.name));
         let names = names.chain(scene.variables.iter().map(|variable| &variable.name));

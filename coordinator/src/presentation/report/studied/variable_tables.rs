@@ -15,31 +15,26 @@ use common::scene::{Fails, Key, Output, OutputUnit, Scene, Value};
 use maud::{Markup, html};
 
 /// Distribution, moments and bounds of every random variable, in the unit in which it is displayed, and the correlations.
-pub fn variables(scene: &Scene, summary: &StudySummary, written: &WrittenScene) -> Markup {
+pub fn variables(scene: &Scene, summary: &StudySummary) -> Markup {
     let correlations = scene.correlations.iter().map(|Correlation { first, second, coefficient }| {
         let name = |k: usize| scene.variables[k].name.clone();
         [name(*first), name(*second), exact_number(*coefficient)]
     });
     let rows = scene.variables.iter().zip(&summary.variables).map(|(variable, row)| cells(variable, row));
-    let from = |v: &RandomVariable| {
-        Some(format!("{} from {}", v.name, written.name(&format!("variables.{}.samples.source", v.name))?))
-    };
-    let measured: Vec<String> = scene.variables.iter().filter_map(from).collect();
     html! {
-            (stated(
-                "variables",
-                "Random variables; of a truncated distribution mean and standard deviation are those before truncation",
-                rows,
+        (stated(
+            "variables",
+            "Random variables; of a truncated distribution mean and standard deviation are those before truncation",
+            rows,
+        ))
+        @if !scene.correlations.is_empty() {
+            (captioned(
+                "correlations",
+                "Correlations of the standard normals behind the variables (Gaussian copula); all other pairs are independent",
+                table(&["variable", "and", "coefficient"], correlations),
             ))
-    @if !measured.is_empty() { p { "Measured samples: " (measured.join("; ")) "." } }
-            @if !scene.correlations.is_empty() {
-                (captioned(
-                    "correlations",
-                    "Correlations of the standard normals behind the variables (Gaussian copula); all other pairs are independent",
-                    table(&["variable", "and", "coefficient"], correlations),
-                ))
-            }
         }
+    }
 }
 
 fn cells(variable: &RandomVariable, row: &VariableRow) -> [(&'static str, String); 8] {
