@@ -12,7 +12,7 @@ use crate::outputs::{
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (11, 0x8286_db92_044a_fffd);
+const LAYOUT: (u16, u64) = (12, 0x4236_afc4_8b53_2207);
 
 fn accuracy() -> Accuracy {
     Accuracy {
