@@ -10,7 +10,7 @@ use tests::deployed::{
 use tests::{in_time, program};
 
 /// Scripts of `deploy/`, and those that run the real services.
-const SCRIPTS: [&str; 11] = [
+const SCRIPTS: [&str; 12] = [
     "certificates.sh",
     "ssh-workers.sh",
     "slurm/coordinator.sbatch",

@@ -44,7 +44,7 @@ fi
 differs "$older" || fail "the simulation of $older has the same sources"
 [ "$(git show "$older:common/src/wire/mod.rs" | protocol)" = "$(protocol <common/src/wire/mod.rs)" ] ||
     fail "$older has another version of the protocol"
-git show -s --format='older worker: %h of %cd, %s' "$older"
+[ -n "${OLDER_WORKER:-}" ] || git show -s --format='older worker: %h of %cd, %s' "$older"
 
 if [ -n "${OLDER_WORKER:-}" ]; then
     cp "$OLDER_WORKER" "$work/older-worker"
