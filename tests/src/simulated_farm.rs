@@ -1,6 +1,7 @@
 //! The real scheduler with thousands of workers in simulated time: messages have a latency, claims cost time of the
 //! coordinator, records become durable in groups, workers differ in speed and some crash.
 
+use common::accuracy::Accuracy;
 use common::build::Build;
 use common::failure::SimulationFailure;
 use common::wire::{Claim, Offers, Outcome, Task, TaskKey, WorkerId};
@@ -271,14 +272,7 @@ impl World {
 
     fn submit(&mut self, count: usize) {
         let until = (self.submitted + count).min(self.plan.tasks);
-        let request = |k| Request {
-            id: k,
-            sample: vec![k as f64],
-            with_first_cycle: false,
-            accuracy: None,
-            level: 0,
-            not_by: vec![],
-        };
+        let request = |k| Request::at(k, vec![k as f64], Accuracy::draft());
         let requests: Vec<Request> = (self.submitted as u64..until as u64).map(request).collect();
         self.submitted = until;
         if !requests.is_empty() {

@@ -127,6 +127,7 @@ fn study(known: &Known, seed: u64) -> Result<StudyBasis, Box<dyn Error>> {
         targets: settings.targets(),
         largest_population: settings.samples,
         retry: false,
+        is_exact: true,
         settings: settings.clone(),
     };
     let mut outcomes = Vec::new();

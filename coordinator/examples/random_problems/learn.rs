@@ -86,6 +86,7 @@ pub fn learn(
         targets: settings.targets(),
         largest_population: settings.samples.max(LARGEST_POPULATION),
         retry: false,
+        is_exact: true,
         settings,
     };
     let statistics = Problem {

@@ -2,7 +2,8 @@
 # A worker of an earlier commit, with the same protocol but another digest of the simulation, against this coordinator: it is refused by
 # name and gets no evaluation, and `--mixed-builds` admits it and records its build with each of its results.
 #   tests/examples/real/older_worker.sh [COMMIT]
-# Without COMMIT it is the last one of which these sources differ. It is built in a worktree of its own, in the profile PROFILE (release).
+# Without COMMIT it is the last one of which these sources differ. It is built in a worktree of its own, in the profile PROFILE (release);
+# OLDER_WORKER names one that was built before, and then the programs of this commit are those in the target directory.
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 : "${PROFILE:=release}" "${CARGO_TARGET_DIR:=$PWD/target}"
@@ -43,20 +44,24 @@ fi
 differs "$older" || fail "the simulation of $older has the same sources"
 [ "$(git show "$older:common/src/wire/mod.rs" | protocol)" = "$(protocol <common/src/wire/mod.rs)" ] ||
     fail "$older has another version of the protocol"
-git show -s --format='older worker: %h of %cd, %s' "$older"
+[ -n "${OLDER_WORKER:-}" ] || git show -s --format='older worker: %h of %cd, %s' "$older"
 
-git worktree add --quiet --detach "$work/sources" "$older"
-(cd "$work/sources" && cargo build --quiet --profile "$PROFILE" -p worker --bin worker)
-cp "$CARGO_TARGET_DIR/$folder/worker" "$work/older-worker"
-# The worktree shares the target directory: the program of this one is put back.
-cargo build --quiet --profile "$PROFILE" -p coordinator -p worker --bins
+if [ -n "${OLDER_WORKER:-}" ]; then
+    cp "$OLDER_WORKER" "$work/older-worker"
+else
+    git worktree add --quiet --detach "$work/sources" "$older"
+    (cd "$work/sources" && cargo build --quiet --profile "$PROFILE" -p worker --bin worker)
+    cp "$CARGO_TARGET_DIR/$folder/worker" "$work/older-worker"
+    # The worktree shares the target directory: the program of this one is put back.
+    cargo build --quiet --profile "$PROFILE" -p coordinator -p worker --bins
+fi
 PATH=$CARGO_TARGET_DIR/$folder:$PATH
 
 study() {
     local out=$1
     shift
     coordinator run --scene four-bar --initial 8 --max-evaluations 16 --seed 3 --out "$work/$out" --workers 0 \
-        --listen "tcp/127.0.0.1:$port" "$@" 2>"$work/$out.log" &
+        --listen "tcp/127.0.0.1:$port" "$@" >/dev/null 2>"$work/$out.log" &
     coordinator_process=$!
     started+=("$coordinator_process")
     within 20 grep -q 'waiting for workers' "$work/$out.log"

@@ -32,7 +32,7 @@ pub struct ChaosStudy<'a> {
 /// Number of faults of a round.
 #[derive(Debug, Default, Clone, Copy)]
 pub struct Faults {
-    /// Workers killed.
+    /// Number of workers killed.
     pub workers_killed: usize,
     /// Workers stopped for three seconds.
     pub workers_stopped: usize,
