@@ -4,7 +4,6 @@ use super::error::CommandError;
 use clap::builder::{PathBufValueParser, TypedValueParser, ValueParser, ValueParserFactory};
 use coordinator::presentation::report::answer::Answer;
 use coordinator::results::result_files::write_text;
-use rustix::fs::{Access, access};
 use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -94,10 +93,10 @@ impl Destination {
         if !nearest.is_dir() {
             return Err(format!("{shown} is a file, expected a folder"));
         }
-        match access(nearest, Access::WRITE_OK | Access::EXEC_OK) {
-            Ok(()) => Ok(Self::Folder(out)),
-            Err(error) => Err(format!("nothing can be written to {shown}: {error}")),
+        if nearest.metadata().is_ok_and(|found| found.permissions().readonly()) {
+            return Err(format!("nothing can be written to {shown}"));
         }
+        Ok(Self::Folder(out))
     }
 }
 
