@@ -96,6 +96,6 @@ pub fn after_study(
     }
     opened.summary.variants = rows;
     opened.study.campaign.put_document(SUMMARY_DOCUMENT, &opened.summary)?;
-    write_results(&opened.study.campaign, &dir)?;
+    write_results(&opened.study.campaign, &dir, &[])?;
     Ok(opened.study)
 }
