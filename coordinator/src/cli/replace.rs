@@ -8,7 +8,8 @@ use clap::Args;
 use common::scene::Scene;
 use coordinator::analyses::quantity::output_quantity;
 use coordinator::analyses::replace::{
-    Demand, InspectionPlan, Schedule, answer, check_costs, inspect, replace as age_of_replacement,
+    DemandedReliability, InspectionPlan, Schedule, answer, check_costs, inspect,
+    replace as age_of_replacement,
 };
 use coordinator::statistics::replacement::{PolicyCosts, ReplacementCosts};
 use std::path::PathBuf;
@@ -87,7 +88,7 @@ pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Result<(), Comman
     let opened = OpenedStudy::open(&arguments.dir, false)?;
     let OpenedStudy { study, summary, .. } = &opened;
     let confidence = arguments.confidence;
-    let demand = arguments.reliability.map(|reliability| Demand { reliability, confidence });
+    let demand = arguments.reliability.map(|reliability| DemandedReliability { reliability, confidence });
     let mut report =
         age_of_replacement(summary, &arguments.curve, &costs, demand).map_err(CommandError::bad_input)?;
     if !(arguments.inspect_every.is_empty() && arguments.inspect_at.is_empty()) {

@@ -85,7 +85,7 @@ impl Observed {
         running_maximum(self.start.get(output).copied().flatten(), &self.histories[output])
     }
 
-    /// The same result with the number of its evaluation and the worker that made it.
+    /// This result with the number of its evaluation and the worker that made it.
     #[must_use]
     pub fn by(self, evaluation: u64, worker: &str) -> Self {
         Self { source: Some(Arc::new(Source { evaluation, worker: worker.to_owned() })), ..self }

@@ -97,7 +97,7 @@ pub struct Stated {
 
 /// A reliability that is to hold up to the replacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Demand {
+pub struct DemandedReliability {
     /// Least reliability at the age of replacement [1].
     pub reliability: f64,
     /// Confidence with which it holds, over the errors of the study [1].
@@ -236,7 +236,7 @@ pub fn replace(
     summary: &StudySummary,
     name: &str,
     costs: &ReplacementCosts,
-    demand: Option<Demand>,
+    demand: Option<DemandedReliability>,
 ) -> Result<ReplacementReport, ReplacementError> {
     check_costs(costs)?;
     let row = curve_of(summary, name)?;
@@ -281,7 +281,7 @@ pub fn replace(
         let cost = sure(&|curve| costs.rate(curve, age));
         [age, cost.value, cost.lower, cost.upper]
     };
-    let demanded = demand.map(|Demand { reliability, confidence }| {
+    let demanded = demand.map(|DemandedReliability { reliability, confidence }| {
         let latest = band.surely_until(reliability, confidence);
         // An earlier limit is the best age up to there, unless an earlier minimum lies before it.
         let ages = (1..=POINTS).map(|k| latest * k as f64 / POINTS as f64);

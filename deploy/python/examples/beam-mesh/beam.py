@@ -44,5 +44,5 @@ for line in sys.stdin:
     elements = int(request.get("level", "128 elements").split()[0])
     load, width, height = (request["sample"][name] for name in ("load", "width", "height"))
     lost = [2.0 * CORROSION * year for year in request["cycles"]]
-    deflection = [tip_deflection(load, width - d, height - d, elements) for d in lost]
+    deflection = [1e3 * tip_deflection(load, width - d, height - d, elements) for d in lost]  # [mm]
     print(json.dumps({"id": request["id"], "outputs": {"deflection": deflection}}), flush=True)

@@ -2,25 +2,13 @@
 //! worker decides which of the two gets no more tasks: a faulty processor, another library or a worker that lies would otherwise be
 //! believed, since every result that fits the scene is possible.
 
-use super::workers::{Worker, Workforce};
+use super::workers::Worker;
 use super::{Action, Scheduler, Warning};
-use crate::farm::evaluate::{Finished, Request};
+use crate::farm::evaluate::Finished;
 use common::wire::WorkerId;
 
 /// Workers that evaluate a sample until two of them agree, at most.
 const MOST_WORKERS: usize = 3;
-
-/// True if a worker has not evaluated the sample of a request before, or no other worker is connected that has not.
-pub(super) fn is_for_worker(request: &Request, id: &WorkerId, workers: &Workforce) -> bool {
-    // Slots of a worker are named `host-4711/0`.
-    let has_evaluated = |id: &WorkerId| {
-        let rest =
-            |slot: &String| slot.strip_prefix(&id.name).map(|rest| rest.is_empty() || rest.starts_with('/'));
-        request.not_by.iter().any(|slot| rest(slot) == Some(true))
-    };
-    let is_other = |(other, worker): (&WorkerId, &Worker)| worker.usable_slots() > 0 && !has_evaluated(other);
-    !has_evaluated(id) || !workers.iter().any(is_other)
-}
 
 impl Scheduler {
     /// Passes the first outcome of a task on, or holds it until another worker has repeated it; true if it was passed on.

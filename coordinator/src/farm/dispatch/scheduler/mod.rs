@@ -27,6 +27,7 @@
 mod cross_check;
 #[cfg(test)]
 mod cross_check_tests;
+mod evaluated_before;
 mod event;
 mod external;
 #[cfg(test)]
@@ -58,7 +59,7 @@ pub use snapshot::FarmSnapshot;
 use crate::farm::evaluate::{Finished, Request};
 use common::failure::SimulationFailure;
 use common::wire::{Claim, Offers, Outcome, TaskKey, WorkerId};
-use cross_check::is_for_worker;
+use evaluated_before::may_evaluate;
 use held_outcomes::HeldOutcomes;
 use licences::HeldLicences;
 use pending_replies::{PendingReplies, PendingReply};
@@ -335,8 +336,9 @@ impl Scheduler {
                 let wanted = room.min(credits.min(self.settings.most_tasks) as usize);
                 let losses = self.losses_bound(&id);
                 let (held, workers) = (&self.held, &self.workers);
-                let is_open =
-                    |request: &Request| !held.has(request.id, &id) && is_for_worker(request, &id, workers);
+                let is_open = |request: &Request| {
+                    !held.has(request.id, &id) && may_evaluate(&request.not_by, &id, workers)
+                };
                 let mut tasks = self.tasks.lease(wanted, losses, is_open);
                 if tasks.len() < wanted && self.settings.licences.is_none() {
                     let SchedulerSettings { straggler_factor, straggler_least, .. } = self.settings;

@@ -116,7 +116,7 @@ fn elements(input: &ReportInput) -> Markup {
     )
 }
 
-/// Lines for those who sign; names that nobody stated are left blank.
+/// Lines for those who sign; names that were not stated are left blank.
 fn signatures(input: &ReportInput) -> Markup {
     let row = |key: &str| {
         let name = input.written.name(&format!("report.{key}")).unwrap_or_default();
