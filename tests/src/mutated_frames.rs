@@ -20,7 +20,7 @@ use zenoh::Wait;
 
 /// Time in which a coordinator that lives has to answer.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// Time in which one that no longer answers itself ends: three queries of its own, twenty seconds apart.
+/// Time in which a coordinator ends that does not answer its own queries: three of them, twenty seconds apart.
 const UNTIL_END: Duration = Duration::from_secs(180);
 /// Sessions between two looks at the coordinator.
 const SESSIONS_PER_LOOK: u64 = 20;

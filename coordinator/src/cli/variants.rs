@@ -9,6 +9,7 @@ use common::scene::{InputFile, SceneSource};
 use coordinator::analyses::variants::{ModelVariant, StoredVariant, VARIANTS_DOCUMENT, read, row};
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::FurtherEvaluations;
+use coordinator::results::summary::VariantRow;
 use coordinator::study::{Method, Settings, StudyOfVariants};
 use std::path::Path;
 
@@ -57,8 +58,7 @@ pub fn after_study(
         return Ok(study);
     }
     let mut opened = OpenedStudy::of(study)?;
-    let is_done = |(done, asked): (&_, &StoredVariant)| {
-        let done: &coordinator::results::summary::VariantRow = done;
+    let is_done = |(done, asked): (&VariantRow, &StoredVariant)| {
         (&done.name, &done.changes) == (&asked.name, &asked.changes)
     };
     let rows = &opened.summary.variants;

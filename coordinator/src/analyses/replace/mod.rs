@@ -287,7 +287,7 @@ pub fn replace(
         let ages = (1..=POINTS).map(|k| latest * k as f64 / POINTS as f64);
         let ages = ages.chain((best.age <= latest).then_some(best.age));
         let costs = ages.map(|age| (age, costs.rate(&band.best, age)));
-        let (age, cost_rate) = costs.min_by(|a, b| a.1.total_cmp(&b.1)).expect("there are ages");
+        let (age, cost_rate) = costs.min_by(|a, b| a.1.total_cmp(&b.1)).expect("POINTS is positive");
         DemandedAge { reliability, confidence, latest, age, cost_rate }
     });
     let lives = summary.lives.iter().filter(|life| life.limit_state == row.limit_state).cloned();

@@ -8,7 +8,7 @@ const EXAMPLE: [&str; 2] = [
     include_str!("../../../../deploy/python/examples/beam-mesh/beam.py"),
 ];
 
-/// R after so many years by the closed form of the deflection, with elements or without an error of the mesh.
+/// R after `years` by the closed form of the deflection, times a `factor` that stands for the discretisation error of a mesh.
 fn reliability(years: f64, factor: f64) -> f64 {
     // 12 times the integral of (1 - x)^2 / (1 - x / 2)^3 over the beam.
     let shape = 24.0 * (4.0 * 2.0_f64.ln() - 2.5);

@@ -19,7 +19,7 @@ pub struct Page {
     /// Content before the list of the chapters, where there is a list.
     before_contents: Option<Markup>,
     body: Markup,
-    /// What is folded on a screen and begins a sheet of its own on paper, once it has begun.
+    /// The appendix, folded on a screen and from a new page on paper; absent before its first chapter.
     appendix: Option<Markup>,
     /// Titles of the chapters, and whether they are in the appendix.
     chapters: Vec<(&'static str, bool)>,
