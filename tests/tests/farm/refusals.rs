@@ -190,34 +190,52 @@ fn issue_forged_ends_and_answers_and_outdated_claims_were_refused_in_silence() {
         let folder = tempfile::tempdir().unwrap();
         let plain = folder.path().join("plain.json5");
         std::fs::write(&plain, "{}").unwrap();
-        let (coordinator, endpoint) = start_coordinator(folder.path(), "forged", "tcp/127.0.0.1:0", None);
-        // Its workers follow the notices, so that the key is known.
-        let other = session(&plain, &endpoint);
-        let _notices = other.declare_subscriber(keys::NOTICE).callback(|_| ()).wait().unwrap();
-        let thief = session(&plain, &endpoint);
-        let end = wire::encode(&Notice::Ended { campaign: 5 }).unwrap();
-        thief.put(keys::NOTICE, end).wait().unwrap();
-        coordinator.wait_for("tried to act as the coordinator and was refused: Put on hingewise/notice");
-        let _answers = thief.declare_queryable(keys::CLAIM).callback(|_| ()).wait().unwrap();
-        coordinator.wait_for("was refused: Declare Queryable on hingewise/claim");
-        let worker = WorkerId { name: "late".into(), epoch: 1 };
-        let _token = other.liveliness().declare_token(keys::alive(&worker)).wait().unwrap();
-        let claim = Claim {
-            worker,
-            sequence: 2,
-            offers: Offers::Scenes(Build::default()),
-            slots: 1,
-            credits: 0,
-            holding: vec![],
-            finished: vec![],
-            leaving: false,
-        };
-        // The first of them may arrive before the token.
-        for _ in 0..3 {
-            let query =
-                other.get(format!("{}?worker=late", keys::CLAIM)).payload(wire::encode(&claim).unwrap());
-            query.wait().unwrap().recv().unwrap();
-        }
-        coordinator.wait_for("a claim of worker late is refused (1 so far): one with a later number");
+        let listening = start_coordinator(folder.path(), "forged", "tcp/127.0.0.1:0", None);
+        forged_messages_are_logged(&listening, &plain);
     });
+}
+
+/// With mutual TLS every client has a certificate of the authority: that of a worker does not make it the coordinator.
+#[test]
+fn a_workers_certificate_cannot_act_as_the_coordinator() {
+    if !has_openssl("forged messages with a worker's certificate") {
+        return;
+    }
+    in_time(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let own = configuration("zenoh-tls.json5", &certificates(folder.path(), HOST));
+        let worker = configuration("zenoh-tls.json5", &certificates(folder.path(), "worker:hand"));
+        let listening = start_coordinator(folder.path(), "forged", "tls/127.0.0.1:0", Some(&own));
+        forged_messages_are_logged(&listening, &worker);
+    });
+}
+
+fn forged_messages_are_logged((coordinator, endpoint): &(LoggedProcess, String), client: &Path) {
+    // Its workers follow the notices, so that the key is known.
+    let other = session(client, endpoint);
+    let _notices = other.declare_subscriber(keys::NOTICE).callback(|_| ()).wait().unwrap();
+    let thief = session(client, endpoint);
+    let end = wire::encode(&Notice::Ended { campaign: 5 }).unwrap();
+    thief.put(keys::NOTICE, end).wait().unwrap();
+    coordinator.wait_for("tried to act as the coordinator and was refused: Put on hingewise/notice");
+    let _answers = thief.declare_queryable(keys::CLAIM).callback(|_| ()).wait().unwrap();
+    coordinator.wait_for("was refused: Declare Queryable on hingewise/claim");
+    let worker = WorkerId { name: "late".into(), epoch: 1 };
+    let _token = other.liveliness().declare_token(keys::alive(&worker)).wait().unwrap();
+    let claim = Claim {
+        worker,
+        sequence: 2,
+        offers: Offers::Scenes(Build::default()),
+        slots: 1,
+        credits: 0,
+        holding: vec![],
+        finished: vec![],
+        leaving: false,
+    };
+    // The first of them may arrive before the token.
+    for _ in 0..3 {
+        let query = other.get(format!("{}?worker=late", keys::CLAIM)).payload(wire::encode(&claim).unwrap());
+        query.wait().unwrap().recv().unwrap();
+    }
+    coordinator.wait_for("a claim of worker late is refused (1 so far): one with a later number");
 }

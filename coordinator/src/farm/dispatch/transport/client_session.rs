@@ -17,9 +17,13 @@ const SETTINGS: [(&str, &str); 8] = [
     ("scouting/gossip/enabled", "false"),
     ("scouting/delay", "0"),
     ("transport/link/rx/max_message_size", wire::MAX_MESSAGE),
-    ("connect/timeout_ms", "3000"),
+    // One attempt, which ends with `transport/unicast/open_timeout` at the latest.
+    ("connect/timeout_ms", "0"),
     ("connect/exit_on_failure", "true"),
 ];
+
+/// Time to open a session in, for a person who waits.
+const OPENING: Duration = Duration::from_secs(3);
 
 /// Reasons for a query to a coordinator to fail.
 #[derive(Debug, Error)]
@@ -106,7 +110,15 @@ impl ClientSession {
     /// [`ClientError::Endpoint`], [`ClientError::Configuration`], [`ClientError::Unreachable`],
     /// [`ClientError::Messaging`].
     pub fn open(endpoint: &str, config: Option<&Path>) -> Result<Self, ClientError> {
-        let session = zenoh::open(settings(endpoint, config)?).wait().map_err(|error| {
+        Self::open_within(endpoint, config, OPENING)
+    }
+
+    /// As [`open`](Self::open): a coordinator that accepts no more sessions refuses at once, one that is silent after the whole `time`.
+    ///
+    /// # Errors
+    /// Those of [`open`](Self::open).
+    pub fn open_within(endpoint: &str, config: Option<&Path>, time: Duration) -> Result<Self, ClientError> {
+        let session = zenoh::open(settings(endpoint, config, time)?).wait().map_err(|error| {
             ClientError::Unreachable { endpoint: endpoint.to_owned(), reason: reason(error) }
         })?;
         Ok(Self { session, endpoint: endpoint.to_owned() })
@@ -168,14 +180,15 @@ impl ClientSession {
     }
 }
 
-fn settings(endpoint: &str, config: Option<&Path>) -> Result<Config, ClientError> {
+fn settings(endpoint: &str, config: Option<&Path>, opening: Duration) -> Result<Config, ClientError> {
     let wrong = |reason: String| ClientError::Endpoint { endpoint: endpoint.to_owned(), reason };
     let mut settings = match config {
         None => Config::default(),
         Some(file) => Config::from_file(file)
             .map_err(|error| ClientError::Configuration { file: file.to_owned(), reason: reason(error) })?,
     };
-    for (key, value) in SETTINGS {
+    let opening = opening.as_millis().to_string();
+    for (key, value) in SETTINGS.into_iter().chain([("transport/unicast/open_timeout", opening.as_str())]) {
         settings
             .insert_json5(key, value)
             .map_err(|error| ClientError::Messaging(format!("{key}: {}", reason(error))))?;

@@ -3,15 +3,10 @@
 
 use super::super::DispatchError;
 use super::client_session::{ClientError, ClientSession};
-use std::io::{ErrorKind, Read, Write};
-use std::net::TcpStream;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
-use std::time::Duration;
-
-/// A frame on a stream, its length before it, that no version of Zenoh knows.
-const NO_FRAME: [u8; 3] = [1, 0, 0xff];
+use std::time::{Duration, Instant};
 
 /// How often and how long to ask.
 #[derive(Debug, Clone, Copy)]
@@ -37,8 +32,7 @@ pub struct Watched {
 }
 
 /// Asks the coordinator at `endpoint` in a thread, with the Zenoh settings of its own workers, and calls `failed` at most once: when it is
-/// silent. Nothing is concluded before it has answered once, nor where no session can be opened, since it may have all that it accepts,
-/// unless its listener no longer reads either: with TLS that is not seen.
+/// silent. Nothing is concluded before it has answered once.
 ///
 /// # Errors
 /// [`DispatchError::Thread`].
@@ -50,21 +44,15 @@ pub fn watch(
 ) -> Result<Watched, DispatchError> {
     let (_until_dropped, dropped) = channel();
     let run = move || {
-        let ask = || ClientSession::open(&endpoint, config.as_deref())?.status(watch.patience);
         let (mut has_answered, mut silences) = (false, 0);
         while silences < watch.silences {
             if dropped.recv_timeout(watch.every) != Err(RecvTimeoutError::Timeout) {
                 return;
             }
-            match ask() {
-                Ok(_) => (has_answered, silences) = (true, 0),
-                Err(ClientError::Silent { .. }) if has_answered => silences += 1,
-                Err(ClientError::Unreachable { .. })
-                    if has_answered && is_frozen(&endpoint, watch.patience) =>
-                {
-                    silences += 1;
-                }
-                Err(error) => tracing::debug!("the coordinator's own question: {error}"),
+            match answers(&endpoint, config.as_deref(), watch.patience) {
+                Some(true) => (has_answered, silences) = (true, 0),
+                Some(false) if has_answered => silences += 1,
+                _ => {}
             }
         }
         failed();
@@ -73,19 +61,27 @@ pub fn watch(
     started.map(|_| Watched { _until_dropped }).map_err(DispatchError::Thread)
 }
 
-/// True if the listener of an endpoint `tcp/...` leaves a frame that is none unread: otherwise it closes the connection, at the latest when
-/// its time for a handshake is over, also when it accepts no more sessions.
-fn is_frozen(endpoint: &str, patience: Duration) -> bool {
-    let connected = endpoint.strip_prefix("tcp/").map(TcpStream::connect);
-    let Some(Ok(mut stream)) = connected else { return false };
-    let sent = stream.set_read_timeout(Some(patience)).and_then(|()| stream.write_all(&NO_FRAME));
-    let is_late = |error: std::io::Error| matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut);
-    sent.is_ok() && stream.read(&mut [0]).is_err_and(is_late)
+/// Whether the coordinator answers a new client within this time. `None` where it refuses the session: it may have all that it accepts,
+/// but a listener that waits for ever for a lock refuses nothing.
+fn answers(endpoint: &str, config: Option<&Path>, patience: Duration) -> Option<bool> {
+    let begun = Instant::now();
+    let session = ClientSession::open_within(endpoint, config, patience);
+    let error = match session.and_then(|session| session.status(patience)) {
+        Ok(_) => return Some(true),
+        Err(error) => error,
+    };
+    tracing::debug!("the coordinator's own question: {error}");
+    let is_silent = match error {
+        ClientError::Silent { .. } => true,
+        ClientError::Unreachable { .. } => begun.elapsed() >= patience.mul_f64(0.9),
+        _ => false,
+    };
+    is_silent.then_some(false)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::is_frozen;
+    use super::answers;
     use std::net::TcpListener;
     use std::time::Duration;
 
@@ -94,10 +90,10 @@ mod tests {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let endpoint = format!("tcp/{}", listener.local_addr().unwrap());
         // The system completes the connection, and nothing reads from it.
-        assert!(is_frozen(&endpoint, Duration::from_millis(50)));
+        assert_eq!(answers(&endpoint, None, Duration::from_millis(200)), Some(false));
         let closing = std::thread::spawn(move || drop((listener.accept(), listener.accept())));
-        assert!(!is_frozen(&endpoint, Duration::from_secs(20)));
+        assert_eq!(answers(&endpoint, None, Duration::from_secs(20)), None);
         closing.join().unwrap();
-        assert!(!is_frozen(&endpoint, Duration::from_secs(20)), "nothing listens");
+        assert_eq!(answers(&endpoint, None, Duration::from_secs(20)), None, "nothing listens");
     }
 }
