@@ -123,6 +123,8 @@ pub struct Program {
     pub folder: String,
     /// How it gets samples and returns results.
     pub exchange: Exchange,
+    /// The FMU that it runs, in the folder.
+    pub fmu: Option<String>,
 }
 
 /// How a program gets samples and returns results.
