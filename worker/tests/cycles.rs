@@ -303,7 +303,7 @@ fn a_wrong_fmu_is_named_with_its_key() {
     ] {
         assert!(text.contains(from), "{from}");
         let source = scene_in(folder.path(), &text.replacen(from, to, 1));
-        let found = match EvaluationSlots::open(&source) {
+        let found = match EvaluationSlots::open(&source).unwrap() {
             Err(error) => error.to_string(),
             Ok(_) => evaluate(&source, &[5.0]).unwrap_err().to_string(),
         };
