@@ -272,8 +272,12 @@ fn scene_in(folder: &std::path::Path, text: &str) -> SceneSource {
 fn a_wrong_fmu_is_named_with_its_key() {
     let Some((folder, text)) = slider_crank() else { return };
     std::fs::write(folder.path().join("Text.fmu"), "no archive").unwrap();
+    let old = "import zipfile as z; z.ZipFile('Old.fmu', 'w').writestr('modelDescription.xml', '<f fmiVersion=\"1.0\"/>')";
+    let made = std::process::Command::new("python3").args(["-c", old]).current_dir(folder.path()).status();
+    assert!(made.unwrap().success());
     for (from, to, said) in [
         ("SliderCrank.fmu", "Slider.fmu", "simulator.fmu: \"Slider.fmu\" cannot be started in"),
+        ("SliderCrank.fmu", "Old.fmu", "simulator.fmu: Old.fmu is of FMI 1.0, expected 2.0 or 3.0"),
         ("SliderCrank.fmu", "Text.fmu", "simulator.fmu: Text.fmu cannot be read: File is not a zip file"),
         (
             "pin_turn",

@@ -15,6 +15,7 @@ import os
 import re
 import sys
 from bisect import bisect
+from zipfile import ZipFile
 
 from .cycle import serve
 
@@ -59,10 +60,12 @@ class Fmu:
         except ImportError as error:
             raise Refused("fmu", f"{error}; pip install fmpy, or name another Python by simulator.python") from error
         try:
+            with ZipFile(path) as archive:
+                text = archive.read("modelDescription.xml").decode(errors="replace")
+            version = re.search(r'fmiVersion\s*=\s*["\']([^"\']*)', text)
+            if version and not re.match(r"2\.0|3\.\d", version[1]):
+                raise Refused("fmu", f"{path} is of FMI {version[1]}, expected 2.0 or 3.0")
             self.description = read_model_description(path, validate=False)
-            version = self.description.fmiVersion
-            if not re.match(r"2\.0|3\.\d", version):
-                raise Refused("fmu", f"{path} is of FMI {version}, expected 2.0 or 3.0")
             self.folder = extract(path)
         except Exception as error:
             raise Refused("fmu", f"{path} cannot be read: {error}") from error
