@@ -309,7 +309,7 @@ fn a_wrong_fmu_is_named_with_its_key() {
         let source = scene_in(folder.path(), &text.replacen(from, to, 1));
         let found = match EvaluationSlots::open(&source).unwrap() {
             Err(error) => error.to_string(),
-            Ok(_) => evaluate(&source, &[5.0]).unwrap_err().to_string(),
+            Ok(_) => evaluate(&source, &[5.0, 1e-13]).unwrap_err().to_string(),
         };
         assert!(found.contains(said), "{to}: {found}");
     }
@@ -341,7 +341,7 @@ variables = [{ name = "load", mean = 5, std = "5 %" }]
 fn an_fmu_wears_its_pin() {
     let Some((folder, text)) = slider_crank() else { return };
     let source = scene_in(folder.path(), &text);
-    let life = |load| evaluate(&source, &[load]).unwrap().unwrap();
+    let life = |load| evaluate(&source, &[load, 1e-13]).unwrap().unwrap();
     let (light, heavy) = (life(5.0), life(10.0));
     // Archard: V = K F s, in proportion to the cycles.
     let [first, .., last] = light.histories[0][..] else { panic!("four checkpoints") };
