@@ -61,7 +61,9 @@ fn answer(source: &SceneSource, request: &Request) -> std::result::Result<Value,
 fn worn(scene: &mut Scene, name: &str, radii: &WornRadii) -> std::result::Result<Vec<f64>, String> {
     let joint = scene.joints.iter_mut().find(|joint| joint.name == name);
     let Some(Joint { kind: JointKind::Clearance(clearance), .. }) = joint else {
-        return Err(format!("joints.{name}: the scene has no such joint with clearance"));
+        return Err(format!(
+            "joints.{name}: the scene has no such joint with clearance; guides are not served"
+        ));
     };
     let WornRadii { bushing, journal } = radii;
     clearance.control_points = ControlPoints::Number(bushing.len());

@@ -14,6 +14,7 @@
 
 use super::joint_cycle::{CycleJoint, JointCycle, check_joint, sampling_error, slopes};
 use super::reply::{NoResult, by_name, is_non_finite_word, number, object, shown};
+use crate::evaluation_shape::LARGEST;
 use crate::scene::{JointKind, Scene};
 use serde_json::{Map, Value};
 
@@ -69,7 +70,14 @@ impl ExpectedCycle {
     /// [`NoResult`].
     pub fn read(&self, text: &str, cycle: u32) -> Result<CycleReply, NoResult> {
         let text = text.trim_start_matches('\u{feff}').trim();
-        let reply = &object(text)?.map_or_else(|| of_table(text), Ok)?;
+        self.of_object(&object(text)?.map_or_else(|| of_table(text), Ok)?, cycle)
+    }
+
+    /// [`ExpectedCycle::read`] of a reply that is an object.
+    ///
+    /// # Errors
+    /// [`NoResult`].
+    pub fn of_object(&self, reply: &Map<String, Value>, cycle: u32) -> Result<CycleReply, NoResult> {
         let field =
             |name: &str| by_name(reply, name)?.ok_or_else(|| NoResult::Fault(format!("{name} is missing")));
         let given = field("joints")?;
@@ -191,7 +199,12 @@ impl Fields<'_> {
         if let Some(n) = n.filter(|n| *n != list.len()) {
             return Err(format!("{field} has {} values, expected {n} as time", list.len()).into());
         }
-        let number = |(k, value)| number_of(&format!("{field}[{k}]"), value, self.cycle);
+        // A name for every number would take longer than the number.
+        let number =
+            |(k, value): (usize, &Value)| match value.as_f64().filter(|number| number.abs() <= LARGEST) {
+                Some(number) => Ok(number),
+                None => number_of(&format!("{field}[{k}]"), value, self.cycle),
+            };
         list.iter().enumerate().map(number).collect::<Result<_, _>>().map(Some)
     }
 }

@@ -144,9 +144,9 @@ impl CyclesOfLife<'_> {
         let asked = slot.ask(
             Request { asked: SlotRequest { id: *id, level: 0, sample }, text: &with_id },
             stop,
-            |setup, text| {
-                setup.check_id(*id, text)?;
-                read(text)
+            |setup, text| match setup.line_reply(*id, text)? {
+                Some(reply) => expected.of_object(&reply, request.cycle).map_err(|none| none.of(&place)),
+                None => read(text),
             },
         );
         let (cycle, reply) = match asked? {

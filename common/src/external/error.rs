@@ -7,9 +7,11 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum SimulatorError {
     /// The program cannot be started.
-    #[error("simulator.program: \"{program}\" cannot be started in {folder}: {reason}")]
+    #[error("simulator.{key}: \"{program}\" cannot be started in {folder}: {reason}")]
     Start {
-        /// The program with its arguments.
+        /// The key of the scene that states it.
+        key: &'static str,
+        /// The program with its arguments, or the FMU.
         program: String,
         /// Working folder of the program.
         folder: String,
@@ -17,12 +19,11 @@ pub enum SimulatorError {
         reason: std::io::Error,
     },
     /// The program exits without a reply, also at the means of the inputs.
-    #[error(
-        "simulator.program: \"{program}\" ended with {status} instead of answering{}",
-        last_words(stderr)
-    )]
+    #[error("simulator.{key}: \"{program}\" ended with {status} instead of answering{}", last_words(stderr))]
     Dead {
-        /// The program with its arguments.
+        /// The key of the scene that states it.
+        key: &'static str,
+        /// The program with its arguments, or the FMU.
         program: String,
         /// Exit status of the program.
         status: String,

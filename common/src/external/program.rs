@@ -12,7 +12,7 @@ use super::process::{LineError, Process};
 use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::results_file::{self, of_object};
 use super::slot::{SampleResult, Slot, SlotError, SlotRequest, StopSignal};
-use super::working_folder::FileProgram;
+use super::working_folder::{FileProgram, check_file};
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
 use crate::scene::{Exchange, Program, Scene};
@@ -61,10 +61,6 @@ impl Setup {
         self.levels.get(usize::from(level)).or(self.levels.first()).map(String::as_str)
     }
 
-    fn name(&self) -> String {
-        self.program.command.join(" ")
-    }
-
     /// The sample by the names of the inputs.
     pub(super) fn by_name<'a>(&'a self, sample: &'a [f64]) -> SampleByName<'a> {
         SampleByName { names: &self.expected.inputs, values: sample }
@@ -97,17 +93,17 @@ impl Setup {
         Ok(reply)
     }
 
-    /// Checks that a text is the reply line to evaluation `id`; a results file has no number.
-    pub(super) fn check_id(&self, id: u64, text: &str) -> Result<(), String> {
+    /// The reply to evaluation `id` of a program that answers in lines; a results file has no number.
+    pub(super) fn line_reply(&self, id: u64, text: &str) -> Result<Option<Map<String, Value>>, String> {
         match self.program.exchange {
-            Exchange::Lines => self.object(id, text).map(drop),
-            Exchange::Files(_) => Ok(()),
+            Exchange::Lines => self.object(id, text).map(Some),
+            Exchange::Files(_) => Ok(None),
         }
     }
 
     /// The error of a reply that breaks the protocol.
     pub(super) fn broken(&self, id: u64, fault: String) -> SimulatorError {
-        SimulatorError::Protocol { simulator: format!("\"{}\"", self.name()), id, fault }
+        SimulatorError::Protocol { simulator: format!("\"{}\"", key_and_name(&self.program).1), id, fault }
     }
 
     /// The folder of the program.
@@ -160,13 +156,19 @@ pub fn check_program_file(program: &Program, scene: &Scene) -> Result<(), Simula
     let found = check_executable(&program.command, Path::new(&program.folder));
     let files = || match file_program(program) {
         Some(files) => files.check(&Expected::from_scene(scene).inputs),
-        None => Ok(()),
+        None => program.fmu.as_ref().map_or(Ok(()), |fmu| check_file(Path::new(&program.folder), fmu)),
     };
     found.and_then(|()| files()).map_err(|reason| start_error(program, reason))
 }
 
+/// The key of the scene that states a program, and its name in messages: the FMU, or the program with its arguments.
+fn key_and_name(program: &Program) -> (&'static str, String) {
+    program.fmu.clone().map_or_else(|| ("program", program.command.join(" ")), |fmu| ("fmu", fmu))
+}
+
 fn start_error(program: &Program, reason: std::io::Error) -> SimulatorError {
-    SimulatorError::Start { program: program.command.join(" "), folder: program.folder.clone(), reason }
+    let (key, name) = key_and_name(program);
+    SimulatorError::Start { key, program: name, folder: program.folder.clone(), reason }
 }
 
 /// A slot with at most one running process.
@@ -237,7 +239,8 @@ impl ProgramSlot {
         let nominal = self.setup.nominal.clone();
         match self.attempt(request, &nominal, stop)? {
             Err(LineError::Ended { status, stderr }) => {
-                Err(SimulatorError::Dead { program: self.setup.name(), status, stderr }.into())
+                let (key, program) = key_and_name(&self.setup.program);
+                Err(SimulatorError::Dead { key, program, status, stderr }.into())
             }
             Err(LineError::Stopped) => Err(SlotError::Stopped),
             Err(LineError::TimedOut) => Ok(()),
@@ -317,7 +320,8 @@ mod tests {
 
     #[test]
     fn sample_keys_keep_the_order_of_the_scene() {
-        let program = Program { command: vec!["sh".into()], folder: ".".into(), exchange: Exchange::Lines };
+        let program =
+            Program { command: vec!["sh".into()], folder: ".".into(), exchange: Exchange::Lines, fmu: None };
         let setup = Setup::new(&program, 1.0, scene().nominal());
         assert_eq!(
             setup.line(3, 0, &[0.5, 2.0]),
@@ -330,7 +334,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let check = |command: &str| {
             let (command, folder) = (vec![command.to_owned()], folder.path().display().to_string());
-            check_program_file(&Program { command, folder, exchange: Exchange::Lines }, scene().nominal())
+            check_program_file(
+                &Program { command, folder, exchange: Exchange::Lines, fmu: None },
+                scene().nominal(),
+            )
         };
         assert!(check("sh").is_ok());
         std::fs::write(folder.path().join("model"), "").unwrap();

@@ -47,10 +47,7 @@ impl FileProgram<'_> {
             fill(&text, names, &vec![0.0; names.len()]).map_err(|unknown| in_file(name, &unknown))?;
         }
         for name in &self.exchange.files {
-            let about = std::fs::metadata(self.folder.join(name)).map_err(|e| in_file(name, &e))?;
-            if !about.is_file() {
-                return Err(in_file(name, &"not a file"));
-            }
+            check_file(self.folder, name)?;
         }
         Ok(())
     }
@@ -110,6 +107,15 @@ impl FileProgram<'_> {
         }
         Ok(text)
     }
+}
+
+/// Checks that a folder has a file.
+///
+/// # Errors
+/// It has none, with its name.
+pub fn check_file(folder: &Path, name: &str) -> Result<(), Error> {
+    let about = std::fs::metadata(folder.join(name)).map_err(|e| in_file(name, &e))?;
+    if about.is_file() { Ok(()) } else { Err(in_file(name, &"not a file")) }
 }
 
 fn in_file(name: &str, reason: &dyn std::fmt::Display) -> Error {

@@ -50,9 +50,8 @@ pub struct Scene {
     /// Levels of accuracy of a study of this scene, the working accuracy first; empty where the scene names none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub levels: Vec<NamedAccuracy>,
-    /// External simulator that evaluates a sample instead of this program. Such a scene has no bodies, joints or loads,
-    /// and its random variables are the simulator's inputs. If it gives cycles, the scene has the joints that wear, on a body that stands for
-    /// the mechanism.
+    /// External simulator that evaluates a sample instead of this program. Such a scene has no bodies, joints or loads, and its random variables
+    /// are the simulator's inputs. If it gives cycles, the scene has the joints that wear, on a body that stands for the mechanism.
     pub simulator: Option<ExternalSimulator>,
 }
 
@@ -101,8 +100,7 @@ pub enum CycleTier {
 
 impl CycleTier {
     /// The words of the tiers in a scene.
-    pub const WORDS: [(&'static str, CycleTier); 2] =
-        [("contact", CycleTier::Contact), ("reaction", CycleTier::Reaction)];
+    pub const WORDS: [(&'static str, Self); 2] = [("contact", Self::Contact), ("reaction", Self::Reaction)];
 }
 
 /// Ways to call an external simulator.
@@ -123,6 +121,8 @@ pub struct Program {
     pub folder: String,
     /// How it gets samples and returns results.
     pub exchange: Exchange,
+    /// The FMU that it runs, in the folder.
+    pub fmu: Option<String>,
 }
 
 /// How a program gets samples and returns results.

@@ -1,4 +1,4 @@
-//! Reads `[simulator]`: a study of an external simulator instead of a mechanism, a program on this machine or a model
+//! Reads `[simulator]`: a study of an external simulator instead of a mechanism, a program or an FMU on this machine, or a model
 //! behind the UM-Bridge protocol. Its random variables are the inputs, its outputs and life are declared.
 //!
 //! Scenes whose simulator gives one cycle: the joints that wear, the outputs of the wear and those of the program, and the life. The bodies
@@ -46,22 +46,54 @@ pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>>
     Some(read)
 }
 
-/// Reads the program or the server, of which there is one.
+/// Reads the program, the FMU or the server, of which there is one.
 fn kind(section: &mut Section) -> Option<SimulatorKind> {
-    match (section.get("program").is_some(), section.get("umbridge").is_some()) {
-        (true, false) => program(section).map(SimulatorKind::Program),
-        (false, true) => umbridge(section).map(SimulatorKind::UmBridge),
-        (true, true) => {
-            section.inconsistent_table("has both a program and an umbridge server, expected one of them");
-            None
-        }
-        (false, false) => {
-            let expected = "a program, e.g. program = [\"python3\", \"beam.py\"], or a server, e.g. umbridge = \
-                            \"http://127.0.0.1:4242\"";
+    match ["program", "fmu", "umbridge"].map(|key| section.get(key).is_some()) {
+        [true, false, false] => program(section).map(SimulatorKind::Program),
+        [false, true, false] => fmu(section).map(SimulatorKind::Program),
+        [false, false, true] => umbridge(section).map(SimulatorKind::UmBridge),
+        [false, false, false] => {
+            let expected = "a program, e.g. program = [\"python3\", \"beam.py\"], an FMU, e.g. fmu = \"beam.fmu\", or a server, \
+                            e.g. umbridge = \"http://127.0.0.1:4242\"";
             section.missing("program", expected);
             None
         }
+        _ => {
+            section
+                .inconsistent_table("has more than one of program, fmu and umbridge, expected one of them");
+            None
+        }
     }
+}
+
+/// Reads an FMU, which the program `hingewise.fmu` runs with the mapping as its arguments.
+fn fmu(section: &mut Section) -> Option<Program> {
+    let file = section.text("fmu", "the name of a file, e.g. \"mechanism.fmu\"");
+    let python =
+        section.text_or("python", "the path of a Python with the packages hingewise and fmpy", "python3");
+    let folder = section.text_or("folder", "a folder", ".");
+    let map = match section.get("map") {
+        None => Some(vec![]),
+        Some(map) => mapping(section, "", map),
+    };
+    let mut command = [python?, "-m", "hingewise.fmu", file?].map(str::to_owned).to_vec();
+    let fmu = Some(command[3].clone());
+    command.extend(map?);
+    Some(Program { command, folder: folder?.to_owned(), exchange: Exchange::Lines, fmu })
+}
+
+/// The texts `NAME=VARIABLE` of a `map`, or of a table in it whose keys follow the text `before` in a name.
+fn mapping(section: &Section, before: &str, map: &Value) -> Option<Vec<String>> {
+    let expected = "a table of variables of the FMU by name, e.g. { \"*.angle\" = \"*_phi\", peak = \"largest(torque)\" }";
+    let Some(map) = map.as_table() else {
+        section.wrong_type("map", map, expected);
+        return None;
+    };
+    let pair = |(name, value): (&String, &Value)| match value.as_str() {
+        Some(variable) => Some(vec![format!("{before}{name}={variable}")]),
+        None => mapping(section, &format!("{before}{name}."), value),
+    };
+    Some(map.iter().map(pair).collect::<Option<Vec<_>>>()?.concat())
 }
 
 /// Reads what a simulator gives, of `[simulator]`; none if it is faulty.
@@ -100,10 +132,10 @@ fn levels(section: &mut Section, gives: Option<&Gives>) -> Option<Vec<String>> {
         .is_some_and(|config| config.contains_key("level"))
     {
         section.inconsistent("levels", "take the place of the key level of config, expected one of them");
-    } else if gives.is_some_and(|gives| *gives != Gives::Life) {
+    } else if section.get("fmu").is_some() || gives.is_some_and(|gives| *gives != Gives::Life) {
         section.inconsistent(
             "levels",
-            "are of a program that gives whole lives; cycles have the accuracies of [study]",
+            "are of a program that gives whole lives; an FMU has none, cycles have the accuracies of [study]",
         );
     } else {
         return Some(names);
@@ -120,7 +152,7 @@ fn program(section: &mut Section) -> Option<Program> {
         section.inconsistent("program", "is empty, expected a program and its arguments");
         return None;
     }
-    Some(Program { command, folder: folder?.to_owned(), exchange: exchange? })
+    Some(Program { command, folder: folder?.to_owned(), exchange: exchange?, fmu: None })
 }
 
 /// Lines over standard input and output, or files if there is a `results`.
@@ -265,7 +297,11 @@ fn values(row: &mut Section, checkpoints: Option<usize>) -> Option<bool> {
 /// Returns true if the document changed.
 pub(super) fn settle_folder(document: &mut Table, folder: Option<&Path>) -> bool {
     let section = document.get_mut("simulator").and_then(Value::as_table_mut);
-    let Some(section) = section.filter(|section| section.contains_key("program")) else { return false };
+    let Some(section) =
+        section.filter(|section| ["program", "fmu"].iter().any(|key| section.contains_key(*key)))
+    else {
+        return false;
+    };
     let Some(folder) = folder else { return false };
     let below = match section.get("folder") {
         None => ".",
@@ -305,6 +341,12 @@ pub(super) fn external(file: &mut Section) -> Model {
 
 /// Reads joints, outputs and life of a program that gives cycles, on the body that stands for the mechanism.
 pub(super) fn cycles(file: &mut Section) -> Model {
+    if file.get("conditions").is_some() {
+        file.inconsistent(
+            "conditions",
+            "are of a mechanism: a program that gives cycles has one kind of cycle",
+        );
+    }
     let materials = materials(file);
     let joints = file.each_row("joints", |name, row| worn_joint(row, name, &materials));
     if joints.is_empty() {

@@ -107,8 +107,8 @@ fn language(table: &Table, path: &str, found: &mut BTreeSet<String>) {
             found.insert(key.clone());
         }
         match value {
-            // Its keys are paths.
-            Value::Table(_) if key == "changes" => {}
+            // Their keys are paths and names.
+            Value::Table(_) if key == "changes" || key == "map" => {}
             Value::Table(inner) => language(inner, key, found),
             Value::Array(rows) => {
                 rows.iter().filter_map(Value::as_table).for_each(|row| language(row, key, found))
@@ -121,10 +121,14 @@ fn language(table: &Table, path: &str, found: &mut BTreeSet<String>) {
     }
 }
 
+/// The example of an FMU.
+const FMU: &str = include_str!("../../../deploy/python/examples/fmu/slider-crank.toml");
+
 fn known() -> BTreeSet<String> {
     // Keys that exclude one of these scenes.
-    let mut known = BTreeSet::from(["extends", "without", "above", "source", "levels"].map(str::to_owned));
-    for text in SIMULATORS.into_iter().chain([EVERYTHING, CYCLE]) {
+    let mut known =
+        BTreeSet::from(["extends", "without", "above", "source", "levels", "python"].map(str::to_owned));
+    for text in SIMULATORS.into_iter().chain([EVERYTHING, CYCLE, FMU]) {
         SceneSource::parse(text, "scene").unwrap();
         language(&text.parse().unwrap(), "", &mut known);
     }

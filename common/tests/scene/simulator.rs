@@ -72,7 +72,7 @@ fn a_study_of_a_program_is_read() {
     let command = vec!["python3".to_owned(), "beam.py".to_owned()];
     assert_eq!(
         simulator.kind,
-        SimulatorKind::Program(Program { command, folder: ".".into(), exchange: Exchange::Lines })
+        SimulatorKind::Program(Program { command, folder: ".".into(), exchange: Exchange::Lines, fmu: None })
     );
     assert!(scene.bodies.is_empty() && scene.joints.is_empty() && scene.loads.is_empty());
     assert_eq!(scene.life.checkpoints(), [100, 200, 300]);
@@ -106,6 +106,31 @@ fn files_and_a_version_are_read() {
     let [results, template, file] = ["out/r.txt", "beam.inp", "mesh"].map(str::to_owned);
     let exchange = FileExchange { results, templates: vec![template], files: vec![file] };
     assert_eq!(program.exchange, Exchange::Files(exchange));
+}
+
+#[test]
+fn an_fmu_is_run_with_its_mapping() {
+    let keys =
+        "fmu = \"beam.fmu\"\nmap = { span = \"L\", pin = { angle = \"phi\" }, \"*.force_x\" = \"*_fx\" }";
+    let read =
+        |keys: &str| SceneSource::parse(&beam("program = [\"python3\", \"beam.py\"]", keys), "beam.toml");
+    let simulator = read(keys).unwrap().nominal().simulator.clone().unwrap();
+    let SimulatorKind::Program(program) = simulator.kind else { panic!() };
+    assert_eq!(program.fmu.as_deref(), Some("beam.fmu"));
+    let (command, mut map) = (&program.command[..4], program.command[4..].to_vec());
+    assert_eq!(command, ["python3", "-m", "hingewise.fmu", "beam.fmu"]);
+    map.sort();
+    assert_eq!(map, ["*.force_x=*_fx", "pin.angle=phi", "span=L"]);
+    for (more, said) in [
+        ("map = { span = 3 }", "simulator.map"),
+        ("map = \"span\"", "a table of variables of the FMU by name"),
+        ("levels = [\"a\", \"b\"]", "an FMU has none"),
+        ("templates = [\"a\"]", "simulator.templates: unknown key"),
+        ("umbridge = \"http://127.0.0.1:1\"", "more than one of program, fmu and umbridge"),
+    ] {
+        let found = read(&format!("fmu = \"beam.fmu\"\n{more}")).unwrap_err().to_string();
+        assert!(found.contains(said), "{more}: {found}");
+    }
 }
 
 #[test]
@@ -154,7 +179,7 @@ fn every_slip_is_named() {
         (
             "timeout = \"2 min\"",
             "umbridge = \"http://127.0.0.1:1\"",
-            &["simulator", "both a program and an umbridge server"],
+            &["simulator", "more than one of program, fmu and umbridge"],
         ),
         ("timeout = \"2 min\"", "timeout = \"2 mm\"", &["simulator.timeout", "expected a time"]),
         ("timeout = \"2 min\"", "time = \"2 min\"", &["simulator.time", "did you mean \"timeout\"?"]),

@@ -220,12 +220,13 @@ fn refused_keys(validator: &Validator, scene: &Value, path: &str) -> BTreeSet<St
 }
 
 /// Keys that decide which other keys a table has, and those that only some of these allow.
-const DECIDING: [&str; 14] = [
+const DECIDING: [&str; 15] = [
     "control_points_of_model",
     "extends",
     "without",
     "simulator",
     "program",
+    "fmu",
     "umbridge",
     "folder",
     "model",

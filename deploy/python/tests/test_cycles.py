@@ -2,6 +2,7 @@
 missing."""
 
 import importlib.util
+import math
 import sys
 import unittest
 from pathlib import Path
@@ -32,6 +33,43 @@ class FourBar(unittest.TestCase):
                 for axis in ("force_x", "force_y"):
                     self.assertLess(abs(joint[axis][k] - other[axis][2 * k]), 1e-3 * largest, (name, axis, k))
                 self.assertLess(abs(joint["angle"][k] - other["angle"][2 * k]), 1e-4)
+
+    @needs("exudyn")
+    def test_a_thick_beam_has_the_motion_of_a_rigid_coupler(self):
+        import exudyn_cycle
+        import flexible_cycle
+
+        def cycle(tool, **sample):
+            return tool.cycle({"period": 1 / 15, "sample": {"load_torque": -0.8, **sample}})
+
+        rigid, thick, thin = (
+            cycle(exudyn_cycle),
+            cycle(flexible_cycle, rod_thickness=20e-3),
+            cycle(flexible_cycle, rod_thickness=1e-3),
+        )
+        for name, joint in rigid["joints"].items():
+            for key, tolerance in ("force_x", 1e-3), ("force_y", 1e-3), ("angle", 1e-4):
+                off = max(abs(a - b) for a, b in zip(joint[key], thick["joints"][name][key]))
+                self.assertLess(off, tolerance, (name, key))
+        # A beam bends in proportion to its compliance, here to the inverse square of its thickness.
+        ratio = thin["outputs"]["deflection"] / thick["outputs"]["deflection"]
+        self.assertLess(abs(ratio / 400 - 1), 0.02, ratio)
+
+
+class Drive(unittest.TestCase):
+    @needs("exudyn")
+    def test_ideal_joints_have_the_published_range_and_forces(self):
+        sys.path.insert(0, str(PACKAGE / "examples" / "drive"))
+        import drive
+
+        joints = drive.cycle(0.0, True)["joints"]
+        # Angle of the frame minus that of the right rocker: Cui et al. (2026) print 29.570 and -29.742 degrees, 9.27 and 5.94 N.
+        angles = [math.degrees(angle) for angle in joints["5"]["angle"]]
+        self.assertLess(abs(max(angles) - 29.742), 5e-3)
+        self.assertLess(abs(min(angles) + 29.570), 5e-3)
+        for name, largest in ("1", 6.045), ("5", 9.277):
+            forces = map(math.hypot, joints[name]["force_x"], joints[name]["force_y"])
+            self.assertLess(abs(max(forces) / largest - 1), 1e-3)
 
 
 if __name__ == "__main__":

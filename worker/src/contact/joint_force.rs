@@ -76,34 +76,3 @@ impl<R: Real> ForceSlopes<R> {
         ForceSlopes { u: [like.like(1.0), zero], rows: [[zero; 6]; 4], to_turn: None }
     }
 }
-
-#[cfg(test)]
-impl ForceSlopes {
-    /// Derivatives of (force, torque_journal, torque_bushing) to the angle alpha, in the bushing's axes `(4,)`.
-    pub(crate) fn turn_in_bushing_axes(&self) -> [f64; 4] {
-        let [a, b, journal, bushing] = self.to_turn.unwrap_or_default();
-        let (u, t) = (self.u, crate::plane::left(self.u));
-        [a * u[0] + b * t[0], a * u[1] + b * t[1], journal, bushing]
-    }
-
-    /// Derivatives of (force, torque_journal, torque_bushing) to (e, w, omega_journal, omega_bushing) in the bushing's
-    /// axes `(4, 6)`.
-    pub(crate) fn in_bushing_axes(&self) -> [[f64; 6]; 4] {
-        let (u, t) = (self.u, crate::plane::left(self.u));
-        let mut turned = self.rows;
-        for row in &mut turned {
-            for pair in [0, 2] {
-                let (a, b) = (row[pair], row[pair + 1]);
-                row[pair] = a * u[0] + b * t[0];
-                row[pair + 1] = a * u[1] + b * t[1];
-            }
-        }
-        let mut jacobian = turned;
-        for c in 0..6 {
-            let (a, b) = (turned[0][c], turned[1][c]);
-            jacobian[0][c] = a * u[0] + b * t[0];
-            jacobian[1][c] = a * u[1] + b * t[1];
-        }
-        jacobian
-    }
-}

@@ -26,8 +26,6 @@ mod friction_balance;
 mod friction_tests;
 mod guide;
 mod guide_corner;
-#[cfg(test)]
-mod guide_differences;
 mod guide_onset;
 #[cfg(test)]
 mod guide_tests;

@@ -2,7 +2,7 @@
 
 use super::frame::{End, Frame};
 use super::guide::Guiding;
-use super::guide_differences::assert_derivatives;
+use super::guide_tests::assert_derivatives;
 use super::wearing_guide::WearingGuide;
 use crate::contact::GuideReaction;
 use common::scene::{ContactDamping, GuideClearance, GuideWear, Material, WearingSurfaces};

@@ -98,7 +98,7 @@ fn within_size(outcome: Outcome) -> Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::service::practice::{EagerSimulator, evaluation, job};
+    use crate::service::practice_tests::{EagerSimulator, evaluation, job};
 
     fn outcomes_of<F>(simulate: F, jobs: usize) -> Vec<Outcome>
     where

@@ -79,7 +79,7 @@ fn is_stopped(outcome: &Outcome) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::service::practice::job;
+    use crate::service::practice_tests::job;
 
     #[test]
     fn only_evaluations_under_licences_end_without_contact() {

@@ -24,7 +24,7 @@ mod licence_contact;
 mod link;
 mod own_campaign;
 #[cfg(test)]
-mod practice;
+mod practice_tests;
 mod prefetch;
 mod queue;
 mod slots;

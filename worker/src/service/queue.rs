@@ -92,7 +92,7 @@ impl QueueState {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::service::practice::job;
+    use crate::service::practice_tests::job;
 
     #[test]
     fn a_slot_takes_its_share_and_leaves_the_others_theirs() {

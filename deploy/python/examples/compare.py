@@ -1,0 +1,99 @@
+"""Forces and angles of mechanisms over one cycle by other programs against the joints with clearance of Hingewise, unworn.
+
+    python3 compare.py WORKER [four-bar | drive]
+
+prints a row of Markdown for each program and joint: the largest force here, the difference of the largest forces, the largest difference of
+the forces over the cycle, both relative to it, and the largest difference of the angles. The four-bar in MuJoCo and in Exudyn has ideal joints
+and is compared without friction; the drive in Exudyn has ideal joints, without friction here, and then joints with clearance by the same law.
+"""
+
+import json
+import subprocess
+import sys
+from math import hypot, remainder, tau
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+EXAMPLES = Path(__file__).resolve().parent
+sys.path[:0] = [str(EXAMPLES / folder) for folder in ("four-bar", "drive")]
+
+# Friction that is none [1].
+SMOOTH = 1e-9
+
+
+def built_in(worker, scene, sample, radii):
+    """The reply of the built-in mechanics for unworn surfaces of bushing and journal by joint."""
+    joints = {name: {"bushing": [bushing] * 36, "journal": [journal] * 36} for name, (bushing, journal) in radii.items()}
+    request = {"id": 0, "cycle": 0, "sample": sample, "accuracy": "balanced", "joints": joints}
+    command = [worker, "--serve-cycle", scene]
+    done = subprocess.run(command, input=json.dumps(request) + "\n", capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
+
+
+class Column:
+    """Values at ascending instants, interpolated linearly, each instant not before the last one."""
+
+    def __init__(self, time, values):
+        self.time, self.values, self.k = time, values, 1
+
+    def at(self, t):
+        while self.k < len(self.time) - 1 and self.time[self.k] < t:
+            self.k += 1
+        before, after = self.k - 1, self.k
+        share = (t - self.time[before]) / (self.time[after] - self.time[before])
+        return self.values[before] + share * (self.values[after] - self.values[before])
+
+
+def print_rows(program, own, other):
+    """A row for each joint of two replies."""
+    for name, there in other["joints"].items():
+        here = own["joints"][name]
+        largest = max(map(hypot, here["force_x"], here["force_y"]))
+        peak = max(map(hypot, there["force_x"], there["force_y"])) / largest - 1
+        keys = "force_x", "force_y", "angle"
+        columns = [Column(here.get("time", own.get("time")), here[key]) for key in keys]
+        forces, angles = [], []
+        for t, *values in zip(other["time"], *(there[key] for key in keys)):
+            x, y, angle = (value - column.at(t) for value, column in zip(values, columns))
+            forces.append(hypot(x, y))
+            angles.append(abs(remainder(angle, tau)))
+        force = max(forces) / largest
+        print(f"| {program} | {name} | {largest:.3f} | {100 * peak:+.2f} % | {100 * force:.2f} % | {max(angles):.1e} |")
+
+
+def four_bar(worker):
+    import exudyn_cycle
+    import mujoco_cycle
+
+    sample = {"load_torque": -0.8, "friction": SMOOTH}
+    own = built_in(worker, "four-bar", sample, {name: (4.03e-3, 4e-3) for name in ("crank", "coupler", "rocker")})
+    for program, tool in ("mujoco", mujoco_cycle), ("exudyn", exudyn_cycle):
+        print_rows(program, own, tool.cycle({"period": 1 / 15, "sample": sample}))
+
+
+def drive(worker):
+    import drive
+
+    text = (EXAMPLES / "drive" / "drive.toml").read_text()
+    cases = ("ideal joints", True, SMOOTH, 1), ("ideal joints, a tenth of the clearance here", True, SMOOTH, 0.1)
+    for label, ideal, friction, share in (*cases, ("same law", False, drive.FRICTION, 1)):
+        bushing = drive.JOURNAL + share * (drive.BUSHING - drive.JOURNAL)
+        radii = {name: (bushing, drive.JOURNAL) for name in drive.JOINTS}
+        with TemporaryDirectory() as folder:
+            scene = Path(folder) / "drive.toml"
+            scene.write_text(f'{text}\n[parameters]\nbushing_radius = "{bushing:.9g} m"\nfriction = {friction}\n')
+            own = built_in(worker, str(scene), {}, radii)
+        other = drive.cycle(friction, ideal)
+        print_rows(f"exudyn, {label}", own, other)
+        torque = own["outputs"]["driving_torque"]
+        peak = max(map(abs, other["torque"])) / torque - 1
+        print(f"| exudyn, {label} | driving torque [N m] | {torque:.5f} | {100 * peak:+.2f} % | | |")
+
+
+MECHANISMS = {"four-bar": four_bar, "drive": drive}
+
+if __name__ == "__main__":
+    chosen = sys.argv[2:] or list(MECHANISMS)
+    for name in chosen:
+        print("| program | joint | largest force [N] | its difference | largest difference | angle [rad] |\n|---|---|---|---|---|---|")
+        MECHANISMS[name](sys.argv[1])
