@@ -66,6 +66,19 @@ fn issue_early_lives_of_a_wide_lifetime_were_stated_wrongly() {
 }
 
 #[test]
+fn issue_an_exploring_point_of_one_variable_had_no_value() {
+    // The rim of one variable has two points; R is 1 and then 0.
+    let inputs = InputModel::from(&[Distribution::normal(5.0, 0.25).unwrap()]);
+    let learned = learn(inputs, 1, vec![1, 2, 3, 4], settings(1, 1), |x: &[f64]| {
+        assert_eq!(x.len(), 1);
+        vec![(1..=4).map(|n| 0.058 * f64::from(n) * x[0]).collect()]
+    });
+    let total = learned.reliability().pop().unwrap();
+    let found: Vec<f64> = total.iter().map(|point| point.reliability).collect();
+    assert!(found[2] > 0.999 && found[3] < 0.001, "{found:?}");
+}
+
+#[test]
 fn issue_a_region_in_the_bulk_was_not_seen() {
     // A bump of 0.5 standard deviations at (1.1, -0.6), beside a limit far out.
     let response = |x: &[f64]| {

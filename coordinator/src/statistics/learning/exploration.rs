@@ -104,7 +104,7 @@ pub fn draw_rim(inputs: &InputModel, pf: f64, rng: &mut impl Rng) -> Vec<Vec<f64
 
 /// Chooses `count` of the standardised `points` `(c)(d,)` one after the other, each with the largest square of the
 /// distance from the points `known` `(d,)`, which have factors on it [1], and those chosen before, times the
-/// probability of a result `feasible` `(c,)` [1]; returns their places, fewer if no result is possible anywhere else.
+/// probability of a result `feasible` `(c,)` [1]; returns their places, fewer if no result is possible at any other point.
 pub fn farthest<'a>(
     points: &[&[f64]],
     known: impl Iterator<Item = (&'a [f64], f64)>,
@@ -123,9 +123,8 @@ pub fn farthest<'a>(
     while chosen.len() < count.min(points.len()) {
         let score = |i: usize| distances[i] * feasible[i];
         let best = (0..points.len()).reduce(|a, b| if score(b) > score(a) { b } else { a });
-        let Some(pick) = best.filter(|pick| feasible[*pick] > 0.0) else {
-            break;
-        };
+        // Zero where no result is possible, and at the points chosen: one variable has a rim of two points.
+        let Some(pick) = best.filter(|pick| score(*pick) > 0.0) else { break };
         approach(&mut distances, points[pick], 1.0);
         chosen.push(pick);
     }
