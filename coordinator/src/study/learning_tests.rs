@@ -71,7 +71,7 @@ fn issue_an_exploring_point_of_one_variable_had_no_value() {
     let inputs = InputModel::from(&[Distribution::normal(5.0, 0.25).unwrap()]);
     let learned = learn(inputs, 1, vec![1, 2, 3, 4], settings(1, 1), |x: &[f64]| {
         assert_eq!(x.len(), 1);
-        vec![(1..=4).map(|n| 0.058 * f64::from(n) * x[0]).collect()]
+        vec![(1..=4).map(|n| 0.3 * f64::from(n) * (1.0 + 0.001 * x[0])).collect()]
     });
     let total = learned.reliability().pop().unwrap();
     let found: Vec<f64> = total.iter().map(|point| point.reliability).collect();
