@@ -18,9 +18,9 @@ pub struct CompareArguments {
     /// Folders of the studies
     #[arg(required = true, num_args = 2.., value_name = "DIR")]
     pub dirs: Vec<PathBuf>,
-    /// The page, FILE.html, with the files of the same name next to it; or the folder for compare.html, .md, .json and .csv
+    /// Folder for compare.html, .md, .json and .csv, created if missing; or the page, FILE.html, with those files next to it
     #[arg(long, value_name = "DIR-or-FILE.html")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
 }
 
 /// Writes the page with its files, and prints lives, gains in life and the keys in which the scenes differ.
@@ -28,7 +28,8 @@ pub struct CompareArguments {
 /// # Errors
 /// [`CommandError`] if a study is not finished, or the studies cannot be compared.
 pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), CommandError> {
-    let (folder, name) = destination(&arguments.out)?;
+    let out = arguments.out.as_deref().map(destination).transpose()?;
+    let name = out.as_ref().map_or("compare", |(_, name)| name).to_owned();
     let names = names(&arguments.dirs);
     let studies: Vec<ComparedStudy> =
         arguments.dirs.iter().zip(names).map(|(dir, name)| study(dir, name)).collect::<Result<_, _>>()?;
@@ -44,10 +45,12 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "\u{2013}".to_owned());
     let table: Vec<(String, Vec<String>)> =
         differing.iter().map(|row| (row.key.clone(), row.values.iter().map(value).collect())).collect();
-    let [page, numbers] = ["html", "csv"].map(|end| folder.join(format!("{name}.{end}")));
+    let folder = out.map(|(folder, _)| folder);
+    let [page, numbers] = ["html", "csv"].map(|end| Some(folder.as_ref()?.join(format!("{name}.{end}"))));
     let gains = gains(&studies);
     let document = json!({ "page": page, "csv": numbers, "differences": differing, "gains": gains });
-    answer_with(&answer(name, studies, &table), &document, Some(&Destination::Folder(folder)), as_json)
+    let out = folder.map(Destination::Folder);
+    answer_with(&answer(name, studies, &table), &document, out.as_ref(), as_json)
 }
 
 /// Folder of the files, and their name without its ending.

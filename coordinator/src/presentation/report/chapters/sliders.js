@@ -1,5 +1,5 @@
 // Redraws R(n) and the lives for other means, spreads and thresholds: predicts the failures of a population by the surrogates of the study,
-// and adds the change of R to the curves of the study, so that most of the sampling error of the population cancels.
+// and shows what the study would state for such a share of survivors, so that most of the sampling error of the population cancels.
 (() => {
   const data = JSON.parse(document.getElementById("surrogates").textContent);
   const section = document.getElementById("sliders"), svg = section.querySelector("svg");
@@ -8,7 +8,7 @@
 
   // Points: as many as are predicted in about 30 ms.
   const work = states.reduce((sum, { surrogate: { mean } }) => sum + mean.points.length * (2 * mean.factors.length + 40), 0);
-  const count = Math.round(Math.min(20000, Math.max(1000, 2.5e7 / work)));
+  const count = Math.round(Math.min(20000, Math.max(1000, 1.8e7 / work)));
 
   // Wichura (1988), Algorithm AS 241, to seven digits.
   const ratio = (x, above, below) => above.reduceRight((sum, a) => sum * x + a, 0) / below.reduceRight((sum, b) => sum * x + b, 0);
@@ -65,11 +65,11 @@
       sum + byMean[Math.floor(k / NODES.length)] * byStd[k % NODES.length] * values[i], 0));
   };
 
-  // R(r2) as in the module `kernel`.
+  // Overwrites squared distances by correlations, as the module `kernel` does.
   const correlations = {
-    "gaussian": (r2) => Math.exp(-r2),
-    "matern52": (r2) => { const s = Math.sqrt(10 * r2); return (1 + s + s * s / 3) * Math.exp(-s); },
-    "matern32": (r2) => { const s = Math.sqrt(6 * r2); return (1 + s) * Math.exp(-s); },
+    gaussian(r) { for (let i = 0; i < r.length; i += 1) r[i] = Math.exp(-r[i]); },
+    matern52(r) { for (let i = 0; i < r.length; i += 1) { const s = Math.sqrt(10 * r[i]); r[i] = (1 + s + s * s / 3) * Math.exp(-s); } },
+    matern32(r) { for (let i = 0; i < r.length; i += 1) { const s = Math.sqrt(6 * r[i]); r[i] = (1 + s) * Math.exp(-s); } },
   };
 
   // Life of every point by one limit state.
@@ -81,33 +81,35 @@
     const limits = middle === null ? [surrogate.threshold + sign * step[0]]
       : [surrogate.threshold + step[1], surrogate.threshold - step[0]];
     const found = new Float64Array(count), r = new Float64Array(n), x = new Float64Array(d);
+    const value = (o, side, j, deviation) => {
+      const own = weights[side * m + o], slopes = trend[side * m + o];
+      let sum = slopes[0] + std[o] * deviation;
+      for (let k = 1; k < slopes.length; k += 1) sum += slopes[k] * z[k - 1][j];
+      for (let i = 0; i < n; i += 1) sum += own[i] * r[i];
+      return sum;
+    };
     for (let j = 0; j < count; j += 1) {
-      let norm = 0;
+      let norm = 0, life = Infinity;
       for (let k = 0; k < d; k += 1) { x[k] = factors[k] * z[k][j]; norm += x[k] * x[k]; }
       for (let i = 0, at = 0; i < n; i += 1) {
         let r2 = 0;
         for (let k = 0; k < d; k += 1, at += 1) { const apart = x[k] - points[at]; r2 += apart * apart; }
-        r[i] = correlate(r2);
+        r[i] = r2;
       }
+      correlate(r);
       const deviation = deviations[j] * Math.sqrt(Math.min(1, Math.max(0, variance[0] + variance[1] * norm)));
-      let life = Infinity;
-      limits.forEach((limit, side) => {
-        const value = (o) => {
-          const own = weights[side * m + o], slopes = trend[side * m + o];
-          let sum = slopes[0] + std[o] * deviation;
-          for (let k = 1; k < slopes.length; k += 1) sum += slopes[k] * z[k - 1][j];
-          for (let i = 0; i < n; i += 1) sum += own[i] * r[i];
-          return sum;
-        };
+      for (let side = 0; side < limits.length; side += 1) {
         // Running maxima do not fall: the first that reaches the limit is found by bisection.
-        let low = -1, high = m - 1, below, above = value(high);
-        if (above < limit) return;
+        const limit = limits[side];
+        let low = -1, high = m - 1, below = 0, above = value(high, side, j, deviation);
+        if (above < limit) continue;
         while (high - low > 1) {
-          const o = (low + high) >> 1, y = value(o);
-          if (y >= limit) [high, above] = [o, y]; else [low, below] = [o, y];
+          const o = (low + high) >> 1, y = value(o, side, j, deviation);
+          if (y >= limit) { high = o; above = y; } else { low = o; below = y; }
         }
-        life = Math.min(life, low < 0 ? times[0] : times[low] + (limit - below) / (above - below) * (times[high] - times[low]));
-      });
+        const crossed = low < 0 ? times[0] : times[low] + (limit - below) / (above - below) * (times[high] - times[low]);
+        life = Math.min(life, crossed);
+      }
       found[j] = life;
     }
     return found;
@@ -199,23 +201,32 @@
   });
   const place = ({ from, to, first, last }, value) => from + (value - first) / (last - first) * (to - from);
 
-  let places, studied;
+  // The function that makes the predicted R of the studied setting the R of the study, through 0 and 1.
+  const calibration = ({ times, studied: own }, c) => {
+    const xs = [0], ys = [0];
+    for (let i = times.length - 1; i >= 0; i -= 1) {
+      const r = surviving(studied.lives[c], times[i]);
+      if (r > xs[xs.length - 1] && r < 1) { xs.push(r); ys.push(own[i]); }
+    }
+    return [[...xs, 1], [...ys, 1]];
+  };
+  let places, studied, calibrations;
   const redraw = () => {
-    if (!places) { places = prepare(); studied = assess({}); }
+    if (!places) {
+      places = prepare();
+      studied = assess({});
+      calibrations = curves.map(calibration);
+    }
     const begun = performance.now(), setting = {};
     const changed = knobs.filter(({ slider }) => Number(slider.value) !== 0);
     for (const { slider, owner, key } of changed) (setting[owner] ??= {})[key] = Number(slider.value);
     const found = changed.length ? assess(setting) : studied;
     let scatter = 0;
-    const shown = curves.map(({ times, studied: before }, c) => {
-      let most = 1;
-      return times.map((time, i) => {
-        const change = surviving(found.lives[c], time) - surviving(studied.lives[c], time);
-        scatter = Math.max(scatter, Math.abs(change));
-        most = Math.max(0, Math.min(most, before[i] + change));
-        return most;
-      });
-    });
+    const shown = curves.map(({ times, studied: before }, c) => !changed.length ? before : times.map((time) => {
+      const r = surviving(found.lives[c], time);
+      scatter = Math.max(scatter, Math.abs(r - surviving(studied.lives[c], time)));
+      return between(...calibrations[c], r);
+    }));
     drawn.forEach((path, c) => path.setAttribute("d", shown[c].map((r, i) =>
       `${i ? "L" : "M"}${place(axes.x, curves[c].times[i] / data.divisor).toFixed(0)} ${place(axes.y, r).toFixed(0)}`).join("")));
     const rows = levels.map((level) => [`R = ${level}`, ...curves.map(({ times, studied: before }, c) =>
