@@ -28,7 +28,7 @@ pub struct StudyResult {
     /// Distributions over the population (from simulations alone with the Monte Carlo method), per output of the
     /// scene, in its order.
     pub distributions: Vec<OutputHistory>,
-    /// The surrogates as plain numbers; `None` without any, or with too many simulations.
+    /// The surrogates as plain numbers; `None` without any.
     pub explicit: Option<ExplicitModel>,
 }
 
@@ -144,7 +144,7 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Campai
         lives,
         distributions: output_distributions(scene, learned),
         derivatives: sensitivities(&sampled, &first_failures, &assessment.grid, m),
-        explicit: ExplicitModel::new(scene, learned),
+        explicit: Some(ExplicitModel::new(scene, learned)),
         summary: StudySummary {
             failure_points: failure_points(scene, &sampled, &first_failures[..scene.limit_states.len()]),
             sobol: sobol(scene, learned),

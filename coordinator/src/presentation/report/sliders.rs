@@ -130,14 +130,8 @@ fn of_state(input: &ReportInput, state: &LimitState, explicit: &ExplicitLimitSta
     let unit = input.unit_of(state);
     let symbol = unit.symbol().replace('µ', "u");
     let (written, scale) = of_unit(&symbol);
-    let keys: &[&str] = if state.middle().is_some() { &["lower", "upper"] } else { &["threshold"] };
-    let thresholds: Vec<Value> = keys
-        .iter()
-        .zip(state.thresholds())
-        .map(|(key, value)| json!({ "key": key, "value": value }))
-        .collect();
     json!({ "name": state.name, "title": words(&state.name), "unit": unit.symbol(), "written": written, "scale": scale,
-        "thresholds": thresholds, "reach": 0.5 * state.scale(), "middle": state.middle(),
+        "thresholds": state.thresholds(), "reach": 0.5 * state.scale(),
         "sign": state.response(1.0) - state.response(0.0), "surrogate": explicit })
 }
 

@@ -72,13 +72,16 @@
     matern32(r) { for (let i = 0; i < r.length; i += 1) { const s = Math.sqrt(6 * r[i]); r[i] = (1 + s) * Math.exp(-s); } },
   };
 
+  // Keys of one threshold, or of two, as in a scene.
+  const thresholdKeys = ({ thresholds }) => thresholds.length === 1 ? ["threshold"] : ["lower", "upper"];
+
   // Life of every point by one limit state.
-  const lives = ({ surrogate, thresholds, middle, sign, reach }, moved, z) => {
+  const lives = ({ surrogate, thresholds, sign, reach }, moved, z) => {
     const { times, mean: { factors, kernel, trend }, std, variance, deviations, points, weights } = surrogate;
     const d = factors.length, n = points.length / d, m = times.length, correlate = correlations[kernel];
     // Threshold of each side: the distance of a threshold from where it was moves it.
-    const step = thresholds.map(({ key }) => (moved[key] ?? 0) / STEPS * reach);
-    const limits = middle === null ? [surrogate.threshold + sign * step[0]]
+    const step = thresholdKeys({ thresholds }).map((key) => (moved[key] ?? 0) / STEPS * reach);
+    const limits = step.length === 1 ? [surrogate.threshold + sign * step[0]]
       : [surrogate.threshold + step[1], surrogate.threshold - step[0]];
     const found = new Float64Array(count), r = new Float64Array(n), x = new Float64Array(d);
     const value = (o, side, j, deviation) => {
@@ -97,7 +100,7 @@
         r[i] = r2;
       }
       correlate(r);
-      const deviation = deviations[j] * Math.sqrt(Math.min(1, Math.max(0, variance[0] + variance[1] * norm)));
+      const deviation = deviations[j] * Math.sqrt(Math.min(1, variance * norm));
       for (let side = 0; side < limits.length; side += 1) {
         // Running maxima do not fall: the first that reaches the limit is found by bisection.
         const limit = limits[side];
@@ -173,18 +176,19 @@
   };
   const fields = section.querySelector(".controls");
   for (const state of states.filter(({ surrogate }) => !surrogate.is_coarse)) {
-    for (const { key, value } of state.thresholds) {
-      const name = key === "threshold" ? "threshold" : `${key} threshold`;
-      const written = key === "threshold" ? "threshold" : key;
-      fields.append(knob(state.name, written, `${state.title}: ${name}`, (k) => value + k / STEPS * state.reach, state));
+    for (const [k, value] of state.thresholds.entries()) {
+      const key = thresholdKeys(state)[k], name = key === "threshold" ? key : `${key} threshold`;
+      const label = knob(state.name, key, `${state.title}: ${name}`, (k) => value + k / STEPS * state.reach, state);
+      label.style.gridColumn = "1 / -1";
+      fields.append(label);
     }
   }
   for (const variable of variables.filter(({ reach }) => reach > 0)) {
     const { name, mean, std, reach } = variable, title = name.replaceAll("_", " ");
     fields.append(knob(name, "mean", `${title}: mean`, (k) => mean + k / STEPS * reach * std, variable),
-      knob(name, "std", `${title}: standard deviation`, (k) => std * 2 ** (k / STEPS), variable));
+      knob(name, "std", `${title}: std`, (k) => std * 2 ** (k / STEPS), variable));
   }
-  const still = variables.filter(({ reach, std }) => reach === 0 && std > 0).map(({ name }) => name);
+  const fixed = variables.filter(({ reach, std }) => reach === 0 && std > 0).map(({ name }) => name);
   const [reset, link] = [element("button", "Reset", { type: "button" }), element("a", "Link to this setting")];
   const [lifeTable, notes, command] = [element("div", "", { className: "wide" }), element("p"), element("code")];
   fields.append(reset, link);
@@ -195,7 +199,7 @@
     const path = document.createElementNS(svg.namespaceURI, "path");
     path.setAttribute("fill", "none");
     path.setAttribute("stroke", ink);
-    path.setAttribute("stroke-width", svg.viewBox.baseVal.width / 130);
+    path.setAttribute("stroke-width", svg.viewBox.baseVal.width / 200);
     svg.append(path);
     return path;
   });
@@ -240,7 +244,7 @@
     notes.textContent = [
       changed.length ? `Sampling error of the change of R: at most ${digits(1.96 * Math.sqrt(scatter / count), 2)} (95 %).` : "",
       left.length ? `This setting leaves the simulated values of ${left.join(", ")}: there the surrogates only continue what they know.` : "",
-      still.length ? `No sliders for ${still.join(", ")}: their distributions are not given by mean and standard deviation.` : "",
+      fixed.length ? `No sliders for ${fixed.join(", ")}: their distributions are not given by mean and standard deviation.` : "",
     ].join(" ");
     notes.className = left.length ? "note" : "none";
     // A changed moment fixes the other one too: a share of the mean would follow it.

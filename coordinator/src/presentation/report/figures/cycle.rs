@@ -161,13 +161,9 @@ fn over_time(
         })
         .collect();
     let margin = 0.04 * (high - low);
-    let plot = Plot {
-        figure: name,
-        x: Axis::linear("time [ms]", (time[0] * 1e3, time[time.len() - 1] * 1e3)),
-        y: Axis::linear(label, (if low >= 0.0 { 0.0 } else { low - margin }, high + margin)),
-        series: &series,
-    };
-    Some(plot.figure(title, caption))
+    let x = Axis::linear("time [ms]", (time[0] * 1e3, time[time.len() - 1] * 1e3));
+    let y = Axis::linear(label, (if low >= 0.0 { 0.0 } else { low - margin }, high + margin));
+    Some(Plot { figure: name, x, y, series: &series }.figure(title, caption))
 }
 
 /// Number of buckets to which a dense trace is thinned: more than the width of a figure in pixels.

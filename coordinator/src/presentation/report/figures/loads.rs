@@ -69,10 +69,12 @@ impl VaryingLoads {
             let (low, high) = range(points.clone().map(|point| point.1));
             let margin = 0.04 * (high - low).max(f64::MIN_POSITIVE);
             let label = if unit.is_empty() { "factor".to_owned() } else { format!("load [{unit}]") };
+            let x = Axis::linear(&self.over, range(points.map(|point| point.0)));
+            let y = Axis::linear(&label, ((low - margin).min(0.0), (high + margin).max(0.0)));
             let plot = Plot {
                 figure: &if k == 0 { "loads".to_owned() } else { format!("loads-{}", k + 1) },
-                x: Axis::linear(&self.over, range(points.map(|point| point.0))),
-                y: Axis::linear(&label, ((low - margin).min(0.0), (high + margin).max(0.0))),
+                x,
+                y,
                 series: &series,
             };
             let (what, _) = self.over.split_once(" [").unwrap_or((&self.over, ""));

@@ -40,12 +40,9 @@ fn distribution(input: &ReportInput, state: &LimitState, shown: &[&CheckpointDis
     let name = format!("distribution-{}", file_name(&state.name));
     let margin = 0.03 * (high - low);
     let labels = [unit.axis(&output), density(unit)];
-    let plot = Plot {
-        figure: &name,
-        x: Axis::linear(&labels[0], (low - margin, high + margin)),
-        y: Axis::linear(&labels[1], (0.0, 1.08 * top)),
-        series: &series,
-    };
+    let x = Axis::linear(&labels[0], (low - margin, high + margin));
+    let y = Axis::linear(&labels[1], (0.0, 1.08 * top));
+    let plot = Plot { figure: &name, x, y, series: &series };
     let title = if input.summary.is_static() {
         format!("distribution of {output}")
     } else {
@@ -184,12 +181,9 @@ fn history(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Option<F
     }
     let name = format!("history-{}", file_name(&state.name));
     let label = unit.axis(&output);
-    let plot = Plot {
-        figure: &name,
-        x: Axis::linear(axis.label, (0.0, last)),
-        y: Axis::linear(&label, (low, high + 0.05 * (high - low))),
-        series: &series,
-    };
+    let x = Axis::linear(axis.label, (0.0, last));
+    let y = Axis::linear(&label, (low, high + 0.05 * (high - low)));
+    let plot = Plot { figure: &name, x, y, series: &series };
     Some(plot.figure(&capital(&format!("{output} over life")), &caption))
 }
 
