@@ -253,8 +253,9 @@
     command.textContent = changed.length ? `coordinator what-if . ${named.map((knob) => knob.written()).join(" ")}` : "";
     knobs.forEach((knob) => knob.show());
     link.href = `#what-if=${changed.map(({ slider }) => `${slider.name}:${slider.value}`).join(";")}`;
-    Object.assign(section, { shown, milliseconds: performance.now() - begun });
-    section.dataset.milliseconds = section.milliseconds.toFixed(1);
+    const answer = curves.map(({ name, times }, c) =>
+      ({ name, times, reliability: shown[c], lives: levels.map((level) => reached(times, shown[c], level)) }));
+    Object.assign(section, { answer, milliseconds: performance.now() - begun });
   };
   const restore = () => {
     const text = decodeURIComponent(location.hash);
