@@ -1,7 +1,7 @@
 //! `coordinator compare`: the curves of several finished studies on one page, and as CSV.
 
 use super::error::CommandError;
-use super::output::{Destination, answer_with, check_destination, unusable};
+use super::output::{Destination, answer_with, file_of, or_here, unusable};
 use super::stored_study::{scene_of, summary_of};
 use clap::Args;
 use common::scene::SceneSource;
@@ -55,17 +55,12 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
 
 /// Folder of the files, and their name without its ending.
 fn destination(out: &Path) -> Result<(PathBuf, String), CommandError> {
-    if out.is_dir() || out.extension().is_none() {
-        return Ok((out.to_owned(), "compare".to_owned()));
+    let page = file_of(out, "compare.html")?;
+    if page.extension().is_none_or(|end| end != "html") {
+        return Err(unusable(out, "expected a folder, or a name that ends in .html".to_owned()));
     }
-    match out.file_stem() {
-        Some(stem) if out.extension().is_some_and(|end| end == "html") => {
-            check_destination(Some(out))?;
-            let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
-            Ok((folder.unwrap_or(Path::new(".")).to_owned(), stem.to_string_lossy().into_owned()))
-        }
-        _ => Err(unusable(out, "expected a folder, or a name that ends in .html".to_owned())),
-    }
+    let name = page.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok((page.parent().map(or_here).unwrap_or(&page).to_owned(), name))
 }
 
 fn study(dir: &Path, name: String) -> Result<ComparedStudy, CommandError> {

@@ -70,11 +70,8 @@ pub fn doctor(arguments: &DoctorArguments, as_json: bool) -> Result<(), CommandE
     examine(&mut findings, arguments, host, port)?;
     print(&if as_json { to_json(&findings)? } else { lines(&findings) })?;
     let failed = findings.iter().filter(|finding| !finding.ok).count();
-    if failed == 0 {
-        Ok(())
-    } else {
-        Err(CommandError::Failed(format!("{failed} of {} checks failed", findings.len())))
-    }
+    let fault = format!("{failed} of {} checks failed", findings.len());
+    if failed == 0 { Ok(()) } else { Err(CommandError::Failed(fault)) }
 }
 
 fn lines(findings: &[CheckResult]) -> String {
@@ -160,16 +157,9 @@ fn reach(addresses: &[SocketAddr]) -> Result<((), String), String> {
 
 /// A claim for no task: it uses the same path as a real one without changing the study.
 fn claim(session: &ClientSession, worker: &WorkerId) -> Result<((), String), String> {
-    let claim = Claim {
-        worker: worker.clone(),
-        sequence: 1,
-        offers: Offers::Scenes(worker::BUILD),
-        slots: 0,
-        credits: 0,
-        holding: vec![],
-        finished: vec![],
-        leaving: false,
-    };
+    let (worker, offers, holding) = (worker.clone(), Offers::Scenes(worker::BUILD), vec![]);
+    let (slots, credits, finished) = (0, 0, vec![]);
+    let claim = Claim { worker, sequence: 1, offers, slots, credits, holding, finished, leaving: false };
     let begun = Instant::now();
     match session.claim(&claim, PATIENCE) {
         Ok(_) => {

@@ -64,7 +64,7 @@ pub fn file_of(out: &Path, name: &str) -> Result<PathBuf, CommandError> {
 }
 
 /// A folder, or the working folder where its path is empty.
-fn or_here(folder: &Path) -> &Path {
+pub fn or_here(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 

@@ -55,7 +55,9 @@ pub fn chapter(page: &mut Page, input: &ReportInput) -> Markup {
         .then(|| (0..d).map(|k| inputs.copula().correlate(&unit(k))).collect::<Vec<_>>());
     let states = input.scene.limit_states.iter().zip(&explicit.limit_states);
     let end = summary.reliability.last().map_or(0, |row| row.cycles);
-    let curves = summary.curves.iter().map(|curve| {
+    // A single limit state has the curve of the whole system.
+    let is_drawn = |row: &&LifeCurveRow| summary.limit_states.len() > 1 || row.limit_state == "total";
+    let curves = summary.curves.iter().filter(is_drawn).map(|curve| {
         let name = if curve.limit_state == "total" { input.subject() } else { &curve.limit_state };
         json!({ "name": name, "cycles": curve.cycles, "reliability": curve.reliability,
             "ink": ink_of(summary, &curve.limit_state).hex() })
@@ -69,7 +71,7 @@ pub fn chapter(page: &mut Page, input: &ReportInput) -> Markup {
         let shape = Shape::Line(curve(summary, &row.limit_state, &axis).0);
         Series::new(&row.limit_state, ink_of(summary, &row.limit_state), shape)
     };
-    let series: Vec<Series> = summary.curves.iter().map(line).collect();
+    let series: Vec<Series> = summary.curves.iter().filter(is_drawn).map(line).collect();
     let (x, y) =
         (Axis::linear(axis.label, (0.0, axis.place(end))), Axis::linear("reliability R", (0.0, 1.0)));
     let drawing = Plot { figure: "sliders", x, y, series: &series }.drawing();
