@@ -187,11 +187,8 @@ fn clock(status: &Status, asked: u64, answered: u64) -> Result<((), String), Str
     let doubt = (answered as f64 - asked as f64) / 2e3;
     let ahead = (status.clock_ms as f64 - middle) / 1e3;
     let says = format!("the coordinator's clock is {ahead:+.3} s from this one, within {doubt:.3} s");
-    if ahead.abs() <= CLOCKS {
-        Ok(((), says))
-    } else {
-        Err(format!("{says}: set both by NTP, certificates depend on it"))
-    }
+    let fault = format!("{says}: set both by NTP, certificates depend on it");
+    if ahead.abs() <= CLOCKS { Ok(((), says)) } else { Err(fault) }
 }
 
 /// Whether the coordinator sees that a worker lives: without that it gives it no task.

@@ -36,15 +36,11 @@ pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
     variants_of_model(&mut page, input);
     influences(&mut page, input);
     points::failures(&mut page, input);
-    let scripts = if input.summary.of_mechanism() {
-        motion(&mut page, input)
-    } else {
-        html! {}
-    };
+    let scripts = input.summary.of_mechanism().then(|| motion(&mut page, input));
     quality(&mut page, input);
     signed::chapter(&mut page, input);
     appendix(&mut page, input);
-    page.add(html! { (scripts) (sliders) script { "\n" (PreEscaped(HOVER)) } "\n" });
+    page.add(html! { @if let Some(scripts) = scripts { (scripts) } (sliders) script { "\n" (PreEscaped(HOVER)) } "\n" });
     page
 }
 

@@ -33,15 +33,11 @@ fn reliability(rounds: &[Round], last: &Round, x: Axis<'_>, label: &str) -> Figu
     let reliability = over(rounds, |round| Some(round.reliability_total));
     let (low, high) = range(reliability.iter().map(|point| point.1));
     let margin = (0.15 * (high - low)).max(0.01);
-    let plot = Plot {
-        figure: "learning-reliability",
-        x,
-        y: Axis::linear(label, ((low - margin).max(0.0), (high + margin).min(1.0))),
-        series: &[Series::unlisted("R", Ink::Ink, Shape::Dotted(reliability))],
-    };
+    let y = Axis::linear(label, ((low - margin).max(0.0), (high + margin).min(1.0)));
+    let series = &[Series::unlisted("R", Ink::Ink, Shape::Dotted(reliability))];
     let caption =
         format!("At the checkpoint where R is nearest 1/2: at the end {} cycles.", count(last.cycles.into()));
-    plot.figure("R at the governing checkpoint", &caption)
+    Plot { figure: "learning-reliability", x, y, series }.figure("R at the governing checkpoint", &caption)
 }
 
 fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Figure {

@@ -71,17 +71,11 @@ impl VaryingLoads {
             let label = if unit.is_empty() { "factor".to_owned() } else { format!("load [{unit}]") };
             let x = Axis::linear(&self.over, range(points.map(|point| point.0)));
             let y = Axis::linear(&label, ((low - margin).min(0.0), (high + margin).max(0.0)));
-            let plot = Plot {
-                figure: &if k == 0 { "loads".to_owned() } else { format!("loads-{}", k + 1) },
-                x,
-                y,
-                series: &series,
-            };
+            let figure = &if k == 0 { "loads".to_owned() } else { format!("loads-{}", k + 1) };
             let (what, _) = self.over.split_once(" [").unwrap_or((&self.over, ""));
-            plot.figure(
-                &format!("Loads over the {what}"),
-                &format!("By their curves. {}.", self.lines().join("; ")),
-            )
+            let (title, lines) = (format!("Loads over the {what}"), self.lines().join("; "));
+            let caption = format!("By their curves. {lines}.");
+            Plot { figure, x, y, series: &series }.figure(&title, &caption)
         };
         units.iter().enumerate().map(figure).collect()
     }

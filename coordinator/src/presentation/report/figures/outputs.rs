@@ -215,11 +215,8 @@ fn spread(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Vec<(Stri
 /// Source of the values of a distribution.
 fn origin(summary: &StudySummary) -> String {
     let population = format!("{} {}s", count(summary.population as u64), summary.subject());
-    if summary.method == "ak" {
-        format!("predicted by the surrogates for a population of {population}")
-    } else {
-        format!("simulated for all {population}")
-    }
+    let predicted = format!("predicted by the surrogates for a population of {population}");
+    if summary.method == "ak" { predicted } else { format!("simulated for all {population}") }
 }
 
 #[cfg(test)]

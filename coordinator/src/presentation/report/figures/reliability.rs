@@ -194,18 +194,12 @@ pub fn compared(studies: &[ComparedStudy]) -> Vec<Figure> {
             let shape = if k % 2 == 1 { Shape::Dashed(points) } else { Shape::Line(points) };
             lines.push(Series::new(study, Ink::Series(k), shape));
         }
-        let title = if name == "total" {
-            "No failure of any kind".to_string()
-        } else {
-            format!("No failure by {name}")
-        };
-        Plot {
-            figure: &format!("reliability-{}", file_name(name)),
-            x: Axis::linear(axis.label, (axis.place(from), axis.place(to))),
-            y: Axis::linear("reliability R", (0.0, 1.0)),
-            series: &[bands, lines].concat(),
-        }
-        .figure(&title, "Bands: 95 % interval of sampling, surrogate and interpolation between the checkpoints, without numerical errors.")
+        let by = format!("No failure by {name}");
+        let title = if name == "total" { "No failure of any kind" } else { &by };
+        let caption = "Bands: 95 % interval of sampling, surrogate and interpolation between the checkpoints, without numerical errors.";
+        let (figure, series) = (&format!("reliability-{}", file_name(name)), &[bands, lines].concat());
+        let x = Axis::linear(axis.label, (axis.place(from), axis.place(to)));
+        Plot { figure, x, y: Axis::linear("reliability R", (0.0, 1.0)), series }.figure(title, caption)
     };
     studies[0].summary.curve_names().map(figure).collect()
 }
