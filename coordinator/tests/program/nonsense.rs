@@ -7,7 +7,7 @@ use std::process::Command;
 const COMMANDS: usize = 60;
 
 /// Arguments, separated by spaces, and a piece of the message. `DIR` is an empty folder, `FILE` a file that is no scene.
-const NONSENSE: [(&str, &str); 62] = [
+const NONSENSE: [(&str, &str); 61] = [
     ("frobnicate", "frobnicate"),
     ("simulat", "simulate"),
     ("--frobnicate", "--frobnicate"),

@@ -4,6 +4,9 @@
 //!
 //! with the standardised point z, factors f = sqrt(theta), the scaled points p_i of the data and the correlation function R of the
 //! [`super::Kernel`], a function of the squared distance.
+//!
+//! # Source
+//! Sacks, Welch, Mitchell, Wynn (1989), Design and analysis of computer experiments, Statistical Science 4(4), eq. 7, in the dual form.
 
 use super::Kriging;
 use serde::{Deserialize, Serialize};

@@ -175,7 +175,7 @@
     return label;
   };
   const fields = section.querySelector(".controls");
-  for (const state of states.filter(({ surrogate }) => !surrogate.is_coarse)) {
+  for (const state of states.filter(({ surrogate, reach }) => !surrogate.is_coarse && reach > 0)) {
     for (const [k, value] of state.thresholds.entries()) {
       const key = thresholdKeys(state)[k], name = key === "threshold" ? key : `${key} threshold`;
       const label = knob(state.name, key, `${state.title}: ${name}`, (k) => value + k / STEPS * state.reach, state);
