@@ -79,7 +79,7 @@ pub fn chapter(page: &mut Page, input: &ReportInput) -> Markup {
     page.add(html! {
         p.asks {
             "Other means, standard deviations and thresholds: reliability and lives follow the sliders, as the surrogates of the study \
-             predict them. Thin lines: the study; thick lines: with the change. The command below the table answers the same with 95 % \
+             predict them. Pale lines: the study; full lines: with the change. The command below the table answers the same with 95 % \
              intervals."
         }
         noscript { p.none { "The sliders need JavaScript; " code { "coordinator what-if" } " answers without it." } }
