@@ -29,6 +29,7 @@ mod classified_population;
 mod correction;
 mod dispatching;
 mod error;
+mod explicit_model;
 mod exploring;
 mod failure_points;
 mod failures;
@@ -87,6 +88,7 @@ pub use campaign_result::CampaignResult;
 pub use classified_population::ClassifiedPopulation;
 pub use correction::Correction;
 pub use error::StudyError;
+pub use explicit_model::{ExplicitLimitState, ExplicitModel};
 pub use failures::{Failed, Feasibility};
 pub use finer_levels::FinerLevels;
 pub use from_results::{

@@ -1,5 +1,5 @@
-//! The figures of reports in a browser: letters that do not cover each other, large enough, and with enough contrast, on narrow and
-//! wide screens, in light and in dark.
+//! Reports in a browser: letters of figures that do not cover each other, large enough, and with enough contrast, on narrow and wide
+//! screens, in light and in dark; and the sliders, which answer as `what-if` does.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -131,12 +131,19 @@ fn measured(browser: &str, page: &Path, folder: &Path) -> Vec<Value> {
     let around = format!(
         "<!DOCTYPE html><html><head><meta charset=\"utf-8\"></head><body><script>const WIDTHS = {widths}, page = {text};{MEASURE}</script></body></html>"
     );
+    let result = run_page(browser, &around, ("", &["--virtual-time-budget=60000"]), folder);
+    result.as_array().unwrap().clone()
+}
+
+/// The result that the scripts of a page, opened at `fragment` with these options, write into its element `result`.
+fn run_page(browser: &str, page: &str, (fragment, options): (&str, &[&str]), folder: &Path) -> Value {
     let path = folder.join("measure.html");
-    std::fs::write(&path, around).unwrap();
+    std::fs::write(&path, page).unwrap();
     let mut command = Command::new(browser);
     command.args(["--headless", "--no-sandbox", "--disable-gpu", "--window-size=1700,1300"]);
-    command.args(["--virtual-time-budget=60000", "--dump-dom"]);
-    command.arg(format!("--user-data-dir={}", folder.join("profile").display())).arg(&path);
+    command.args(options).arg("--dump-dom");
+    command.arg(format!("--user-data-dir={}", folder.join("profile").display()));
+    command.arg(format!("file://{}{fragment}", path.display()));
     let output = command.output().unwrap();
     let dom = String::from_utf8_lossy(&output.stdout);
     let result = dom.rsplit_once("<pre id=\"result\">").and_then(|(_, rest)| rest.split("</pre>").next());
@@ -144,6 +151,89 @@ fn measured(browser: &str, page: &Path, folder: &Path) -> Vec<Value> {
     let result =
         result.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&").replace("&nbsp;", " ");
     serde_json::from_str(&result).unwrap_or_else(|error| panic!("{error}: {result}"))
+}
+
+/// Ten settings of the sliders: their places from -100 to 100.
+const SETTINGS: &str = r#"[
+  {"wear_coefficient.mean": 40}, {"wear_coefficient.mean": -30}, {"wear_coefficient.std": 100},
+  {"wear_coefficient.std": -100, "load_torque.mean": 50}, {"wear.threshold": 25}, {"wear.threshold": -20},
+  {"clearance_crank.mean": 60}, {"clearance_crank.std": 70, "friction.mean": -60}, {"friction.std": 100, "load_torque.std": 100},
+  {"load_torque.mean": -30, "wear.threshold": 10, "wear_coefficient.std": 30}]"#;
+
+/// Puts the sliders to every setting and notes the answer, the command that the page states, and the time of the redraw; before that what
+/// the address of the page has set.
+const SLIDE: &str = r##"
+const section = document.getElementById("sliders"), sliders = [...section.querySelectorAll("input")];
+const restored = sliders.filter((slider) => slider.value !== "0").map((slider) => `${slider.name}:${slider.value}`);
+const answers = SETTINGS.map((setting) => {
+  for (const slider of sliders) slider.value = setting[slider.name] ?? 0;
+  section.dispatchEvent(new Event("input"));
+  const command = section.querySelector("code").textContent, link = section.querySelector("a").getAttribute("href");
+  return { answer: section.answer, milliseconds: section.milliseconds, command, link };
+});
+const result = document.createElement("pre");
+result.id = "result";
+result.textContent = JSON.stringify({ restored, answers });
+document.body.append(result);
+"##;
+
+#[test]
+fn sliders_answer_as_what_if_within_its_intervals() {
+    let Some(browser) = browser() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, options) = STUDIES[0];
+    let page = report(scene, options, folder.path());
+    let text = std::fs::read_to_string(&page).unwrap();
+    let about = text.split("id=\"surrogates\">").nth(1).unwrap().split("</script>").next().unwrap().len();
+    assert!(
+        text.len() < 2_000_000 && about < 1_000_000,
+        "{} bytes, {about} of them for the sliders",
+        text.len()
+    );
+    let probe = format!("<script>const SETTINGS = {SETTINGS};{SLIDE}</script></body>");
+    let found = run_page(
+        browser,
+        &text.replace("</body>", &probe),
+        // Time that passes, to measure it.
+        ("#what-if=friction.mean:-20;wear.threshold:10", &[]),
+        folder.path(),
+    );
+    assert_eq!(found["restored"], serde_json::json!(["wear.threshold:10", "friction.mean:-20"]));
+    let answers = found["answers"].as_array().unwrap();
+    assert_eq!(answers[0]["link"], "#what-if=wear_coefficient.mean:40");
+    let mut longest = 0.0_f64;
+    for found in answers {
+        let command = found["command"].as_str().unwrap();
+        let mut what_if = Command::new(program("coordinator"));
+        what_if.arg("what-if").arg(page.parent().unwrap()).arg("--json");
+        for set in command.split("--set '").skip(1) {
+            what_if.args(["--set", set.trim().trim_end_matches('\'')]);
+        }
+        let output = what_if.output().unwrap();
+        assert!(output.status.success(), "{command}: {}", String::from_utf8_lossy(&output.stderr));
+        let expected: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let curve = found["answer"].as_array().unwrap().last().unwrap();
+        let times = curve["times"].as_array().unwrap();
+        let is_within = |value: f64, interval: &Value| {
+            value >= interval["lower"].as_f64().unwrap() - 1e-4
+                && interval["upper"].as_f64().is_none_or(|upper| value <= upper + 1e-4)
+        };
+        for row in expected["reliability"].as_array().unwrap() {
+            let place = times.iter().position(|time| time.as_f64() == row["cycles"].as_f64()).unwrap();
+            let shown = curve["reliability"][place].as_f64().unwrap();
+            assert!(is_within(shown, &row["interval"]["total"]), "{command}: {shown} against {row}");
+        }
+        let lives = expected["lives"].as_array().unwrap().iter();
+        for (row, shown) in
+            lives.filter(|row| row["limit_state"] == "total").zip(curve["lives"].as_array().unwrap())
+        {
+            assert!(is_within(shown.as_f64().unwrap(), &row["interval"]), "{command}: {shown} against {row}");
+        }
+        longest = longest.max(found["milliseconds"].as_f64().unwrap());
+    }
+    println!("{} bytes, {about} for the sliders; longest redraw {longest:.0} ms", text.len());
+    // On an idle machine a redraw takes less than 50 ms.
+    assert!(longest < 200.0, "{longest} ms");
 }
 
 #[test]

@@ -126,16 +126,6 @@ pub fn row<'d>(document: &'d mut Table, name: &str) -> Option<&'d mut Table> {
     rows(document, "variables").iter_mut().filter_map(Value::as_table_mut).find(is_asked)
 }
 
-/// Bounds that the scene gives, by variable.
-pub fn fixed_bounds(source: &SceneSource) -> Vec<[bool; 2]> {
-    let rows = source.document().get("variables").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-    let given = |name: &str| {
-        let row = rows.iter().find(|row| row.get("name").and_then(Value::as_str) == Some(name));
-        ["lower", "upper"].map(|key| row.is_some_and(|row| row.get(key).is_some()))
-    };
-    source.variables().iter().map(|variable| given(&variable.name)).collect()
-}
-
 /// A row of the list of random variables: one that changes these `keys`, with the keys of its distribution.
 pub fn variable_row(name: &str, keys: &[String], law: &[(&str, Value)]) -> Table {
     let row = [("name", Value::from(name)), ("changes", Value::from(keys.to_vec()))];

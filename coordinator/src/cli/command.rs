@@ -161,8 +161,8 @@ Examples:
     #[command(after_help = "\
 Runs the presets and settings near them at the nominal point and at random points of the variables, and compares them \
 with `reference`: time, error of each output, coverage of the stated errors, and the effect on the reliability. \
-Writes tradeoff.md, tradeoff.html, tradeoff.csv (one line per setting) and values.csv (one line per value) to the folder, and \
-prints tradeoff.md. If interrupted, it writes the points that are complete.
+Prints tradeoff.md; with --out it writes tradeoff.md, tradeoff.html, tradeoff.csv (one line per setting) and values.csv (one line \
+per value) to this folder. If interrupted, it writes the points that are complete.
 
 Examples:
   coordinator tradeoff --scene four-bar --out four-bar-tradeoff
@@ -202,7 +202,7 @@ Examples:
     Report(ReportArguments),
     /// Compare the reliability curves of several finished studies on one page
     #[command(after_help = "\
-Writes a page with curves and bands per limit state and in total, the lives at R = 0.99, 0.9 and 0.5, and the cost of each \
+With --out it writes a page with curves and bands per limit state and in total, the lives at R = 0.99, 0.9 and 0.5, and the cost of each \
 study, and the curves as CSV under the same name. The studies need limit states of the same names and the same \
 checkpoints.
 

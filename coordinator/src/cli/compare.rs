@@ -1,7 +1,7 @@
 //! `coordinator compare`: the curves of several finished studies on one page, and as CSV.
 
 use super::error::CommandError;
-use super::output::{Destination, answer_with, check_destination, unusable};
+use super::output::{Destination, answer_with, file_of, or_here, unusable};
 use super::stored_study::{scene_of, summary_of};
 use clap::Args;
 use common::scene::SceneSource;
@@ -18,9 +18,9 @@ pub struct CompareArguments {
     /// Folders of the studies
     #[arg(required = true, num_args = 2.., value_name = "DIR")]
     pub dirs: Vec<PathBuf>,
-    /// The page, FILE.html, with the files of the same name next to it; or the folder for compare.html, .md, .json and .csv
+    /// Folder for compare.html, .md, .json and .csv, created if missing; or the page, FILE.html, with those files next to it
     #[arg(long, value_name = "DIR-or-FILE.html")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
 }
 
 /// Writes the page with its files, and prints lives, gains in life and the keys in which the scenes differ.
@@ -28,7 +28,8 @@ pub struct CompareArguments {
 /// # Errors
 /// [`CommandError`] if a study is not finished, or the studies cannot be compared.
 pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), CommandError> {
-    let (folder, name) = destination(&arguments.out)?;
+    let out = arguments.out.as_deref().map(destination).transpose()?;
+    let name = out.as_ref().map_or("compare", |(_, name)| name).to_owned();
     let names = names(&arguments.dirs);
     let studies: Vec<ComparedStudy> =
         arguments.dirs.iter().zip(names).map(|(dir, name)| study(dir, name)).collect::<Result<_, _>>()?;
@@ -44,25 +45,22 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "\u{2013}".to_owned());
     let table: Vec<(String, Vec<String>)> =
         differing.iter().map(|row| (row.key.clone(), row.values.iter().map(value).collect())).collect();
-    let [page, numbers] = ["html", "csv"].map(|end| folder.join(format!("{name}.{end}")));
+    let folder = out.map(|(folder, _)| folder);
+    let [page, numbers] = ["html", "csv"].map(|end| Some(folder.as_ref()?.join(format!("{name}.{end}"))));
     let gains = gains(&studies);
     let document = json!({ "page": page, "csv": numbers, "differences": differing, "gains": gains });
-    answer_with(&answer(name, studies, &table), &document, Some(&Destination::Folder(folder)), as_json)
+    let out = folder.map(Destination::Folder);
+    answer_with(&answer(name, studies, &table), &document, out.as_ref(), as_json)
 }
 
 /// Folder of the files, and their name without its ending.
 fn destination(out: &Path) -> Result<(PathBuf, String), CommandError> {
-    if out.is_dir() || out.extension().is_none() {
-        return Ok((out.to_owned(), "compare".to_owned()));
+    let page = file_of(out, "compare.html")?;
+    if page.extension().is_none_or(|end| end != "html") {
+        return Err(unusable(out, "expected a folder, or a name that ends in .html".to_owned()));
     }
-    match out.file_stem() {
-        Some(stem) if out.extension().is_some_and(|end| end == "html") => {
-            check_destination(Some(out))?;
-            let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
-            Ok((folder.unwrap_or(Path::new(".")).to_owned(), stem.to_string_lossy().into_owned()))
-        }
-        _ => Err(unusable(out, "expected a folder, or a name that ends in .html".to_owned())),
-    }
+    let name = page.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok((page.parent().map(or_here).unwrap_or(&page).to_owned(), name))
 }
 
 fn study(dir: &Path, name: String) -> Result<ComparedStudy, CommandError> {

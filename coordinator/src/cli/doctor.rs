@@ -70,11 +70,8 @@ pub fn doctor(arguments: &DoctorArguments, as_json: bool) -> Result<(), CommandE
     examine(&mut findings, arguments, host, port)?;
     print(&if as_json { to_json(&findings)? } else { lines(&findings) })?;
     let failed = findings.iter().filter(|finding| !finding.ok).count();
-    if failed == 0 {
-        Ok(())
-    } else {
-        Err(CommandError::Failed(format!("{failed} of {} checks failed", findings.len())))
-    }
+    let fault = format!("{failed} of {} checks failed", findings.len());
+    if failed == 0 { Ok(()) } else { Err(CommandError::Failed(fault)) }
 }
 
 fn lines(findings: &[CheckResult]) -> String {
@@ -160,16 +157,9 @@ fn reach(addresses: &[SocketAddr]) -> Result<((), String), String> {
 
 /// A claim for no task: it uses the same path as a real one without changing the study.
 fn claim(session: &ClientSession, worker: &WorkerId) -> Result<((), String), String> {
-    let claim = Claim {
-        worker: worker.clone(),
-        sequence: 1,
-        offers: Offers::Scenes(worker::BUILD),
-        slots: 0,
-        credits: 0,
-        holding: vec![],
-        finished: vec![],
-        leaving: false,
-    };
+    let (worker, offers, holding) = (worker.clone(), Offers::Scenes(worker::BUILD), vec![]);
+    let (slots, credits, finished) = (0, 0, vec![]);
+    let claim = Claim { worker, sequence: 1, offers, slots, credits, holding, finished, leaving: false };
     let begun = Instant::now();
     match session.claim(&claim, PATIENCE) {
         Ok(_) => {
@@ -197,11 +187,8 @@ fn clock(status: &Status, asked: u64, answered: u64) -> Result<((), String), Str
     let doubt = (answered as f64 - asked as f64) / 2e3;
     let ahead = (status.clock_ms as f64 - middle) / 1e3;
     let says = format!("the coordinator's clock is {ahead:+.3} s from this one, within {doubt:.3} s");
-    if ahead.abs() <= CLOCKS {
-        Ok(((), says))
-    } else {
-        Err(format!("{says}: set both by NTP, certificates depend on it"))
-    }
+    let fault = format!("{says}: set both by NTP, certificates depend on it");
+    if ahead.abs() <= CLOCKS { Ok(((), says)) } else { Err(fault) }
 }
 
 /// Whether the coordinator sees that a worker lives: without that it gives it no task.

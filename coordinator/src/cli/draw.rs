@@ -1,7 +1,7 @@
 //! `coordinator draw`: the mechanism of a scene as a drawing, before anything is simulated.
 
 use super::error::CommandError;
-use super::output::{check_destination, print, to_json, unusable};
+use super::output::{check_destination, file_of, print, to_json, unusable};
 use super::scenes::check_linkage;
 use super::shared::{SetArguments, load_with};
 use clap::Args;
@@ -15,7 +15,7 @@ use worker::mechanism::Prescribed;
 pub const EXAMPLES: &str = "\
 Without --out the drawing is a sketch in the terminal. It shows bodies and joints with their names, supports, sliders on their \
 rails, drives with the angle of the crank, and loads; as SVG in true proportions, with a scale. Loads that vary are drawn over the angle \
-of the crank, to FILE-loads.svg. With --json it is printed as data: outlines of bodies, positions of joints, loads and drives in m and deg.
+of the crank, to SCENE-loads.svg. With --json it is printed as data: outlines of bodies, positions of joints, loads and drives in m and deg.
 
 Examples:
   coordinator draw four-bar
@@ -32,8 +32,8 @@ pub struct DrawArguments {
     pub scene: String,
     #[command(flatten)]
     pub set: SetArguments,
-    /// Write a picture, as SVG
-    #[arg(long, value_name = "FILE.svg")]
+    /// Write the picture SCENE.svg to this folder, created if missing; a path with an ending is the file
+    #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Position that is drawn, as a share of the cycle from 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = SHARE_OF_CYCLE, value_parser = share)]
@@ -52,16 +52,17 @@ fn share(text: &str) -> Result<f64, String> {
 /// [`CommandError::Scene`], [`CommandError::BadInput`] for a scene without a mechanism or one without extent, the failure of a linkage that does
 /// not close, or the error of a file that cannot be written.
 pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError> {
-    check_picture(arguments.out.as_deref())?;
     let source = load_with(&arguments.scene, &arguments.set.set)?;
     let scene = source.nominal();
+    let out = arguments.out.as_deref().map(|out| file_of(out, &format!("{}.svg", scene.name))).transpose()?;
+    check_picture(out.as_deref())?;
     check_linkage(source.origin(), &source, scene)?;
     let (drawn, loads) = drawn(source.origin(), scene, arguments.at)?;
-    let files = match &arguments.out {
+    let files = match &out {
         Some(file) => write_figures(scene, &drawn, loads.as_ref(), file)?,
         None => vec![],
     };
-    match (as_json, &arguments.out) {
+    match (as_json, &out) {
         (true, _) => print(&to_json(&drawn)?),
         (false, Some(_)) => {
             print(&files.iter().map(|file| format!("{}\n", file.display())).collect::<String>())

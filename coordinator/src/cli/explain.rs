@@ -98,14 +98,14 @@ fn explain_into(out: &mut String, source: &SceneSource, model: &Model) -> std::f
 fn conditions(out: &mut String, source: &SceneSource) -> std::fmt::Result {
     let (variables, overridden) = (&source.nominal().variables, source.overridden_variables());
     for Condition { name, share, scene } in &source.nominal().conditions {
-        write!(out, "  {name}: {:.4} % of the cycles, of {:.6} s each", share * 100.0, scene.life.period)?;
         let here = overridden.iter().filter(|(_, conditions)| conditions.contains(&name.as_str()));
         let here: Vec<&str> = here.map(|(k, _)| &*variables[*k].name).collect();
         let without = match &here[..] {
             [] => String::new(),
             names => format!("; without effect under it: {}", names.join(", ")),
         };
-        writeln!(out, "{without}")?;
+        let (share, period) = (share * 100.0, scene.life.period);
+        writeln!(out, "  {name}: {share:.4} % of the cycles, of {period:.6} s each{without}")?;
     }
     Ok(())
 }
@@ -133,33 +133,31 @@ fn study(out: &mut String, scene: &Scene) -> std::fmt::Result {
         "Study: {} Monte Carlo points, {} simulated first, then {} at a time, {} at most; seed {}.",
         study.population, study.initial, study.batch, study.max_evaluations, study.seed
     )?;
-    let finer: Vec<String> =
-        Settings::from(scene).finer_levels(scene).into_iter().map(|level| level.name).collect();
+    let finer = Settings::from(scene).finer_levels(scene);
+    let finer: Vec<&str> = finer.iter().map(|level| level.name.as_str()).collect();
     if finer.is_empty() {
-        return Ok(());
+        Ok(())
+    } else {
+        writeln!(out, "Pairs at finer levels correct its results: {}.", finer.join(", "))
     }
-    writeln!(out, "Pairs at finer levels correct its results: {}.", finer.join(", "))
 }
 
 fn motion(out: &mut String, scene: &Scene) -> std::fmt::Result {
     writeln!(out, "Bodies")?;
     for body in &scene.bodies {
-        match body.motion {
-            Motion::Fixed => writeln!(out, "  {}: fixed, no unknowns", body.name)?,
-            Motion::Driven { ref drive, .. } => {
-                let how = match drive {
-                    Drive::ConstantSpeed { speed, .. } => {
-                        format!("turns at {:.1} r/min", OutputUnit::AngularVelocity.to_shown(*speed))
-                    }
-                    Drive::Angle(_) => "angle by a table over time".to_owned(),
-                    Drive::Speed { .. } => "speed by a table over time".to_owned(),
-                };
-                writeln!(out, "  {}: {how}, prescribed, no unknowns", body.name)?;
+        let what = match body.motion {
+            Motion::Fixed => "fixed, no unknowns".to_owned(),
+            Motion::Driven { drive: Drive::ConstantSpeed { speed, .. }, .. } => {
+                let speed = OutputUnit::AngularVelocity.to_shown(speed);
+                format!("turns at {speed:.1} r/min, prescribed, no unknowns")
             }
-            Motion::Free { mass, .. } => {
-                writeln!(out, "  {}: rigid, {:.4} g, three unknowns", body.name, mass * 1e3)?;
+            Motion::Driven { drive: Drive::Angle(_), .. } => {
+                "angle by a table over time, prescribed, no unknowns".to_owned()
             }
-        }
+            Motion::Driven { .. } => "speed by a table over time, prescribed, no unknowns".to_owned(),
+            Motion::Free { mass, .. } => format!("rigid, {:.4} g, three unknowns", mass * 1e3),
+        };
+        writeln!(out, "  {}: {what}", body.name)?;
     }
     writeln!(out)
 }
@@ -169,51 +167,36 @@ fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
     for joint in &scene.joints {
         let (journal, bushing) =
             (&scene.bodies[joint.journal.body].name, &scene.bodies[joint.bushing.body].name);
-        match &joint.kind {
+        let what = match &joint.kind {
             JointKind::Revolute => {
-                let ideal = ideal(joint, "a pin of radius");
-                writeln!(out, "  {}: {journal} turns on {bushing}, {ideal}", joint.name)?
+                format!("{journal} turns on {bushing}, {}", ideal(joint, "a pin of radius"))
             }
             JointKind::Prismatic { .. } => {
-                let ideal = ideal(joint, "a guide of length");
-                writeln!(out, "  {}: {journal} slides on {bushing}, {ideal}", joint.name)?;
+                format!("{journal} slides on {bushing}, {}", ideal(joint, "a guide of length"))
             }
-            JointKind::Fixed { .. } => {
-                writeln!(out, "  {}: {journal} is fixed to {bushing}, no wear", joint.name)?;
-            }
-            JointKind::Slot { .. }
-            | JointKind::LinearDrive(_)
-            | JointKind::Mesh(_)
-            | JointKind::Cam { .. } => {
-                let coupling = joint.kind.coupling().unwrap_or_default();
-                writeln!(out, "  {}: {journal} and {bushing}, {coupling}, ideal, no wear", joint.name)?;
-            }
+            JointKind::Fixed { .. } => format!("{journal} is fixed to {bushing}, no wear"),
             JointKind::Clearance(clearance) => {
-                writeln!(
-                    out,
-                    "  {}: journal of {journal} in bushing of {bushing}, clearance {:.2} um, {}",
-                    joint.name,
-                    clearance.radial_clearance() * 1e6,
-                    wear(clearance)
-                )?;
-                writeln!(out, "     {}", contact(clearance))?;
+                let (wide, wear) = (clearance.radial_clearance() * 1e6, wear(clearance));
+                let contact = contact(clearance);
+                format!(
+                    "journal of {journal} in bushing of {bushing}, clearance {wide:.2} um, {wear}\n     {contact}"
+                )
             }
             JointKind::Guide(guide) => {
-                writeln!(
-                    out,
-                    "  {}: {journal} slides in a guide of {bushing}, {:.2} um of clearance on each side, {}",
-                    joint.name,
-                    guide.clearance * 1e6,
-                    guide.wear.as_ref().map_or("does not wear".to_owned(), guide_wear)
-                )?;
-                writeln!(
-                    out,
-                    "     corners and faces on an elastic foundation, {}, friction {}",
-                    damping(&guide.contact_damping),
+                let wear = guide.wear.as_ref().map_or("does not wear".to_owned(), guide_wear);
+                let (wide, damping) = (guide.clearance * 1e6, damping(&guide.contact_damping));
+                format!(
+                    "{journal} slides in a guide of {bushing}, {wide:.2} um of clearance on each side, {wear}\n     corners and \
+                     faces on an elastic foundation, {damping}, friction {}",
                     guide.friction
-                )?;
+                )
             }
-        }
+            kind => {
+                let coupling = kind.coupling().unwrap_or_default();
+                format!("{journal} and {bushing}, {coupling}, ideal, no wear")
+            }
+        };
+        writeln!(out, "  {}: {what}", joint.name)?;
     }
     writeln!(out)
 }
@@ -264,11 +247,8 @@ fn damping(damping: &ContactDamping) -> String {
 fn contact(clearance: &Clearance) -> String {
     let damping = damping(&clearance.contact_damping);
     let Clearance { contact_law: law, film_damping, friction, .. } = clearance;
-    format!(
-        "{}: {}; {damping}; film {film_damping} N s/m; friction {friction}",
-        law.name(),
-        law.explanation()
-    )
+    let (name, meaning) = (law.name(), law.explanation());
+    format!("{name}: {meaning}; {damping}; film {film_damping} N s/m; friction {friction}")
 }
 
 fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
@@ -288,13 +268,8 @@ fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let unit = output.kind.unit();
         // As scenes write it.
         let symbol = unit.symbol().replace('\u{b5}', "u");
-        writeln!(
-            out,
-            "  {}: {}{}",
-            output.name,
-            output.kind.description(scene),
-            local_pressures(scene, output)
-        )?;
+        let (description, local) = (output.kind.description(scene), local_pressures(scene, output));
+        writeln!(out, "  {}: {description}{local}", output.name)?;
         for limit in scene.limit_states.iter().filter(|limit| limit.output == i) {
             let shown = |value: f64| format!("{:.4} {symbol}", unit.to_shown(value));
             writeln!(out, "     limit state {}: {}", limit.name, failed(limit, shown))?;

@@ -2,13 +2,13 @@
 
 use super::error::CommandError;
 use super::imported;
-use super::output::{check_destination, print, to_json, unusable};
+use super::output::{file_of, print, to_json, unusable};
 use clap::Args;
 use common::scene::{Faults, SceneSource, read_text};
 use serde_json::json;
 use std::fs::File;
 use std::io::{ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `coordinator init`.
 #[derive(Debug, Clone, Args)]
@@ -18,8 +18,8 @@ pub struct InitArguments {
     /// Read the mechanism from a file of a linkage program: .linkage2 (Linkage), or text of PMKS
     #[arg(long, value_name = "FILE")]
     pub from: Option<PathBuf>,
-    /// File to write [default: NAME.toml]
-    #[arg(long, value_name = "FILE")]
+    /// Folder for NAME.toml, created if missing [default: the working folder]; a path with an ending is the file
+    #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
 
@@ -42,8 +42,8 @@ pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError
             "allowed are letters, digits, hyphens and underscores, at least one, and no built-in scene's name",
         ));
     }
-    let file = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.toml")));
-    check_destination(Some(&file))?;
+    let file = file_of(arguments.out.as_deref().unwrap_or(Path::new(".")), &format!("{name}.toml"))?;
+    let file = file.strip_prefix(".").map(Path::to_owned).unwrap_or(file);
     let (text, unread) = match &arguments.from {
         None => (TEMPLATE.replace(NAME, name), vec![]),
         Some(from) => {

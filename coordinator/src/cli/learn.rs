@@ -6,9 +6,9 @@ use super::shared::{share, value};
 use super::stored_study::OpenedStudy;
 use clap::Args;
 use coordinator::analyses::learn::{LearnSettings, Learned, answer, laws_of, learn as learn_fleet};
-use coordinator::analyses::scene_settings::fixed_bounds;
 use coordinator::analyses::update::read_fleet;
 use coordinator::statistics::design::InputModel;
+use coordinator::statistics::design::fixed_bounds;
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\

@@ -136,16 +136,12 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
 /// Starts the log on standard error.
 fn start_log(verbosity: Verbosity) {
     // Zenoh logs the connections and disconnections of workers as errors; the coordinator reports them itself.
-    let level = match (verbosity.quiet, verbosity.verbose) {
+    let levels = match (verbosity.quiet, verbosity.verbose) {
         (true, _) => "error,zenoh=off",
         (false, 0) => "warn,zenoh=off",
         (false, 1) => "info,zenoh=warn",
         (false, _) => "debug,zenoh=info,rustls=info",
     };
-    log::start(LogOptions {
-        levels: level,
-        variable: LOG_VARIABLE,
-        format: verbosity.log_format,
-        with_module: true,
-    });
+    let (variable, format) = (LOG_VARIABLE, verbosity.log_format);
+    log::start(LogOptions { levels, variable, format, with_module: true });
 }

@@ -63,11 +63,8 @@ impl Model {
             Err(failure) => return writeln!(out, "  The first cycle cannot be simulated: {failure}.\n"),
         };
         let given = scene.bodies.iter().filter(|b| !matches!(b.motion, Motion::Free { .. })).count();
-        let given = if given == 1 {
-            "1 body with prescribed motion costs".to_owned()
-        } else {
-            format!("{given} bodies with prescribed motion cost")
-        };
+        let several = format!("{given} bodies with prescribed motion cost");
+        let given = if given == 1 { "1 body with prescribed motion costs" } else { &several };
         writeln!(out, "  {given} nothing.")?;
         for (k, i) in look.islands.iter().enumerate() {
             writeln!(

@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use clap::builder::{PathBufValueParser, TypedValueParser, ValueParser, ValueParserFactory};
 use coordinator::presentation::report::answer::Answer;
-use coordinator::results::result_files::write_text;
+use coordinator::results::result_files::{create_folder, write_text};
 use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -50,8 +50,21 @@ fn fault_of_file(file: &Path) -> Option<String> {
     (!folder.is_dir()).then(|| format!("there is no folder {}", folder.display()))
 }
 
+/// The file that `--out` names: the path itself if it has an ending or is a file, else the file `name` in this folder, which is created.
+///
+/// # Errors
+/// [`CommandError::BadInput`], [`CommandError::ResultFile`].
+pub fn file_of(out: &Path, name: &str) -> Result<PathBuf, CommandError> {
+    if !out.is_dir() && (out.exists() || out.extension().is_some()) {
+        check_destination(Some(out))?;
+        return Ok(out.to_owned());
+    }
+    create_folder(out)?;
+    Ok(out.join(name))
+}
+
 /// A folder, or the working folder where its path is empty.
-fn or_here(folder: &Path) -> &Path {
+pub fn or_here(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 

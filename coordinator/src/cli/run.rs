@@ -222,6 +222,7 @@ fn finish(
     if let Some(Ok(nominal)) = campaign.evaluation(0)?.map(|stored| stored.outcome) {
         result.summary.control_points = control_points_rows(scene, &nominal.diagnostics);
     }
+    campaign.put_document(report::EXPLICIT_DOCUMENT, &result.explicit)?;
     report::deliver(campaign, scene, &result.summary, &for_report(&result.distributions))?;
     monitor.end(verbosity.quiet);
     let unanswered = after_study(study, Machines::Open(&mut evaluator), verbosity)?;

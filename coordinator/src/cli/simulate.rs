@@ -4,7 +4,7 @@ use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
 use super::evaluation_json::{of_mechanism, of_outputs};
 use super::external;
-use super::output::{check_destination, count, deliver, print, to_json};
+use super::output::{check_destination, count, deliver, file_of, print, to_json};
 use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, Verbosity};
 use clap::Args;
@@ -33,8 +33,8 @@ pub struct SimulateArguments {
     pub set: Vec<String>,
     #[command(flatten)]
     pub accuracy: AccuracyArguments,
-    /// Write the JSON to this file instead of standard output
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    /// Write the JSON to simulate.json in this folder, created if missing, instead of standard output; a path with an ending is the file
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
     /// Write a page with figures: outputs over life against the limits, motion, worn bores, first and last cycle
     #[arg(long, value_name = "FILE.html", help_heading = "Output")]
@@ -46,7 +46,7 @@ pub struct SimulateArguments {
 /// # Errors
 /// [`CommandError`].
 pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    check_destination(arguments.out.as_deref())?;
+    let out = arguments.out.as_deref().map(|out| file_of(out, "simulate.json")).transpose()?;
     check_destination(arguments.report.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let settings = source.parse_settings(&arguments.set)?;
@@ -56,7 +56,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(
             return Err(CommandError::no_mechanism(source.origin()));
         }
         let text = external::simulate(&source, &settings)?;
-        return deliver(&text, arguments.out.as_deref());
+        return deliver(&text, out.as_deref());
     }
     let scene = source.resolve_with(&settings).map_err(one_of_each_cause)?;
     check_linkage(source.origin(), &source, &scene)?;
@@ -70,15 +70,14 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(
         write_text(file, &simulated.report(&arguments.set, source.text()))?;
     }
     // A person reads lines, a script the object.
-    let to_person = !verbosity.json && arguments.out.is_none() && std::io::stdout().is_terminal();
+    let to_person = !verbosity.json && out.is_none() && std::io::stdout().is_terminal();
     if !to_person {
         let mut all = of_outputs(&scene, &settings, &evaluation, wall);
         all.extend(of_mechanism(&scene, &accuracy.name, &evaluation));
-        deliver(&to_json(&all)?, arguments.out.as_deref())?;
+        deliver(&to_json(&all)?, out.as_deref())?;
     }
-    let files: Vec<&Path> =
-        [&arguments.out, &arguments.report].into_iter().flatten().map(PathBuf::as_path).collect();
-    let has_lines = to_person || arguments.out.is_some();
+    let files: Vec<&Path> = [&out, &arguments.report].into_iter().flatten().map(PathBuf::as_path).collect();
+    let has_lines = to_person || out.is_some();
     if has_lines && !verbosity.quiet && !verbosity.json { print(&simulated.text(&files)) } else { Ok(()) }
 }
 

@@ -106,11 +106,8 @@ impl ExtensionArguments {
         let refuse = |key, value: String, allowed: String| Err(SettingError { key, value, allowed });
         if settings.method.learns() {
             if let Some(budget) = self.max_evaluations.filter(|budget| *budget < done) {
-                return refuse(
-                    "max_evaluations",
-                    budget.to_string(),
-                    format!("at least the {done} that are done"),
-                );
+                let allowed = format!("at least the {done} that are done");
+                return refuse("max_evaluations", budget.to_string(), allowed);
             }
             replace(&mut extended.max_evaluations, self.max_evaluations);
             extended.target_error = self.target_error.or(extended.target_error);

@@ -45,7 +45,7 @@ pub struct TradeoffArguments {
     pub setting: Vec<NamedAccuracy>,
     /// Folder for the results, created if missing
     #[arg(long, value_name = "DIR", help_heading = "Output")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
 }
 
 /// Runs the command.
@@ -56,7 +56,7 @@ pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Result<(
     let source = load_with(&arguments.scene, &arguments.set.set)?;
     let scene = source.nominal();
     check_linkage(source.origin(), &source, scene)?;
-    create_folder(&arguments.out)?;
+    arguments.out.as_deref().map(create_folder).transpose()?;
     let plan = TradeoffPlan {
         settings: chosen(arguments),
         points: nominal_and_random(scene, scene.study.seed, arguments.points - 1),
@@ -78,9 +78,11 @@ pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Result<(
         let rows = compare(scene, &plan.settings, &measurement);
         let reference = reference_row(scene, &measurement);
         let answer = answer(scene, &rows, &reference, measurement.points);
-        let values = values_csv(scene, &plan.settings, &measurement);
-        write_text(&arguments.out.join("values.csv"), &values)?;
-        answer.write(&arguments.out)?;
+        if let Some(folder) = &arguments.out {
+            let values = values_csv(scene, &plan.settings, &measurement);
+            write_text(&folder.join("values.csv"), &values)?;
+            answer.write(folder)?;
+        }
         print(&answer.text())?;
     }
     end.map_err(CommandError::Evaluate)

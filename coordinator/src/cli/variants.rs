@@ -69,12 +69,8 @@ pub fn after_study(
     let outcomes = known_outcomes(&opened.study.campaign)?;
     let correction = stored_correction(&opened.study.campaign)?;
     let scene = opened.study.scene().clone();
-    let of_variants = StudyOfVariants {
-        scene: &scene,
-        settings: &opened.settings,
-        stored: &outcomes,
-        correction: correction.as_ref(),
-    };
+    let (settings, correction) = (&opened.settings, correction.as_ref());
+    let of_variants = StudyOfVariants { scene: &scene, settings, stored: &outcomes, correction };
     let base = of_variants.base().map_err(|error| failed(error, &dir))?;
     let mut rows = Vec::new();
     for variant in &asked {

@@ -29,16 +29,16 @@ pub struct LifeModel {
     /// Smallest and largest simulated value of each random variable `(d,)` [SI].
     simulated: Vec<(f64, f64)>,
     /// Checkpoints `(m,)` [cycles].
-    times: Vec<f64>,
-    modes: Vec<ModeModel>,
+    pub(super) times: Vec<f64>,
+    pub(super) modes: Vec<ModeModel>,
     outputs: Vec<OutputModel>,
 }
 
 /// The running maximum of the response of one limit state.
 #[derive(Debug)]
-struct ModeModel {
-    history: History,
-    threshold: f64,
+pub(super) struct ModeModel {
+    pub history: History,
+    pub threshold: f64,
 }
 
 /// One output of the scene.
@@ -58,12 +58,12 @@ struct OutputModel {
 
 /// A surrogate of a history: its first output is the start of life, if that is known, the others are the checkpoints.
 #[derive(Debug)]
-struct History {
-    model: Kriging,
+pub(super) struct History {
+    pub model: Kriging,
     dual: Mat<f64>,
     /// Predicted standard deviations where the variance factor is 1 [unit of the output].
-    scale: Vec<f64>,
-    has_start: bool,
+    pub scale: Vec<f64>,
+    pub has_start: bool,
 }
 
 impl History {

@@ -152,6 +152,7 @@ impl<'a> DirectSimulation<'a> {
             lives: self.lives,
             distributions: self.histories.iter().map(distributions).collect(),
             derivatives: sensitivities(&sampled, &self.first_failures, &grid, m),
+            explicit: None,
         })
     }
 }

@@ -5,7 +5,7 @@ use super::interim::InterimResult;
 use super::lives::{add_lives, learned_lives};
 use super::stopped::{stop_in_words, targets_met};
 use super::surrogate_rows::{predictions, simulations_beyond_a_limit, sobol};
-use super::{CampaignResult, ClassifiedPopulation, Failed, Settings, StopReason, Surrogate};
+use super::{CampaignResult, ClassifiedPopulation, ExplicitModel, Failed, Settings, StopReason, Surrogate};
 use crate::results::scene_summary::{limit_rows, variable_rows};
 use crate::results::summary::{
     ConditionRow, Convergence, EvaluationCounts, FailureRow, Failures, FirstFailureRow, MomentsRow,
@@ -28,6 +28,8 @@ pub struct StudyResult {
     /// Distributions over the population (from simulations alone with the Monte Carlo method), per output of the
     /// scene, in its order.
     pub distributions: Vec<OutputHistory>,
+    /// The surrogates as plain numbers; `None` without any.
+    pub explicit: Option<ExplicitModel>,
 }
 
 /// Distribution of one output at every checkpoint.
@@ -51,6 +53,8 @@ pub(super) struct Findings {
     pub distributions: Vec<Vec<OutputDistribution>>,
     /// Derivatives of the failure probabilities.
     pub derivatives: Vec<Sensitivity>,
+    /// The surrogates as plain numbers.
+    pub explicit: Option<ExplicitModel>,
     /// What needs none of these: most probable failures, simulations without a result, counts, convergence, and what only
     /// active learning has.
     pub summary: StudySummary,
@@ -121,6 +125,7 @@ pub(super) fn curves_from_learning(scene: &Scene, settings: &Settings, learned: 
         lives: learned_lives(scene, learned),
         distributions: vec![],
         derivatives: vec![],
+        explicit: None,
         summary,
     }
 }
@@ -139,6 +144,7 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Campai
         lives,
         distributions: output_distributions(scene, learned),
         derivatives: sensitivities(&sampled, &first_failures, &assessment.grid, m),
+        explicit: Some(ExplicitModel::new(scene, learned)),
         summary: StudySummary {
             failure_points: failure_points(scene, &sampled, &first_failures[..scene.limit_states.len()]),
             sobol: sobol(scene, learned),
@@ -217,7 +223,7 @@ impl Findings {
             at,
         };
         let distributions = scene.outputs.iter().zip(self.distributions).map(history).collect();
-        StudyResult { summary, distributions }
+        StudyResult { summary, distributions, explicit: self.explicit }
     }
 
     /// R(n) of every curve with its interval, the numerical error included.

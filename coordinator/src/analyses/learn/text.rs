@@ -182,13 +182,9 @@ pub fn confident_figure(confident: &ConfidentReliability, study: &[ReliabilityRo
         Series::new("median", Ink::Series(0), Shape::Line(line(&|row| row.median))),
         Series::new(format!("at least, C = {c}"), Ink::Series(1), Shape::Line(line(&|row| row.at_least))),
     ];
-    let plot = Plot {
-        figure: "confident-reliability",
-        x: Axis::linear("life [cycles]", (0.0, end)),
-        y: Axis::linear("reliability R", (0.0, 1.0)),
-        series: &series,
-    };
-    plot.figure(
+    let x = Axis::linear("life [cycles]", (0.0, end));
+    let y = Axis::linear("reliability R", (0.0, 1.0));
+    Plot { figure: "confident-reliability", x, y, series: &series }.figure(
         "Reliability at a confidence",
         "Curve: what differs between units. Band: what is not known of their population.",
     )

@@ -158,13 +158,9 @@ fn remaining(fleet: &FleetReport) -> Figure {
         .collect();
     let most = points.iter().map(|point| point[3]).fold(1.0, f64::max);
     let series = [Series::new("median, 5 to 95 %", Ink::Series(0), Shape::Measured(points))];
-    let plot = Plot {
-        figure: "remaining-life",
-        x: Axis::linear("unit, in order of its remaining life", (0.0, units.len() as f64 + 1.0)),
-        y: Axis::linear("remaining life [cycles]", (0.0, 1.05 * most)),
-        series: &series,
-    };
-    plot.figure(
+    let x = Axis::linear("unit, in order of its remaining life", (0.0, units.len() as f64 + 1.0));
+    let y = Axis::linear("remaining life [cycles]", (0.0, 1.05 * most));
+    Plot { figure: "remaining-life", x, y, series: &series }.figure(
         "Remaining life",
         "Dot: median; bar: 5 to 95 %. Lives beyond the end of the study are drawn at its end.",
     )
@@ -180,13 +176,9 @@ fn curves(fleet: &FleetReport) -> Figure {
     for (k, unit) in fleet.units.iter().enumerate() {
         series.push(Series::new(&unit.unit, Ink::Series(k), Shape::Line(points(&unit.reliability))));
     }
-    let plot = Plot {
-        figure: "updated-reliability",
-        x: Axis::linear("life [cycles]", (0.0, fleet.end)),
-        y: Axis::linear("reliability R", (0.0, 1.0)),
-        series: &series,
-    };
-    plot.figure(
+    let x = Axis::linear("life [cycles]", (0.0, fleet.end));
+    let y = Axis::linear("reliability R", (0.0, 1.0));
+    Plot { figure: "updated-reliability", x, y, series: &series }.figure(
         "Reliability",
         "Probability of no failure up to this life, given what was observed of each unit.",
     )

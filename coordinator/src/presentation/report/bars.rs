@@ -60,13 +60,9 @@ impl Bars<'_> {
             let ([a, b], [da, db]) = (pair.values.map(number), pair.errors.map(number));
             vec![pair.name.clone(), a, da, b, db]
         };
-        Figure {
-            name: self.figure.into(),
-            title: title.into(),
-            caption: caption.into(),
-            drawing: self.drawing(),
-            csv: csv(&["variable", first, &errors[0], second, &errors[1]], self.all.iter().map(row)),
-        }
+        let csv = csv(&["variable", first, &errors[0], second, &errors[1]], self.all.iter().map(row));
+        let [name, title, caption] = [self.figure, title, caption].map(str::to_owned);
+        Figure { name, title, caption, drawing: self.drawing(), csv }
     }
 
     fn drawing(&self) -> Drawing {
@@ -77,14 +73,8 @@ impl Bars<'_> {
         let names: Vec<String> = rows.iter().map(|pair| pair.name.clone()).collect();
         let meaning =
             |bar: usize| Series::new(self.labels[bar], inks[bar], Shape::Steps(vec![])).filled(0.75);
-        let chart = NamedRows {
-            names: &names,
-            row: ROW,
-            legend: &[0, 1].map(meaning),
-            axis: self.axis,
-            range: if self.signed { -longest } else { 0.0 }..longest,
-            ticks: 6,
-        };
+        let (range, legend) = (if self.signed { -longest } else { 0.0 }..longest, &[0, 1].map(meaning));
+        let chart = NamedRows { names: &names, row: ROW, legend, axis: self.axis, range, ticks: 6 };
         chart.draw(|chart| {
             for (k, pair) in rows.iter().enumerate() {
                 let top = (rows.len() - k) as f64;

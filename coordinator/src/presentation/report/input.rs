@@ -8,6 +8,7 @@ use super::written::WrittenScene;
 use crate::presentation::motion_cautions::{control_points_notes, motion_cautions};
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
+use crate::study::ExplicitModel;
 use common::outputs::{COUNTERS, Diagnostics, Evaluation, NarrowGroove};
 use common::scene::{ContactLaw, JointKind, LimitState, OutputUnit, Scene};
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,9 @@ pub const SUMMARY_DOCUMENT: &str = "summary";
 
 /// Name of the document that holds the [`CheckpointDistribution`]s.
 pub const DISTRIBUTIONS_DOCUMENT: &str = "distributions";
+
+/// Name of the document that holds the surrogates as plain numbers, an [`ExplicitModel`] or none.
+pub const EXPLICIT_DOCUMENT: &str = "surrogates";
 
 /// Distribution of one output at one checkpoint over the population, in SI.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -69,6 +73,8 @@ pub struct ReportInput {
     pub nominal: Option<Evaluation>,
     /// Distributions of the outputs over the population.
     pub distributions: Vec<CheckpointDistribution>,
+    /// The surrogates as plain numbers, where the study stored them.
+    pub explicit: Option<ExplicitModel>,
     /// Numerical errors that the evaluations state, per output and checkpoint `(outputs)(m,)`; empty if none do.
     pub stated: Vec<Vec<StatedAt>>,
     /// Evaluations with a result, in the order of their numbers.
@@ -107,6 +113,7 @@ impl ReportInput {
         let go_on = go_on(&summary, campaign.dir());
         let mut input = Self::new(scene, summary, distributions);
         input.notes.splice(0..0, go_on);
+        input.explicit = campaign.document::<Option<ExplicitModel>>(EXPLICIT_DOCUMENT)?.flatten();
         input.scene_source = campaign.meta().scene_source.clone();
         input.written = WrittenScene::new(&input.scene_source);
         input.settings = campaign.meta().settings.clone();
@@ -159,6 +166,7 @@ impl ReportInput {
             summary,
             nominal: None,
             distributions,
+            explicit: None,
             stated: vec![],
             samples: vec![],
             failures: vec![],

@@ -35,11 +35,8 @@ pub fn parts_and_levels(summary: &StudySummary) -> Vec<String> {
             shown.clone().map(|(place, (name, _))| format!("{name} {}", fixed(widths[place], 4))).collect();
         let largest =
             shown.max_by(|a, b| widths[a.0].total_cmp(&widths[b.0])).map_or("", |(_, (_, what))| what);
-        let at = if summary.is_static() {
-            String::new()
-        } else {
-            format!(" at {} cycles", count(row.cycles.into()))
-        };
+        let at = format!(" at {} cycles", count(row.cycles.into()));
+        let at = if summary.is_static() { "" } else { &at };
         lines.push(format!(
             "parts of the interval of R total{at}, half widths: {}; largest part reduced by {largest}",
             each.join(", ")
@@ -49,16 +46,13 @@ pub fn parts_and_levels(summary: &StudySummary) -> Vec<String> {
         let [pairs, thirds] = levels.pairs;
         let third = if thirds > 0 { format!(", {thirds} of them at a third one") } else { String::new() };
         let differences: Vec<String> = levels.differences.iter().map(difference).collect();
-        lines.push(match differences.is_empty() {
-            true => {
-                "levels: too few pairs gave a result; the numerical error is the one that simulations state"
-                    .to_owned()
-            }
-            false => format!(
-                "levels: results corrected by {pairs} pairs at a finer level{third}, at the limit {}",
-                differences.join(", ")
-            ),
-        });
+        let none =
+            "levels: too few pairs gave a result; the numerical error is the one that simulations state";
+        let found = differences.join(", ");
+        let found = format!(
+            "levels: results corrected by {pairs} pairs at a finer level{third}, at the limit {found}"
+        );
+        lines.push(if differences.is_empty() { none.to_owned() } else { found });
     }
     lines
 }

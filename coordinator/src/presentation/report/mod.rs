@@ -19,6 +19,7 @@ mod page;
 pub mod palette;
 mod plot;
 pub mod polar;
+mod sliders;
 mod stated_errors;
 mod studied;
 mod tables;
@@ -33,8 +34,8 @@ pub use super::format;
 pub use figure::{Drawing, Figure};
 pub use figures::{VaryingLoads, reliability as reliability_figure};
 pub use input::{
-    CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, ReportInput, SUMMARY_DOCUMENT, SimulatedSample,
-    WorkTotals,
+    CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, EXPLICIT_DOCUMENT, ReportInput, SUMMARY_DOCUMENT,
+    SimulatedSample, WorkTotals,
 };
 pub use life::{failure_probability, reliability};
 pub use page::{FigureFiles, LiveStatus, Page, standalone, wrapped};

@@ -75,13 +75,10 @@ pub fn figures(summary: &StudySummary) -> Vec<Figure> {
         lines.map(|(k, (variant, points))| Series::new(&variant.name, Ink::Series(k), Shape::Dashed(points))),
     );
     series.push(Series::new("study", Ink::Ink, Shape::Line(own)));
-    let envelope = Plot {
-        figure: "variants",
-        x: Axis::linear(axis.label, span(summary, &axis)),
-        y: Axis::linear("reliability R", (0.0, 1.0)),
-        series: &series,
-    }
-    .figure("R by variants of the model", "Reliability of the whole system by the study and by each variant; area: between the least and the largest.");
+    let (x, y) = (Axis::linear(axis.label, span(summary, &axis)), Axis::linear("reliability R", (0.0, 1.0)));
+    let caption = "Reliability of the whole system by the study and by each variant; area: between the least and the largest.";
+    let plot = Plot { figure: "variants", x, y, series: &series };
+    let envelope = plot.figure("R by variants of the model", caption);
     let pair = |variant: &&VariantRow| {
         let of = |level: f64| {
             let place = variant.lives.iter().position(|life| life.reliability.to_bits() == level.to_bits());
@@ -94,19 +91,10 @@ pub fn figures(summary: &StudySummary) -> Vec<Figure> {
     };
     let mut all: Vec<BarPair> = known.iter().map(pair).collect();
     all.sort_by(|a, b| b.values[0].abs().total_cmp(&a.values[0].abs()));
-    let tornado = Bars {
-        figure: "variants-lives",
-        labels: ["R = 0.99", "R = 0.5"],
-        axis: "change of the life [cycles]",
-        signed: true,
-        shown: all.len(),
-        all,
-    }
-    .figure(
-        "Change of the lives by variants of the model",
-        "Change from the study; thin lines: 95 % intervals.",
-    );
-    vec![envelope, tornado]
+    let (labels, axis) = (["R = 0.99", "R = 0.5"], "change of the life [cycles]");
+    let bars = Bars { figure: "variants-lives", labels, axis, signed: true, shown: all.len(), all };
+    let title = "Change of the lives by variants of the model";
+    vec![envelope, bars.figure(title, "Change from the study; thin lines: 95 % intervals.")]
 }
 
 /// Lives of every variant with their changes.

@@ -18,7 +18,7 @@ pub use deviation::deviation;
 pub use initial_design::choose_by_latin_hypercube;
 pub use input_model::InputModel;
 pub use latin_hypercube::latin_hypercube;
-pub use moments::with_moments;
+pub use moments::{fixed_bounds, with_moments};
 pub use points::nominal_and_random;
 pub use population::Population;
 

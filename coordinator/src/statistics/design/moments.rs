@@ -9,6 +9,18 @@
 //! Moments of the distributions: Johnson, Kotz, Balakrishnan (1994, 1995), Continuous Univariate Distributions, volumes 1 and 2.
 
 use common::random::{Distribution, Extreme, LawError};
+use common::scene::SceneSource;
+use toml::Value;
+
+/// Bounds that the scene gives, by variable.
+pub fn fixed_bounds(source: &SceneSource) -> Vec<[bool; 2]> {
+    let rows = source.document().get("variables").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+    let given = |name: &str| {
+        let row = rows.iter().find(|row| row.get("name").and_then(Value::as_str) == Some(name));
+        ["lower", "upper"].map(|key| row.is_some_and(|row| row.get(key).is_some()))
+    };
+    source.variables().iter().map(|variable| given(&variable.name)).collect()
+}
 
 /// The distribution with the mean and the standard deviation given [unit of the variable]. `fixed` tells which bounds of a
 /// truncated normal stay where they are, the lower and the upper one.

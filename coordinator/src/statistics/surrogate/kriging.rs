@@ -200,6 +200,11 @@ impl Kriging {
         self.norms.len()
     }
 
+    /// Number of sides of a response: 1, or 2 of a distance from a middle.
+    pub fn sides(&self) -> usize {
+        1 + usize::from(self.sided)
+    }
+
     /// True if the model is conditioned on values at exactly these points `(d, n)` [1].
     pub fn is_at(&self, points: MatRef<'_, f64>) -> bool {
         points.ncols() == self.points() && self.correlation.scale(points) == self.scaled

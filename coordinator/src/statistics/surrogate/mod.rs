@@ -16,6 +16,7 @@
 //! | `likelihood`, `bounds`, `starts`, `descent`, `fit` | maximum likelihood of the lengths |
 //! | `noise` | noise in proportion to stated errors |
 //! | `leave_one_out`, `cross_validation`, `choice`, `sharing` | quality and choice of the form |
+//! | `explicit` | the mean as plain numbers |
 //! | `posterior`, `cache` | joint posterior of a pool, cached predictions of a population |
 //!
 //! # Example
@@ -50,6 +51,7 @@ mod choice;
 mod correlation;
 mod cross_validation;
 mod descent;
+mod explicit;
 mod exponential;
 mod extended;
 mod factor;
@@ -70,6 +72,7 @@ pub use cache::{BlockPrediction, PredictionCache, Update};
 pub use choice::{Candidate, Chosen, Incumbent, fit_surrogate};
 pub use correlation::{Correlation, correlation_matrix};
 pub use cross_validation::CrossValidation;
+pub use explicit::ExplicitMean;
 pub use fit::{Effort, Fitted, TrainingSet, fit_correlation};
 pub use form::{Form, FormSettings};
 pub use kernel::Kernel;

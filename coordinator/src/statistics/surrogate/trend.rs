@@ -145,6 +145,11 @@ impl Whitened {
         &self.to_orthogonal * u
     }
 
+    /// Coefficients of the plain basis f `(p, m)`, from those of the orthogonal one `(p, m)`.
+    pub fn in_plain_basis(&self, coefficients: &Mat<f64>) -> Mat<f64> {
+        self.to_orthogonal.transpose() * coefficients
+    }
+
     /// sum over k of v_k^2 / D_k [1] of one column of v `(p,)`.
     pub fn variance(&self, v: faer::ColRef<'_, f64>) -> f64 {
         v.iter().zip(&self.squares).map(|(v, square)| ratio(v * v, *square)).sum()

@@ -1,5 +1,5 @@
-//! The page of the report: chapters with their figures and tables, one script that animates the drawing of the mechanism, and one that shows
-//! the values of charts at the pointer. Without them the drawing shows its first frame.
+//! The page of the report: chapters with their figures and tables, and scripts that animate the drawing of the mechanism, answer to sliders,
+//! and show the values of charts at the pointer. Without them the drawing shows its first frame.
 
 mod end;
 mod points;
@@ -13,7 +13,7 @@ use super::input::ReportInput;
 use super::life::{FAILED_UNWORN, LEVELS, failure_probability, rows_that_matter};
 use super::page::{FigureFiles, Page, captioned, numbered};
 use super::tables::{self, table_of};
-use super::{levels, studied, variants, words};
+use super::{levels, sliders, studied, variants, words};
 use common::outputs::JointSummary;
 use common::scene::JointKind;
 use maud::{Markup, PreEscaped, html};
@@ -30,20 +30,17 @@ pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
     let drawing = page.draw(studied::figure(input).into_iter().collect(), "one");
     page.add(studied::chapter(input, &drawing));
     reliability(&mut page, input);
+    let sliders = sliders::chapter(&mut page, input);
     let none = "The study stored no distributions.";
     page.add_chapter("Outputs over life", html! {}, (figures::histories(input), "two"), none);
     variants_of_model(&mut page, input);
     influences(&mut page, input);
     points::failures(&mut page, input);
-    let scripts = if input.summary.of_mechanism() {
-        motion(&mut page, input)
-    } else {
-        html! {}
-    };
+    let scripts = input.summary.of_mechanism().then(|| motion(&mut page, input));
     quality(&mut page, input);
     signed::chapter(&mut page, input);
     appendix(&mut page, input);
-    page.add(html! { (scripts) script { "\n" (PreEscaped(HOVER)) } "\n" });
+    page.add(html! { @if let Some(scripts) = scripts { (scripts) } (sliders) script { "\n" (PreEscaped(HOVER)) } "\n" });
     page
 }
 

@@ -50,11 +50,8 @@ fn failure_points(input: &ReportInput) -> Markup {
 }
 
 fn sentence(input: &ReportInput, point: &FailurePointRow) -> String {
-    let by = if input.summary.is_static() {
-        String::new()
-    } else {
-        format!("by {}, when ", number_of_cycles(point.cycles))
-    };
+    let by = format!("by {}, when ", number_of_cycles(point.cycles));
+    let by = if input.summary.is_static() { "" } else { &by };
     let failed = if point.failed < 1e-4 { three_digits(point.failed) } else { percent(point.failed) };
     format!(
         "{}: {by}{failed} of the population {}, at a distance of {} standard deviations.",

@@ -34,37 +34,23 @@ pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
     let Some(cycle) = input.nominal.as_ref().and_then(|nominal| nominal.first_cycle.as_ref()) else {
         return vec![];
     };
-    let extremes: Vec<String> = cycle
-        .bodies
-        .iter()
-        .map(|body| {
-            let (low, high) = range(body.angle.iter().map(|angle| ANGLE.unit.to_shown(*angle)));
-            format!("{}: {}° to {}°", body.label, fixed(low, 3), fixed(high, 3))
-        })
-        .collect();
+    let extremes = cycle.bodies.iter().map(|body| {
+        let (low, high) = range(body.angle.iter().map(|angle| ANGLE.unit.to_shown(*angle)));
+        format!("{}: {}° to {}°", body.label, fixed(low, 3), fixed(high, 3))
+    });
+    let extremes = format!("{}.", extremes.collect::<Vec<_>>().join("; "));
     let traces = |shown: &BodyQuantity| -> Traces {
         let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, (shown.values)(body), &shown.unit));
         cycle.bodies.iter().map(trace).collect()
     };
+    let title = "Joint forces of the first cycle";
+    let of_angles = ["angles", "Angles of the first cycle", "angle [°]"];
+    let of_speeds =
+        ["angular-velocities", "Angular velocities of the first cycle", "angular velocity [r/min]"];
     let figures = [
-        forces(
-            cycle,
-            "joint-forces",
-            "Joint forces of the first cycle",
-            "Unworn nominal mechanism, settled.",
-        ),
-        over_time(
-            cycle,
-            ["angles", "Angles of the first cycle", "angle [°]"],
-            traces(&ANGLE),
-            &format!("{}.", extremes.join("; ")),
-        ),
-        over_time(
-            cycle,
-            ["angular-velocities", "Angular velocities of the first cycle", "angular velocity [r/min]"],
-            traces(&SPEED),
-            "Of the bodies above, with the same signs.",
-        ),
+        forces(cycle, "joint-forces", title, "Unworn nominal mechanism, settled."),
+        over_time(cycle, of_angles, traces(&ANGLE), &extremes),
+        over_time(cycle, of_speeds, traces(&SPEED), "Of the bodies above, with the same signs."),
     ];
     figures.into_iter().flatten().collect()
 }
@@ -88,10 +74,8 @@ pub fn last_cycle(input: &ReportInput) -> Vec<Figure> {
             Some(trace(cycle, &pairs.map(|(a, b)| a - b).collect::<Vec<f64>>(), &quantity.unit))
         };
         let cycles = [("first cycle", first), ("last cycle", last)];
-        let traces: Traces = cycles
-            .into_iter()
-            .filter_map(|(name, cycle)| Some((name.to_string(), difference(cycle)?)))
-            .collect();
+        let pair = |(name, cycle): (&str, &CycleHistory)| Some((name.to_owned(), difference(cycle)?));
+        let traces: Traces = cycles.into_iter().filter_map(pair).collect();
         let caption = format!(
             "{} of {} minus that of {}, with unworn bores and with the bores at the end of life. The output {} is its \
              largest magnitude.",
@@ -100,23 +84,14 @@ pub fn last_cycle(input: &ReportInput) -> Vec<Figure> {
             b.label,
             words(&output.name)
         );
-        over_time(
-            first,
-            [
-                &format!("difference-{}", file_name(&output.name)),
-                &format!("{} against {}", super::capital(&a.label), b.label),
-                &format!("difference [{}]", quantity.symbol),
-            ],
-            traces,
-            &super::capital(&caption),
-        )
+        let name = &format!("difference-{}", file_name(&output.name));
+        let title = &format!("{} against {}", super::capital(&a.label), b.label);
+        let label = &format!("difference [{}]", quantity.symbol);
+        over_time(first, [name, title, label], traces, &super::capital(&caption))
     };
-    let forces = forces(
-        last,
-        "joint-forces-worn",
-        "Joint forces of the last cycle",
-        "Nominal mechanism, bores worn to the end of life.",
-    );
+    let (title, state) =
+        ("Joint forces of the last cycle", "Nominal mechanism, bores worn to the end of life.");
+    let forces = forces(last, "joint-forces-worn", title, state);
     input.scene.outputs.iter().filter_map(of_output).chain(forces).collect()
 }
 
@@ -152,22 +127,15 @@ fn over_time(
     }
     let (low, high) = range(traces.iter().flat_map(|(_, points)| points.iter().map(|p| p.1)));
     // Traces of mirrored halves nearly coincide: every second one is dashed, so that both are visible.
-    let series: Vec<_> = traces
-        .into_iter()
-        .enumerate()
-        .map(|(k, (label, points))| {
-            let shape = if k % 2 == 1 { Shape::Dashed(points) } else { Shape::Line(points) };
-            Series::new(label, Ink::Series(k), shape)
-        })
-        .collect();
-    let margin = 0.04 * (high - low);
-    let plot = Plot {
-        figure: name,
-        x: Axis::linear("time [ms]", (time[0] * 1e3, time[time.len() - 1] * 1e3)),
-        y: Axis::linear(label, (if low >= 0.0 { 0.0 } else { low - margin }, high + margin)),
-        series: &series,
+    let line = |(k, (label, points)): (usize, (String, Points))| {
+        let shape = if k % 2 == 1 { Shape::Dashed(points) } else { Shape::Line(points) };
+        Series::new(label, Ink::Series(k), shape)
     };
-    Some(plot.figure(title, caption))
+    let series: Vec<Series> = traces.into_iter().enumerate().map(line).collect();
+    let margin = 0.04 * (high - low);
+    let x = Axis::linear("time [ms]", (time[0] * 1e3, time[time.len() - 1] * 1e3));
+    let y = Axis::linear(label, (if low >= 0.0 { 0.0 } else { low - margin }, high + margin));
+    Some(Plot { figure: name, x, y, series: &series }.figure(title, caption))
 }
 
 /// Number of buckets to which a dense trace is thinned: more than the width of a figure in pixels.

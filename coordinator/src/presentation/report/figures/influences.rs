@@ -68,14 +68,9 @@ pub fn sensitivities(input: &ReportInput) -> Vec<Figure> {
             values: [finite(row.scaled.d_pf_d_mean), finite(row.scaled.d_pf_d_std)],
             errors: row.scaled_errors().map(finite),
         };
-        let bars = Bars {
-            figure: &format!("sensitivity-{}", file_name(name)),
-            labels: ["mean + 1 std", "std + 1 std"],
-            axis: "change of failure probability",
-            signed: true,
-            all: rows.iter().map(pair).collect(),
-            shown: SHOWN,
-        };
+        let (figure, all) = (&format!("sensitivity-{}", file_name(name)), rows.iter().map(pair).collect());
+        let (labels, axis) = (["mean + 1 std", "std + 1 std"], "change of failure probability");
+        let bars = Bars { figure, labels, axis, signed: true, all, shown: SHOWN };
         figures.push(bars.figure(&format!("Sensitivity of failure by {cause}"), &caption));
     }
     figures
@@ -102,14 +97,9 @@ pub fn variance_contributions(input: &ReportInput) -> Vec<Figure> {
             values: [finite(row.first_order), finite(row.total)],
             errors: [finite(row.standard_error.first_order), finite(row.standard_error.total)],
         };
-        let bars = Bars {
-            figure: &format!("sobol-{}", file_name(&state.name)),
-            labels: ["first order", "total"],
-            axis: "share of the variance",
-            signed: false,
-            all: rows.iter().map(pair).collect(),
-            shown: SHOWN,
-        };
+        let (figure, all) = (&format!("sobol-{}", file_name(&state.name)), rows.iter().map(pair).collect());
+        let (labels, axis) = (["first order", "total"], "share of the variance");
+        let bars = Bars { figure, labels, axis, signed: false, all, shown: SHOWN };
         figures.push(bars.figure(&format!("Variance contributions (Sobol): {output}"), &caption));
     }
     figures

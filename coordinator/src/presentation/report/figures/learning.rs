@@ -33,15 +33,11 @@ fn reliability(rounds: &[Round], last: &Round, x: Axis<'_>, label: &str) -> Figu
     let reliability = over(rounds, |round| Some(round.reliability_total));
     let (low, high) = range(reliability.iter().map(|point| point.1));
     let margin = (0.15 * (high - low)).max(0.01);
-    let plot = Plot {
-        figure: "learning-reliability",
-        x,
-        y: Axis::linear(label, ((low - margin).max(0.0), (high + margin).min(1.0))),
-        series: &[Series::unlisted("R", Ink::Ink, Shape::Dotted(reliability))],
-    };
+    let y = Axis::linear(label, ((low - margin).max(0.0), (high + margin).min(1.0)));
+    let series = &[Series::unlisted("R", Ink::Ink, Shape::Dotted(reliability))];
     let caption =
         format!("At the checkpoint where R is nearest 1/2: at the end {} cycles.", count(last.cycles.into()));
-    plot.figure("R at the governing checkpoint", &caption)
+    Plot { figure: "learning-reliability", x, y, series }.figure("R at the governing checkpoint", &caption)
 }
 
 fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Figure {
@@ -49,22 +45,16 @@ fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Figure {
     let uncertain = over(rounds, |round| Some(log(round.share_uncertain)));
     let error = over(rounds, |round| Some(log(round.surrogate_error)));
     let change = over(rounds, |round| round.change_of_r.map(|change| log(change.abs())));
-    let plot = Plot {
-        figure: "learning-shares",
-        x,
-        y: Axis {
-            text: |power| tick_label(10f64.powf(power)),
-            scale: Scale::Logarithm,
-            ..Axis::linear("share [%]", (log(SMALLEST_SHARE), log(1.0)))
-        },
-        series: &[
-            Series::new("uncertain share (U < 2)", Ink::Series(0), Shape::Dotted(uncertain)),
-            Series::new("surrogate error", Ink::Series(1), Shape::Dotted(error)),
-            Series::new("change of R", Ink::Series(2), Shape::Dotted(change)),
-        ],
-    };
+    let (linear, text) = (Axis::linear("share [%]", (log(SMALLEST_SHARE), log(1.0))), |power: f64| {
+        tick_label(10f64.powf(power))
+    });
+    let y = Axis { text, scale: Scale::Logarithm, ..linear };
+    let series =
+        [("uncertain share (U < 2)", uncertain), ("surrogate error", error), ("change of R", change)];
+    let line = |(k, (name, points))| Series::new(name, Ink::Series(k), Shape::Dotted(points));
+    let series: Vec<Series> = series.into_iter().enumerate().map(line).collect();
     let caption = format!("At the end {} of the population is uncertain.", percent(last.share_uncertain));
-    plot.figure("Remaining uncertainty", &caption)
+    Plot { figure: "learning-shares", x, y, series: &series }.figure("Remaining uncertainty", &caption)
 }
 
 /// One figure per limit state; none for a study without surrogates, or by an earlier version.
@@ -111,12 +101,9 @@ fn predicted(input: &ReportInput, row: &PredictionRow, state: &LimitState) -> Fi
         name = format!("distance of {name} from {}", unit.after(&tick_label(unit.to_shown(middle))));
     }
     let labels = ["simulated", "predicted"].map(|which| unit.axis(&format!("{which} {name}")));
-    let plot = Plot {
-        figure: &format!("predicted-{}", file_name(&row.limit_state)),
-        x: Axis::linear(&labels[0], (low, high)),
-        y: Axis::linear(&labels[1], (low, high)),
-        series: &series,
-    };
+    let x = Axis::linear(&labels[0], (low, high));
+    let y = Axis::linear(&labels[1], (low, high));
+    let plot = Plot { figure: &format!("predicted-{}", file_name(&row.limit_state)), x, y, series: &series };
     let caption = format!(
         "{} {name} up to {} cycles in every simulation, and as the surrogate at the end of the study predicts it from all other \
          simulations (leave-one-out). Q2 = {}; {within} of {all} simulated values lie in the 95 % interval of their prediction ({}).",
@@ -156,14 +143,10 @@ pub fn parts_of_interval(summary: &StudySummary) -> Option<Figure> {
     let places: Vec<f64> = rows.iter().map(|(cycles, _)| axis.place(*cycles)).collect();
     let series = stacked(&places, PARTS.iter().enumerate().filter(is_drawn).map(layer));
     let top = rows.iter().map(|(_, widths)| whole(widths)).fold(0.0, f64::max);
-    let plot = Plot {
-        figure: "parts-of-interval",
-        x: Axis::linear(axis.label, span(summary, &axis)),
-        y: Axis::linear("half width of the 95 % interval of R", (0.0, 1.05 * top.max(1e-6))),
-        series: &series,
-    };
+    let x = Axis::linear(axis.label, span(summary, &axis));
+    let y = Axis::linear("half width of the 95 % interval of R", (0.0, 1.05 * top.max(1e-6)));
     let caption = "The half width of R of the system, divided by the shares of samples, surrogates and numerical error in its square.";
-    Some(plot.figure("Parts of the interval", caption))
+    Some(Plot { figure: "parts-of-interval", x, y, series: &series }.figure("Parts of the interval", caption))
 }
 
 /// Size of the stated errors over life, per limit state.
@@ -189,12 +172,9 @@ pub fn numerical(input: &ReportInput) -> Vec<Figure> {
         ];
         let name = format!("stated-error-{}", file_name(&state.name));
         let output = input.output_of(state);
-        let plot = Plot {
-            figure: &name,
-            x: Axis::linear(axis.label, (0.0, axis.place(last.cycles))),
-            y: Axis::linear("stated error [% of the limit]", (0.0, if top > 0.0 { 1.1 * top } else { 1.0 })),
-            series: &series,
-        };
+        let x = Axis::linear(axis.label, (0.0, axis.place(last.cycles)));
+        let y = Axis::linear("stated error [% of the limit]", (0.0, if top > 0.0 { 1.1 * top } else { 1.0 }));
+        let plot = Plot { figure: &name, x, y, series: &series };
         let caption = "Median and maximum over all simulations of the study, as a share of the limit state's threshold, or of half the distance \
                        between two.";
         figures.push(plot.figure(&capital(&format!("stated error of {output}")), caption));

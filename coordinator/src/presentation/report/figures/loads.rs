@@ -69,17 +69,13 @@ impl VaryingLoads {
             let (low, high) = range(points.clone().map(|point| point.1));
             let margin = 0.04 * (high - low).max(f64::MIN_POSITIVE);
             let label = if unit.is_empty() { "factor".to_owned() } else { format!("load [{unit}]") };
-            let plot = Plot {
-                figure: &if k == 0 { "loads".to_owned() } else { format!("loads-{}", k + 1) },
-                x: Axis::linear(&self.over, range(points.map(|point| point.0))),
-                y: Axis::linear(&label, ((low - margin).min(0.0), (high + margin).max(0.0))),
-                series: &series,
-            };
+            let x = Axis::linear(&self.over, range(points.map(|point| point.0)));
+            let y = Axis::linear(&label, ((low - margin).min(0.0), (high + margin).max(0.0)));
+            let figure = &if k == 0 { "loads".to_owned() } else { format!("loads-{}", k + 1) };
             let (what, _) = self.over.split_once(" [").unwrap_or((&self.over, ""));
-            plot.figure(
-                &format!("Loads over the {what}"),
-                &format!("By their curves. {}.", self.lines().join("; ")),
-            )
+            let (title, lines) = (format!("Loads over the {what}"), self.lines().join("; "));
+            let caption = format!("By their curves. {lines}.");
+            Plot { figure, x, y, series: &series }.figure(&title, &caption)
         };
         units.iter().enumerate().map(figure).collect()
     }

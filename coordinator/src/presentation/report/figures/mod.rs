@@ -19,7 +19,9 @@ pub use loads::VaryingLoads;
 pub use outputs::{distributions, histories};
 pub use parallel::parallel_coordinates;
 pub use rates::failure_rates;
-pub use reliability::{ComparedStudy, beginning, compared, first_failure, reliability, shares_of_failures};
+pub use reliability::{
+    ComparedStudy, beginning, compared, curve, first_failure, reliability, shares_of_failures,
+};
 
 pub use super::format::{capital, file_name, words};
 

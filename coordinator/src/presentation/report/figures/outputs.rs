@@ -23,34 +23,25 @@ fn distribution(input: &ReportInput, state: &LimitState, shown: &[&CheckpointDis
     let thresholds: Vec<f64> = state.thresholds().into_iter().map(|si| unit.to_shown(si)).collect();
     let mut series = Vec::new();
     let (mut low, mut high) = range(thresholds.iter().copied());
-    let mut top = 0.0_f64;
+    let (mut top, is_static) = (0.0_f64, input.summary.is_static());
     for (k, distribution) in shown.iter().enumerate() {
         let bars = densities(distribution, unit);
         for (left, right, height) in &bars {
             (low, high, top) = (low.min(*left), high.max(*right), top.max(*height));
         }
-        let label = if input.summary.is_static() {
-            "population".to_owned()
-        } else {
-            number_of_cycles(distribution.cycles)
-        };
+        let cycles = number_of_cycles(distribution.cycles);
+        let label = if is_static { "population".to_owned() } else { cycles };
         series.push(Series::new(label, Ink::Series(k + 2), Shape::Steps(bars)));
     }
     series.extend(threshold_lines(state, unit, Shape::Upright));
     let name = format!("distribution-{}", file_name(&state.name));
     let margin = 0.03 * (high - low);
     let labels = [unit.axis(&output), density(unit)];
-    let plot = Plot {
-        figure: &name,
-        x: Axis::linear(&labels[0], (low - margin, high + margin)),
-        y: Axis::linear(&labels[1], (0.0, 1.08 * top)),
-        series: &series,
-    };
-    let title = if input.summary.is_static() {
-        format!("distribution of {output}")
-    } else {
-        format!("{output} late in life")
-    };
+    let x = Axis::linear(&labels[0], (low - margin, high + margin));
+    let y = Axis::linear(&labels[1], (0.0, 1.08 * top));
+    let plot = Plot { figure: &name, x, y, series: &series };
+    let late = format!("{output} late in life");
+    let title = if is_static { format!("distribution of {output}") } else { late };
     plot.figure(&capital(&title), &distribution_caption(input, state, shown))
 }
 
@@ -184,27 +175,19 @@ fn history(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Option<F
     }
     let name = format!("history-{}", file_name(&state.name));
     let label = unit.axis(&output);
-    let plot = Plot {
-        figure: &name,
-        x: Axis::linear(axis.label, (0.0, last)),
-        y: Axis::linear(&label, (low, high + 0.05 * (high - low))),
-        series: &series,
-    };
+    let x = Axis::linear(axis.label, (0.0, last));
+    let y = Axis::linear(&label, (low, high + 0.05 * (high - low)));
+    let plot = Plot { figure: &name, x, y, series: &series };
     Some(plot.figure(&capital(&format!("{output} over life")), &caption))
 }
 
 fn history_caption(input: &ReportInput, with_bands: bool) -> String {
     let subject = input.subject();
     let bands = format!("Bands: central 98 % and 50 % of {subject}s, {}. ", origin(&input.summary));
-    format!(
-        "{}The nominal {subject} has every variable at its mean{}.",
-        if with_bands { bands.as_str() } else { "" },
-        if input.summary.of_mechanism() {
-            "; each value belongs to the profile worn to that many cycles"
-        } else {
-            ""
-        }
-    )
+    let bands = if with_bands { bands.as_str() } else { "" };
+    let profiles = "; each value belongs to the profile worn to that many cycles";
+    let profiles = if input.summary.of_mechanism() { profiles } else { "" };
+    format!("{bands}The nominal {subject} has every variable at its mean{profiles}.")
 }
 
 /// Pairs of probabilities that bound a band.
@@ -232,11 +215,8 @@ fn spread(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Vec<(Stri
 /// Source of the values of a distribution.
 fn origin(summary: &StudySummary) -> String {
     let population = format!("{} {}s", count(summary.population as u64), summary.subject());
-    if summary.method == "ak" {
-        format!("predicted by the surrogates for a population of {population}")
-    } else {
-        format!("simulated for all {population}")
-    }
+    let predicted = format!("predicted by the surrogates for a population of {population}");
+    if summary.method == "ak" { predicted } else { format!("simulated for all {population}") }
 }
 
 #[cfg(test)]

@@ -43,15 +43,12 @@ pub fn parallel_coordinates(input: &ReportInput) -> Option<Figure> {
         .collect();
     let failed = lines.iter().filter(|(_, failed)| failed.is_some()).count();
     let drawn = lines.len();
+    let most = format!("{} variables with the most influence on failures", variables.len());
     let caption = format!(
         "One line per simulation: values of the {} in standard deviations (of the standard \
          normal with the same probability, drawn up to {REACH}). Coloured: failed by {} cycles, by the limit state that failed first; \
          {failed} of the {drawn} drawn{}. Learning chooses simulations near the limits, so that this share is not a probability.",
-        if variables.len() < input.scene.variables.len() {
-            format!("{} variables with the most influence on failures", variables.len())
-        } else {
-            "variables".to_owned()
-        },
+        if variables.len() < input.scene.variables.len() { &most } else { "variables" },
         count(cycles.into()),
         if every > 1 { format!(" (every {every}th of {})", count(all as u64)) } else { String::new() }
     );
@@ -64,13 +61,8 @@ pub fn parallel_coordinates(input: &ReportInput) -> Option<Figure> {
         cells
     });
     let csv = csv(&columns, rows);
-    Some(Figure {
-        name: "parallel-coordinates".into(),
-        title: "Which combinations fail".into(),
-        caption,
-        drawing: drawing(input, &names, &lines),
-        csv,
-    })
+    let (name, title) = ("parallel-coordinates".to_owned(), "Which combinations fail".to_owned());
+    Some(Figure { name, title, caption, drawing: drawing(input, &names, &lines), csv })
 }
 
 /// A simulation as it is drawn: standard normals of the variables, and the limit state that failed first, if any has.
@@ -98,14 +90,8 @@ fn drawing(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Drawin
     let states = input.scene.limit_states.iter().map(|state| &state.name);
     legend.extend(states.map(|name| meaning(&format!("{name} first"), ink_of(&input.summary, name))));
     let names: Vec<String> = names.iter().map(|name| words(name)).collect();
-    let chart = NamedRows {
-        names: &names,
-        row,
-        legend: &legend,
-        axis: "standard deviations",
-        range: -REACH..REACH,
-        ticks: 9,
-    };
+    let (axis, range) = ("standard deviations", -REACH..REACH);
+    let chart = NamedRows { names: &names, row, legend: &legend, axis, range, ticks: 9 };
     chart.draw(|chart| {
         // Failures lie on top.
         let (works, fails): (Vec<_>, Vec<_>) = lines.iter().partition(|(_, failed)| failed.is_none());

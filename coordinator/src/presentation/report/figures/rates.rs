@@ -96,12 +96,8 @@ fn over_life(
         series.push(Series::new(*name, ink, shape));
     }
     let label = format!("{} [1/1000 cycles]", title.to_lowercase());
-    let plot = Plot {
-        figure,
-        x: Axis::linear(axis.label, span(summary, &axis)),
-        y: Axis::linear(&label, (0.0, 1.05 * most.max(1e-12))),
-        series: &series,
-    };
+    let x = Axis::linear(axis.label, span(summary, &axis));
+    let y = Axis::linear(&label, (0.0, 1.05 * most.max(1e-12)));
     let what = if figure == "hazard" {
         format!(
             "Failures per 1000 cycles of those that still work, −d ln R/dn, as means over the intervals shown; not drawn where \
@@ -111,13 +107,9 @@ fn over_life(
     } else {
         "Failures per 1000 cycles of all that began, −dR/dn, as means over the intervals shown.".to_owned()
     };
-    plot.figure(
-        title,
-        &format!(
-            "{what} Band: 95 % interval of the whole {} with every error that the study states.",
-            summary.subject()
-        ),
-    )
+    let band =
+        format!("95 % interval of the whole {} with every error that the study states", summary.subject());
+    Plot { figure, x, y, series: &series }.figure(title, &format!("{what} Band: {band}."))
 }
 
 #[cfg(test)]

@@ -95,12 +95,8 @@ pub fn reliability(summary: &StudySummary) -> Option<Figure> {
         let (label, ink) = (format!("{name}, checkpoints"), ink_of(summary, name));
         series.push(Series::unlisted(label, ink, Shape::Measured(measured)));
     }
-    let plot = Plot {
-        figure: "reliability",
-        x: Axis::linear(axis.label, span(summary, &axis)),
-        y: Axis::linear("reliability R", (0.0, 1.0)),
-        series: &series,
-    };
+    let x = Axis::linear(axis.label, span(summary, &axis));
+    let y = Axis::linear("reliability R", (0.0, 1.0));
     let caption = format!(
         "Probability of no failure up to this life, per limit state and for the whole {}, which fails with its first limit \
          state. Dots: checkpoints; lines between them: crossing times interpolated for every {}. Bands and bars: 95 % interval \
@@ -108,7 +104,7 @@ pub fn reliability(summary: &StudySummary) -> Option<Figure> {
         summary.subject(),
         summary.subject()
     );
-    Some(plot.figure("Reliability over life", &caption))
+    Some(Plot { figure: "reliability", x, y, series: &series }.figure("Reliability over life", &caption))
 }
 
 /// Stacked shares of the population that have failed, by the limit state that failed first.
@@ -137,12 +133,8 @@ pub fn first_failure(input: &ReportInput) -> Option<Figure> {
     }
     let places: Vec<f64> = rows.iter().map(|row| axis.place(row.cycles)).collect();
     let series = stacked(&places, layers);
-    let plot = Plot {
-        figure: "first-failure",
-        x: Axis::linear(axis.label, span(summary, &axis)),
-        y: Axis::linear("share that has failed", (0.0, 1.0)),
-        series: &series,
-    };
+    let x = Axis::linear(axis.label, span(summary, &axis));
+    let y = Axis::linear("share that has failed", (0.0, 1.0));
     let shares =
         governing(summary).and_then(|row| Some((row.cycles, shares_of_failures(summary, row.cycles)?)));
     let caption = format!(
@@ -155,7 +147,7 @@ pub fn first_failure(input: &ReportInput) -> Option<Figure> {
             shares.join(", ")
         ))
     );
-    Some(plot.figure("What fails first", &caption))
+    Some(Plot { figure: "first-failure", x, y, series: &series }.figure("What fails first", &caption))
 }
 
 /// First causes of the failures up to a checkpoint, as shares of them, e.g. `53.4 % by wear`; `None` if nothing has
@@ -202,18 +194,12 @@ pub fn compared(studies: &[ComparedStudy]) -> Vec<Figure> {
             let shape = if k % 2 == 1 { Shape::Dashed(points) } else { Shape::Line(points) };
             lines.push(Series::new(study, Ink::Series(k), shape));
         }
-        let title = if name == "total" {
-            "No failure of any kind".to_string()
-        } else {
-            format!("No failure by {name}")
-        };
-        Plot {
-            figure: &format!("reliability-{}", file_name(name)),
-            x: Axis::linear(axis.label, (axis.place(from), axis.place(to))),
-            y: Axis::linear("reliability R", (0.0, 1.0)),
-            series: &[bands, lines].concat(),
-        }
-        .figure(&title, "Bands: 95 % interval of sampling, surrogate and interpolation between the checkpoints, without numerical errors.")
+        let by = format!("No failure by {name}");
+        let title = if name == "total" { "No failure of any kind" } else { &by };
+        let caption = "Bands: 95 % interval of sampling, surrogate and interpolation between the checkpoints, without numerical errors.";
+        let (figure, series) = (&format!("reliability-{}", file_name(name)), &[bands, lines].concat());
+        let x = Axis::linear(axis.label, (axis.place(from), axis.place(to)));
+        Plot { figure, x, y: Axis::linear("reliability R", (0.0, 1.0)), series }.figure(title, caption)
     };
     studies[0].summary.curve_names().map(figure).collect()
 }

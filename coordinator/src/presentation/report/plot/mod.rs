@@ -38,13 +38,9 @@ pub struct Plot<'a> {
 impl Plot<'_> {
     /// The chart with its numbers as CSV.
     pub fn figure(&self, title: &str, caption: &str) -> Figure {
-        Figure {
-            name: self.figure.into(),
-            title: title.into(),
-            caption: caption.into(),
-            drawing: self.drawing(),
-            csv: series::csv(self.series, &self.x, &self.y),
-        }
+        let [name, title, caption] = [self.figure, title, caption].map(str::to_owned);
+        let csv = series::csv(self.series, &self.x, &self.y);
+        Figure { name, title, caption, drawing: self.drawing(), csv }
     }
 
     /// The chart. Points that are not finite are left out, as are those outside the range of the

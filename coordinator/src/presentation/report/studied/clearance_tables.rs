@@ -40,12 +40,9 @@ pub(super) fn guides(scene: &Scene, written: &WrittenScene) -> Markup {
             ("damping of the contact", damping(&guide.contact_damping, &texts, &key("contact_damping"))),
         ])
     });
-    stated(
-        "guides",
-        "Guides with clearance: length and height of the slider, width of the contact, clearance on each side; ends of the guide from its \
-         place",
-        rows,
-    )
+    let title = "Guides with clearance: length and height of the slider, width of the contact, clearance on each side; ends of the guide from its \
+         place";
+    stated("guides", title, rows)
 }
 
 /// Wear coefficients of the guides with clearance that wear and of their sliders, and their control points; nothing without any.
@@ -69,11 +66,9 @@ pub(super) fn guide_wear(scene: &Scene, written: &WrittenScene) -> Markup {
             ("control points of a face", wear.control_points.to_string()),
         ])
     });
-    stated(
-        "guide-wear",
-        "Wear of these guides and of their sliders by Archard's law, with the control points of each face",
-        rows,
-    )
+    let title =
+        "Wear of these guides and of their sliders by Archard's law, with the control points of each face";
+    stated("guide-wear", title, rows)
 }
 
 /// Hinges with clearance, with what is modelled of them.
@@ -134,12 +129,9 @@ pub(super) fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
             ("law and damping of the contact", format!("{law}; {damping}{wall}")),
         ])
     });
-    stated(
-        "hinges",
-        "Hinges with clearance; values in parentheses follow from the others; friction is regularised at the friction speed; a hinge \
-         with the wear coefficient 0 does not wear",
-        rows,
-    )
+    let title = "Hinges with clearance; values in parentheses follow from the others; friction is regularised at the friction speed; a hinge \
+         with the wear coefficient 0 does not wear";
+    stated("hinges", title, rows)
 }
 
 /// The radial clearance of a hinge that states one: the mean of a variable that sets it, else what is written.

@@ -98,11 +98,8 @@ pub(super) fn starts(scene: &Scene, written: &WrittenScene) -> Markup {
             ("angular velocity", speed),
         ])
     });
-    stated(
-        "starts",
-        "State of the free bodies at time zero: approximate positions, from which joints and drives are closed; velocities where they are given",
-        rows,
-    )
+    let title = "State of the free bodies at time zero: approximate positions, from which joints and drives are closed; velocities where they are given";
+    stated("starts", title, rows)
 }
 
 /// A place: its body, the name of its point where that is known, and its position in the frame of the body.

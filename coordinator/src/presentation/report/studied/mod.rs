@@ -141,11 +141,8 @@ fn assumptions(input: &ReportInput) -> Vec<String> {
         let has_worn_guides = scene.joints.iter().any(guide_wears);
         if !clearances.is_empty() || has_worn_guides {
             let journals = clearances.iter().any(|clearance| clearance.wears != WearingSurfaces::Bushing);
-            let surfaces = if journals || has_worn_guides {
-                "The surfaces with a wear coefficient wear"
-            } else {
-                "Only bushings wear"
-            };
+            let several = "The surfaces with a wear coefficient wear";
+            let surfaces = if journals || has_worn_guides { several } else { "Only bushings wear" };
             text.push(format!(
                 "{surfaces}, by Archard's law with a constant coefficient, evenly over their width. Temperature, debris and running-in \
                  are not modelled."

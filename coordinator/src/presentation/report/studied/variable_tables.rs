@@ -43,11 +43,8 @@ fn cells(variable: &RandomVariable, row: &VariableRow) -> [(&'static str, String
         let value = value.filter(|_| !is_constant);
         value.map_or(UNKNOWN.to_owned(), |value| in_unit(variable, value))
     };
-    let sets = if variable.changes.is_empty() {
-        "input of the simulator".into()
-    } else {
-        variable.changes.join(", ")
-    };
+    let changes = variable.changes.join(", ");
+    let sets = if changes.is_empty() { "input of the simulator".to_owned() } else { changes };
     let mode = variable.distribution.mode();
     let distribution = match mode {
         Some(mode) => format!("{}, mode {}", row.distribution, in_unit(variable, mode)),
