@@ -1,11 +1,17 @@
 //! Coverage of the remaining lives that `coordinator update` states: units of a direct Monte Carlo study are measured with noise,
-//! and their true remaining lives, which that study simulated, are compared with the stated intervals.
+//! and their true remaining lives, which that study simulated, are compared with the stated intervals. With a number of fleets the
+//! coverage of the lives that `coordinator learn` states, see `fleets`.
 //!
 //! ```sh
 //! coordinator run --scene four-bar --accuracy draft --out study
 //! coordinator run --scene four-bar --accuracy draft --method monte-carlo --samples 200 --seed 11 --out direct
 //! cargo run --release -p coordinator --example measured_units study direct
+//! coordinator run --scene four-bar --accuracy draft --set 'wear_coefficient=1.03e-13 1/Pa' --method monte-carlo --samples 3000 \
+//!     --seed 11 --out changed
+//! cargo run --release -p coordinator --example measured_units study changed 300 wear_coefficient.mean wear_coefficient.std
 //! ```
+
+mod fleets;
 
 use common::scene::{Scene, SceneSource};
 use coordinator::analyses::update::{
@@ -30,9 +36,12 @@ const SEED: u64 = 2026;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [study, direct] = arguments.as_slice() else {
+    let [study, direct, fleets @ ..] = arguments.as_slice() else {
         return Err("expected two folders: a study by active learning, and a direct Monte Carlo study".into());
     };
+    if let [number, unknown @ ..] = fleets {
+        return fleets::run(&read(Path::new(study))?, &read(Path::new(direct))?, number.parse()?, unknown);
+    }
     let (source, settings, summary, stored) = read(Path::new(study))?;
     let scene = source.nominal();
     let (_, _, _, simulated) = read(Path::new(direct))?;
