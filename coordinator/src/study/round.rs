@@ -251,7 +251,7 @@ pub(super) fn assess(
         dominance: (!weights.is_empty()).then(|| weights.iter().sum::<f64>() / weights.len() as f64),
         repairs: surrogates.iter().map(|s| s.repairs).sum(),
         figures,
-        selection: Selection::new(&modes, pool, options),
+        selection: Selection::new(pool, options),
         surrogates,
         modes,
         grid,

@@ -41,12 +41,12 @@ const PROBE: &str = "<script>addEventListener('load', () => {
     wrong, figures, opened: performance.now(), width: innerWidth, page: document.documentElement.scrollWidth,
     paper: getComputedStyle(document.body).backgroundColor, ink: getComputedStyle(document.body).color,
     fetched: performance.getEntriesByType('resource').map((entry) => entry.name), before: body(),
-    button: document.querySelector('.controls button')?.textContent,
+    button: document.querySelector('.moving .controls button')?.textContent,
   };
-  const place = document.querySelector('.controls input');
+  const place = document.querySelector('.moving .controls input');
   if (place) { place.value = 30; place.dispatchEvent(new Event('input')); }
   seen.after = body();
-  seen.then = document.querySelector('.controls button')?.textContent;
+  seen.then = document.querySelector('.moving .controls button')?.textContent;
   const said = parent.document.createElement('pre');
   said.id = 'seen';
   said.hidden = true;

@@ -45,17 +45,20 @@ pub fn watch(
     let (_until_dropped, dropped) = channel();
     let run = move || {
         let (mut has_answered, mut silences) = (false, 0);
-        while silences < watch.silences {
-            if dropped.recv_timeout(watch.every) != Err(RecvTimeoutError::Timeout) {
-                return;
-            }
+        loop {
+            // At once for the first time: the first client may be the one that stops the messaging.
             match answers(&endpoint, config.as_deref(), watch.patience) {
                 Some(true) => (has_answered, silences) = (true, 0),
                 Some(false) if has_answered => silences += 1,
                 _ => {}
             }
+            if silences >= watch.silences {
+                return failed();
+            }
+            if dropped.recv_timeout(watch.every) != Err(RecvTimeoutError::Timeout) {
+                return;
+            }
         }
-        failed();
     };
     let started = thread::Builder::new().name("coordinator-watch".into()).spawn(run);
     started.map(|_| Watched { _until_dropped }).map_err(DispatchError::Thread)
