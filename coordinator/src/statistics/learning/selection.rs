@@ -15,7 +15,7 @@
 //!
 //! After each choice the posterior covariances of all modes are reduced as if the result were the predicted
 //! mean. A mode counts in full where another has failed before: a fifth of the weight there made the error of its own curve 1.7
-//! times as large on the drive (means of ten studies), and that of the system no smaller.
+//! times as large on the drive (means of ten studies).
 //!
 //! # Source
 //! Targeted variance: Picheny et al. (2010), Adaptive designs of experiments for accurate approximation of a
