@@ -1,6 +1,6 @@
 //! Coverage of the lives that `coordinator learn` states from a fleet, and the width of their intervals beside those of a Weibull fit.
 //!
-//! A fleet has twenty units of the direct study, whose population need not be that of the study. Each is observed up to a life of its own,
+//! A fleet has twenty units of the direct study, whose population may differ from that of the study. Each is observed up to a life of its own,
 //! drawn so that three fifths of the units are still running then.
 
 use super::{Study, life};

@@ -14,7 +14,7 @@
 //! w_s is 2/3 for the first and 1/3 for the second where their dominance abs(k) > 0.5, the reverse elsewhere.
 //!
 //! After each choice the posterior covariances of all modes are reduced as if the result were the predicted
-//! mean. A mode counts in full where another has failed before: a fifth of the weight there made the error of its own curve 1.7
+//! mean. A mode has its whole weight where another has failed before: a fifth of it there made the error of its own curve 1.7
 //! times as large on the drive (means of ten studies).
 //!
 //! # Source
