@@ -36,7 +36,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             begun.elapsed().as_secs_f64()
         );
         let mut causes = BTreeMap::new();
-        for cause in &figures.ends {
+        for end in &figures.ends {
+            // Without thread and folder: `zenoh-1.10.2/src/net/routing/dispatcher/resource.rs:833:22`.
+            let place = end.split_once("panicked at ").map(|(_, path)| path.trim_end_matches(':'));
+            let place = place.map(|path| path.find("/zenoh").map_or(path, |at| &path[at + 1..]));
+            let cause = place.map_or_else(|| end.clone(), |place| format!("panic at {place}"));
             *causes.entry(cause).or_insert(0) += 1;
         }
         for (cause, count) in causes {

@@ -48,6 +48,18 @@ fn the_python_package_passes_its_tests() {
 }
 
 #[test]
+fn the_types_of_the_python_package_are_right() {
+    let Some(python) = python("the types of the Python package") else { return };
+    let mut mypy = Command::new(python);
+    mypy.args(["-m", "mypy", "--no-incremental", "hingewise"]).current_dir(root().join("deploy/python"));
+    let output = mypy.output().unwrap();
+    if String::from_utf8_lossy(&output.stderr).contains("No module named mypy") {
+        return skipped("the types of the Python package", "mypy is not installed");
+    }
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+}
+
+#[test]
 fn the_python_package_has_the_version_of_the_programs() {
     let project: toml::Table = deployed("python/pyproject.toml").parse().unwrap();
     assert_eq!(project["project"]["version"].as_str(), Some(VERSION));

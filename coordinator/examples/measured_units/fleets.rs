@@ -11,6 +11,7 @@ use coordinator::statistics::updating::ConfidentLife;
 use coordinator::study::{LifeModel, learn_from_results};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha12Rng;
+use rand_distr::{Distribution, StandardNormal};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::time::Instant;
@@ -19,8 +20,8 @@ use std::time::Instant;
 const UNITS: usize = 20;
 /// Expected share of the units that are still running [1].
 const RUNNING: f64 = 0.6;
-/// Standard deviation of the life at which a failure is noted [cycles].
-const NOTED: f64 = 2.0;
+/// Standard deviation of the life at which a failure is noted, as a share of the median life [1].
+const NOTED: f64 = 0.005;
 /// Confidence of the intervals [1].
 const CONFIDENCE: f64 = 0.9;
 /// Levels of R whose lives are compared [1].
@@ -70,6 +71,7 @@ pub fn run(study: &Study, direct: &Study, fleets: usize, unknown: &[String]) -> 
     let mut levels =
         LEVELS.map(|reliability| Level { reliability, held: 0, weibull_held: 0, widths: vec![] });
     let mut rng = ChaCha12Rng::seed_from_u64(super::SEED);
+    let error = NOTED * quantile(0.5);
     let (mut without, begun) = (0, Instant::now());
     for _ in 0..fleets {
         let mut text: String = unknown.iter().map(|name| format!("population,,{name},,\n")).collect();
@@ -79,8 +81,10 @@ pub fn run(study: &Study, direct: &Study, fleets: usize, unknown: &[String]) -> 
             // With a uniform share in 0 to 2 (1 - RUNNING) of all lives, RUNNING of the units live longer.
             let until = quantile(rng.random::<f64>() * 2.0 * (1.0 - RUNNING));
             if own <= until {
-                writeln!(text, "U{unit},{own:.1},failed,,{NOTED}")?;
-                data.push(UnitLife::Failed(own));
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                let noted = own + error * noise;
+                writeln!(text, "U{unit},{noted:.1},failed,,{error:.1}")?;
+                data.push(UnitLife::Failed(noted));
             } else {
                 writeln!(text, "U{unit},{until:.1},survived")?;
                 data.push(UnitLife::Running(until));

@@ -6,12 +6,14 @@
 //! coordinator run --scene four-bar --accuracy draft --out study
 //! coordinator run --scene four-bar --accuracy draft --method monte-carlo --samples 200 --seed 11 --out direct
 //! cargo run --release -p coordinator --example measured_units study direct
+//! cargo run --release -p coordinator --example measured_units study direct prognosis 60
 //! coordinator run --scene four-bar --accuracy draft --set 'wear_coefficient=1.03e-13 1/Pa' --method monte-carlo --samples 3000 \
 //!     --seed 11 --out changed
 //! cargo run --release -p coordinator --example measured_units study changed 300 wear_coefficient.mean wear_coefficient.std
 //! ```
 
 mod fleets;
+mod prognosis;
 
 use common::scene::{Scene, SceneSource};
 use coordinator::analyses::update::{
@@ -39,8 +41,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [study, direct, fleets @ ..] = arguments.as_slice() else {
         return Err("expected two folders: a study by active learning, and a direct Monte Carlo study".into());
     };
-    if let [number, unknown @ ..] = fleets {
-        return fleets::run(&read(Path::new(study))?, &read(Path::new(direct))?, number.parse()?, unknown);
+    if let [first, rest @ ..] = fleets {
+        let (study, direct) = (read(Path::new(study))?, read(Path::new(direct))?);
+        return match (first.as_str(), rest) {
+            ("prognosis", [count]) => prognosis::run(&study, &direct, count.parse()?),
+            _ => fleets::run(&study, &direct, first.parse()?, rest),
+        };
     }
     let (source, settings, summary, stored) = read(Path::new(study))?;
     let scene = source.nominal();

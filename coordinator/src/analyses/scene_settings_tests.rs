@@ -2,6 +2,7 @@
 
 use super::*;
 use common::scene::quantity::{AngleUnit, Quantity};
+use std::collections::BTreeSet;
 
 const SCENE: &str = r#"
 scene = { name = "bar" }
@@ -130,12 +131,17 @@ fn written(quantity: &Quantity, value: f64) -> String {
 #[test]
 fn issue_set_of_every_key_of_every_scene_is_the_edited_scene() {
     let (mut compared, mut refused) = (0, 0);
+    // Scenes that extend another one have most of its keys.
+    let mut seen = BTreeSet::new();
     for name in SceneSource::builtin_names() {
         let source = SceneSource::builtin(name).unwrap();
         for (key, quantity) in source.quantities() {
             let changed = |change: &String| change == key;
             if source.variables().iter().any(|variable| variable.changes.iter().any(changed)) {
                 continue; // Refused: its random variable is to be set.
+            }
+            if !seen.insert(key.clone()) {
+                continue;
             }
             let setting = format!("{key}={}", written(quantity, quantity.value * 1.001));
             let Ok(edited) = scene_with(&source, std::slice::from_ref(&setting)) else {
@@ -147,7 +153,7 @@ fn issue_set_of_every_key_of_every_scene_is_the_edited_scene() {
             compared += 1;
         }
     }
-    assert!(compared > 400 && refused < compared / 10, "{compared} compared, {refused} refused");
+    assert!(compared > 150 && refused < compared / 10, "{compared} compared, {refused} refused");
 }
 
 #[test]

@@ -5,25 +5,37 @@
     scene["study"]["max_evaluations"] = 60
     study = hingewise.run(scene, "study", accuracy="draft", progress=print)
     study.reliability      # a DataFrame over the checkpoints of life
+    study.plot()           # R(n) with its interval
+    hingewise.what_if(study, {"friction.std": 0.01}).frame("lives")
 
 The standard library is enough but for frames, which need pandas; `Study.rows` gives the same tables without it.
 """
 
+from .answers import Answer, check, designs, evaluate, learn, optimise, simulate, update, what_if
 from .program import ProgramError, call
 from .runs import Progress, resume, run
 from .scenes import dumps, load_scene, save_scene
 from .study import Study, StudyError, StudyWarning
 
 __all__ = [
+    "Answer",
     "Progress",
     "ProgramError",
     "Study",
     "StudyError",
     "StudyWarning",
     "call",
+    "check",
+    "designs",
     "dumps",
+    "evaluate",
+    "learn",
     "load_scene",
+    "optimise",
     "resume",
     "run",
     "save_scene",
+    "simulate",
+    "update",
+    "what_if",
 ]

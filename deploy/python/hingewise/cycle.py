@@ -5,11 +5,16 @@ accuracy and the period [s]; a reply the contacts of every joint over one cycle 
 coordinator/doc/cycles.md.
 """
 
+from __future__ import annotations
+
 import json
 import sys
+from collections.abc import Callable, Iterable
+from math import cos, sin
+from typing import Any
 
 
-def serve(cycle):
+def serve(cycle: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
     """Answer every request by `cycle(request)`, which returns a dictionary with `joints` and `outputs`.
 
     An error of `cycle` is the failure of its sample.
@@ -23,9 +28,7 @@ def serve(cycle):
         print(json.dumps({"id": request["id"], **reply}), flush=True)
 
 
-def in_frame(forces, angles):
+def in_frame(forces: Iterable[tuple[float, float]], angles: Iterable[float]) -> dict[str, list[float]]:
     """Global forces `(n, 2)` [N] in a frame turned by `angles` `(n,)` [rad]: the columns of a joint."""
-    from math import cos, sin
-
     turned = [(x * cos(a) + y * sin(a), y * cos(a) - x * sin(a)) for (x, y), a in zip(forces, angles)]
     return {"force_x": [x for x, _ in turned], "force_y": [y for _, y in turned]}

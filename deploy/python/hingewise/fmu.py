@@ -10,18 +10,25 @@ mapping a variable has the name itself. Surfaces go to the variables `JOINT.bush
 values at the checkpoints, over the life so far.
 """
 
+from __future__ import annotations
+
 import difflib
 import os
 import re
 import sys
 from bisect import bisect
+from collections.abc import Callable, Collection, Iterable
+from typing import Any
 from zipfile import ZipFile
 
 from .cycle import serve
 
+#: A request of the wear loop, or of a whole life.
+Request = dict[str, Any]
+
 FIELDS = "force_x", "force_y", "angle", "sliding", "eccentricity_x", "eccentricity_y"
 SURFACES = "bushing", "journal"
-OVER_CYCLE = {
+OVER_CYCLE: dict[str, Callable[[list[float]], float]] = {
     "largest": max,
     "smallest": min,
     "mean": lambda values: sum(values) / len(values),
@@ -32,17 +39,17 @@ OVER_CYCLE = {
 class Refused(SystemExit):
     """What the user can mend: it ends the program, and with it the study."""
 
-    def __init__(self, key, message):
+    def __init__(self, key: str, message: str) -> None:
         super().__init__(f"simulator.{key}: {message}")
 
 
-def nearest(name, known):
+def nearest(name: str, known: Collection[str]) -> str:
     """A hint at the nearest of the known names."""
     found = difflib.get_close_matches(name, known, 1)
     return f"; did you mean {found[0]}?" if found else f"; known: {', '.join(sorted(known)[:20])}"
 
 
-def mapping_of(arguments):
+def mapping_of(arguments: Iterable[str]) -> dict[str, str]:
     """The mapping of `NAME=VARIABLE` arguments."""
     pairs = [argument.split("=", 1) for argument in arguments]
     wrong = next((pair[0] for pair in pairs if len(pair) < 2), None)
@@ -54,7 +61,7 @@ def mapping_of(arguments):
 class Fmu:
     """A model with the mapping of a scene."""
 
-    def __init__(self, path, mapping, steps=1000, settling=1):
+    def __init__(self, path: str, mapping: dict[str, str], steps: int = 1000, settling: int = 1) -> None:
         try:
             from fmpy import extract, read_model_description
         except ImportError as error:
@@ -73,18 +80,18 @@ class Fmu:
         self.known = {variable.name for variable in self.description.modelVariables}
         self.mapping, self.steps, self.settling = mapping, steps, settling
 
-    def variable(self, name, joint=None):
+    def variable(self, name: str, joint: str | None = None) -> str | None:
         """The variable of a name, `None` without one."""
         field = name if joint is None else f"{joint}.{name}"
-        pattern = None if joint is None else self.mapping.get(f"*.{name}")
-        found = self.mapping.get(field) or (pattern and pattern.replace("*", joint)) or field
+        pattern = self.mapping.get(f"*.{name}") if joint else None
+        found = self.mapping.get(field) or (pattern and pattern.replace("*", joint or "")) or field
         if found in self.known:
             return found
         if field in self.mapping or pattern:
             raise Refused("map", f"{field}: {self.path} has no variable {found}{nearest(found, self.known)}")
         return None
 
-    def output(self, name):
+    def output(self, name: str) -> Any:
         """The variable of an output, and what is made of its values."""
         written = self.mapping.get(name, name)
         parts = re.fullmatch(r"(\w+)\((.*)\)", written)
@@ -95,7 +102,7 @@ class Fmu:
             raise Refused("map", f"{name}: {self.path} has no variable {variable}{nearest(variable, self.known)}")
         return OVER_CYCLE[over], variable
 
-    def check(self, request, outputs):
+    def check(self, request: Request, outputs: Any) -> None:
         """Refuses names of the mapping that the request does not have, and inputs that the FMU does not have."""
         sample, joints = request["sample"], request.get("joints", {})
         names = [*sample, *outputs]
@@ -109,21 +116,21 @@ class Fmu:
             raise Refused("map", f"{self.path} has no variable {missing[0]}{nearest(missing[0], self.known)}")
         self.checked = True
 
-    def start_values(self, request):
+    def start_values(self, request: Request) -> dict[str, float]:
         """Inputs and surfaces of a request."""
         values = {}
         for name, value in request["sample"].items():
-            if self.variable(name):
-                values[self.variable(name)] = value
+            if found := self.variable(name):
+                values[found] = value
         for joint, surfaces in request.get("joints", {}).items():
             for side, radii in surfaces.items():
-                if self.variable(side, joint):
-                    values[self.variable(side, joint)] = radii
+                if found := self.variable(side, joint):
+                    values[found] = radii
                 elements = {f"{joint}.{side}[{k}]": radius for k, radius in enumerate(radii, 1)}
                 values.update((name, radius) for name, radius in elements.items() if name in self.known)
         return values
 
-    def simulate(self, request, names, stop, interval):
+    def simulate(self, request: Request, names: list[str], stop: float, interval: float) -> Any:
         """Columns of variables by name, with `time`, up to the time `stop`."""
         from fmpy import simulate_fmu
 
@@ -137,7 +144,7 @@ class Fmu:
         )
         return {name: [float(value) for value in found[name]] for name in found.dtype.names}
 
-    def reply(self, request):
+    def reply(self, request: Request) -> dict[str, Any]:
         """The reply to a request for a life, or for a cycle."""
         is_cycle = "joints" in request
         # A request for a life does not name the outputs.
@@ -149,7 +156,7 @@ class Fmu:
         outputs = {name: self.output(name) for name in names}
         return self.cycle(request, outputs) if is_cycle else self.life(request, outputs)
 
-    def life(self, request, outputs):
+    def life(self, request: Request, outputs: Any) -> dict[str, Any]:
         """Values at the checkpoints of a simulation of the whole life."""
         cycles = request["cycles"]
         interval = 10 * cycles[0] / self.steps
@@ -158,7 +165,7 @@ class Fmu:
         of = {name: [over(found[variable][:end]) for end in ends] for name, (over, variable) in outputs.items()}
         return {"outputs": of}
 
-    def cycle(self, request, outputs):
+    def cycle(self, request: Request, outputs: Any) -> dict[str, Any]:
         """The last cycle of a simulation that settles before."""
         period = request["period"]
         fields = {(joint, field): self.variable(field, joint) for joint in request["joints"] for field in FIELDS}
@@ -168,7 +175,7 @@ class Fmu:
         found = self.simulate(request, names, start + period, interval)
         first = next(k for k, time in enumerate(found["time"]) if time > start - 0.5 * interval)
         column = {name: values[first:] for name, values in found.items()}
-        joints = {joint: {} for joint in request["joints"]}
+        joints: dict[str, dict[str, list[float]]] = {joint: {} for joint in request["joints"]}
         for (joint, field), variable in fields.items():
             joints[joint][field] = column[variable]
         return {
@@ -178,7 +185,7 @@ class Fmu:
         }
 
 
-def main():
+def main() -> None:
     if len(sys.argv) < 2:
         raise SystemExit("usage: python3 -m hingewise.fmu FILE.fmu [NAME=VARIABLE ...]")
     # What the FMU prints is no reply.

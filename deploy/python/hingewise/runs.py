@@ -1,17 +1,23 @@
 """Running studies, with their progress."""
 
+from __future__ import annotations
+
 import os
 import re
 import signal
 import subprocess
 import tempfile
 import warnings
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import NamedTuple
+from typing import IO, Any, NamedTuple
 
 from .program import ProgramError, program
 from .scenes import dumps
 from .study import Study, StudyWarning
+
+#: A scene: a dictionary, a file or the name of a built-in scene.
+Scene = dict[str, Any] | str | os.PathLike[str]
 
 _COUNTS = re.compile(r"(\d+)/(\d+) evaluations")
 
@@ -25,11 +31,13 @@ class Progress(NamedTuple):
     #: Evaluations of the study at most; None in a line without counts.
     most: int | None
 
-    def __str__(self):
+    def __str__(self) -> str:
         return self.text
 
 
-def run(scene, out, *, progress=None, **options):
+def run(
+    scene: Scene, out: str | os.PathLike[str], *, progress: Callable[[Progress], Any] | None = None, **options: Any
+) -> Study:
     """Runs a study to its end and returns it as a `Study`.
 
     `scene` is a dictionary, a file or the name of a built-in scene, `out` the folder of the study. `progress` is called
@@ -42,18 +50,20 @@ def run(scene, out, *, progress=None, **options):
 
     Raises ProgramError.
     """
-    with _file_of(scene) as file:
-        command = ["run", "--scene", file, "--out", os.fspath(out), *_words(options)]
+    with file_of(scene) as file:
+        command = ["run", "--scene", file, "--out", os.fspath(out), *words(options)]
         return _study(command, out, progress, hidden=file if isinstance(scene, dict) else None)
 
 
-def resume(folder, *, progress=None, **options):
+def resume(
+    folder: str | os.PathLike[str], *, progress: Callable[[Progress], Any] | None = None, **options: Any
+) -> Study:
     """Goes on with the study in `folder`, as `coordinator resume`, and returns it. See `run`."""
-    return _study(["resume", os.fspath(folder), *_words(options)], folder, progress)
+    return _study(["resume", os.fspath(folder), *words(options)], folder, progress)
 
 
 @contextmanager
-def _file_of(scene):
+def file_of(scene: Scene) -> Iterator[str]:
     """The argument for a scene; a dictionary becomes a file in this folder, from which CSV files in it are looked up."""
     if not isinstance(scene, dict):
         yield os.fspath(scene)
@@ -67,20 +77,25 @@ def _file_of(scene):
         os.unlink(file)
 
 
-def _words(options):
+def words(options: Mapping[str, Any]) -> list[str]:
     """Command line options of keyword arguments."""
-    words = []
+    found: list[str] = []
     for key, value in options.items():
         option = "--" + key.replace("_", "-")
         for entry in value if isinstance(value, (list, tuple)) else [value]:
             if entry is True:
-                words.append(option)
+                found.append(option)
             elif entry is not None and entry is not False:
-                words += [option, str(entry)]
-    return words
+                found += [option, str(entry)]
+    return found
 
 
-def _study(arguments, folder, progress, hidden=None):
+def _study(
+    arguments: list[str],
+    folder: str | os.PathLike[str],
+    progress: Callable[[Progress], Any] | None,
+    hidden: str | None = None,
+) -> Study:
     """Runs a command that ends with a finished study in `folder`; `hidden` is a file that messages do not name."""
     command = [program(), *arguments]
     # A file takes as much as is printed while the other stream is read.
@@ -94,14 +109,17 @@ def _study(arguments, folder, progress, hidden=None):
     return study
 
 
-def _run_to_end(command, printed, progress, hidden):
+def _run_to_end(
+    command: list[str], printed: IO[str], progress: Callable[[Progress], Any] | None, hidden: str | None
+) -> None:
     process = subprocess.Popen(
         command, stdin=subprocess.DEVNULL, stdout=printed, stderr=subprocess.PIPE, encoding="utf-8"
     )
-    said = []
+    assert process.stderr is not None
+    said: list[str] = []
     try:
         for line in process.stderr:
-            said = [*said, _without(line.rstrip(), hidden)][-20:]
+            said = [*said, without(line.rstrip(), hidden)][-20:]
             if progress is not None:
                 progress(_progress(said[-1]))
         process.wait()
@@ -118,16 +136,17 @@ def _run_to_end(command, printed, progress, hidden):
         raise ProgramError(process.returncode, "\n".join(said))
 
 
-def _without(line, hidden):
-    """A line with `scene` in the place of a temporary file."""
+def without(line: str, hidden: str | None) -> str:
+    """A message with `scene` in the place of a temporary file."""
     if hidden is None:
         return line
-    for name in (hidden, os.path.join(".", os.path.basename(hidden)), os.path.basename(hidden)):
+    base = os.path.basename(hidden)
+    for name in (os.path.abspath(hidden), hidden, os.path.join(".", base), base):
         line = line.replace(name, "scene")
     return line
 
 
-def _progress(line):
+def _progress(line: str) -> Progress:
     counts = _COUNTS.search(line)
     done, most = map(int, counts.groups()) if counts else (None, None)
     return Progress(line, done, most)

@@ -4,11 +4,23 @@ Columns have the names of `reliability.csv`, `samples.csv`, `campaign.db` and `s
 are joined with `_`. Units are those of these files: SI where a name states no other.
 """
 
+from __future__ import annotations
+
 import csv
 import json
+import os
 import sqlite3
 import tomllib
+from collections.abc import Mapping
+from html import escape
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import pandas
+
+#: Rows of a table.
+Rows = list[dict[str, Any]]
 
 #: Form of `summary.json` that this package reads; later versions of the program add keys and change none of it.
 SCHEMA = 1
@@ -16,6 +28,7 @@ SCHEMA = 1
 #: Tables with the columns that number their rows.
 TABLES = {
     "reliability": ["cycles"],
+    "curves": ["limit_state", "cycles"],
     "lives": ["limit_state", "level"],
     "moments": ["cycles"],
     "sensitivities": ["cycles", "limit_state", "variable"],
@@ -44,9 +57,21 @@ class Study:
     """
 
     #: What the program printed at the end of the study; None for a study that was opened from its folder.
-    printed = None
+    printed: str | None = None
+    if TYPE_CHECKING:
+        reliability: pandas.DataFrame
+        curves: pandas.DataFrame
+        lives: pandas.DataFrame
+        moments: pandas.DataFrame
+        sensitivities: pandas.DataFrame
+        sobol: pandas.DataFrame
+        variables: pandas.DataFrame
+        limits: pandas.DataFrame
+        samples: pandas.DataFrame
+        outputs: pandas.DataFrame
+        output_errors: pandas.DataFrame
 
-    def __init__(self, folder):
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.folder = Path(folder)
         file = self.folder / "summary.json"
         try:
@@ -61,26 +86,66 @@ class Study:
         if found != SCHEMA:
             raise StudyError(f"{file}: has schema {found}, this package reads {SCHEMA}")
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"Study({str(self.folder)!r})"
 
     @property
-    def targets_met(self):
+    def targets_met(self) -> bool:
         """True if the study ended because its targets were met; False if its budget was spent first."""
-        return self.summary["convergence"]["targets_met"]
+        return bool(self.summary["convergence"]["targets_met"])
 
     @property
-    def ending(self):
+    def ending(self) -> str:
         """Why the study ended, in words."""
         met = "its targets are met" if self.targets_met else "ended before its targets were met"
         return f"{met}: {self.summary['convergence']['stopped_because']}"
 
     @property
-    def scene(self):
+    def scene(self) -> dict[str, Any]:
         """The scene as it was studied, as a dictionary."""
         return tomllib.loads((self.folder / "scene.toml").read_text(encoding="utf-8"))
 
-    def rows(self, table):
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the variables and of the limits with their outputs; the files, and so the frames, have these values in SI."""
+        named = {row["name"]: row["unit"] for key in ("variables", "limits") for row in self.summary[key]}
+        return named | {row["output"]: row["unit"] for row in self.summary["limits"]}
+
+    def plot(self, ax: Any = None, limit_states: list[str] | None = None) -> Any:
+        """R(n) with its 95 % interval, total and of every limit state; returns the axes. Needs matplotlib.
+
+        The interval contains sampling, surrogates and numerical error.
+        """
+        if ax is None:
+            from matplotlib import pyplot
+
+            _, ax = pyplot.subplots()
+        for curve in self.summary["curves"]:
+            name = curve["limit_state"]
+            if limit_states is None or name in limit_states:
+                width = 2.0 if name == "total" else 1.0
+                (line,) = ax.plot(curve["cycles"], curve["reliability"], label=name, linewidth=width)
+                ax.fill_between(curve["cycles"], curve["lower"], curve["upper"], alpha=0.2, color=line.get_color())
+        ax.set(xlabel="cycles", ylabel="R", ylim=(-0.02, 1.02), title=self.summary["scene"])
+        ax.legend()
+        return ax
+
+    def _repr_html_(self) -> str:
+        """The lives with their intervals and how the study ended, as a notebook shows it."""
+
+        def cycles(value: object) -> str:
+            return f"{value:,.0f}".replace(",", " ") if isinstance(value, (int, float)) else "–"
+
+        rows = [
+            f"<tr><td>{escape(row['limit_state'])}</td><td>{row['level']}</td><td>{row.get('bound') or ''} {cycles(row['cycles'])}</td>"
+            f"<td>{cycles(row.get('interval_lower'))} to {cycles(row.get('interval_upper'))}</td></tr>"
+            for row in self.rows("lives")
+        ]
+        head = "<tr><th>limit state</th><th>R</th><th>life [cycles]</th><th>95 % interval</th></tr>"
+        title = f"<b>{escape(self.summary['scene'])}</b>, {self.summary['evaluations']['total']} simulations, {escape(self.ending)}"
+        return f"<div>{title}<table>{head}{''.join(rows)}</table></div>"
+
+    def rows(self, table: str) -> Rows:
         """A table as a list of dictionaries; empty if the study has none of it."""
         if table not in TABLES:
             raise KeyError(f"{table}: the tables are {', '.join(TABLES)}")
@@ -92,20 +157,27 @@ class Study:
             case "outputs" | "output_errors":
                 return self._database(table.removesuffix("s"))
             case "sensitivities":
-                return [_flat(row) for row in self.summary["sensitivity"]]
+                return [flat(row) for row in self.summary["sensitivity"]]
+            case "curves":
+                columns = ("cycles", "reliability", "lower", "upper")
+                return [
+                    {"limit_state": curve["limit_state"], **dict(zip(columns, values, strict=True))}
+                    for curve in self.summary["curves"]
+                    for values in zip(*(curve[column] for column in columns), strict=True)
+                ]
             case "lives":
                 return [_life(row) for row in self.summary["lives"]]
             case _:
-                return [_flat(row) for row in self.summary[table]]
+                return [flat(row) for row in self.summary[table]]
 
-    def frame(self, table):
+    def frame(self, table: str) -> pandas.DataFrame:
         """A table as a pandas frame."""
         import pandas
 
         frame = pandas.DataFrame(self.rows(table))
         return frame if frame.empty else frame.set_index(TABLES[table])
 
-    def _database(self, table):
+    def _database(self, table: str) -> Rows:
         """The rows of a table of `campaign.db` that belong to the result."""
         uri = (self.folder / "campaign.db").resolve().as_uri() + "?mode=ro"
         connection = sqlite3.connect(uri, uri=True)
@@ -116,22 +188,22 @@ class Study:
         finally:
             connection.close()
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         if name in TABLES:
             return self.frame(name)
         raise AttributeError(f"{type(self).__name__} has no attribute {name}")
 
-    def __dir__(self):
+    def __dir__(self) -> list[str]:
         return [*super().__dir__(), *TABLES]
 
 
-def _csv(file):
+def _csv(file: Path) -> Rows:
     """The rows of a CSV file with numbers as such; an empty cell is None."""
     with open(file, newline="", encoding="utf-8") as text:
         return [{key: _value(cell) for key, cell in row.items()} for row in csv.DictReader(text)]
 
 
-def _value(cell):
+def _value(cell: str) -> int | float | str | None:
     for kind in (int, float):
         try:
             return kind(cell)
@@ -140,23 +212,23 @@ def _value(cell):
     return cell or None
 
 
-def _without_outputs(row):
+def _without_outputs(row: Mapping[str, Any]) -> dict[str, Any]:
     """A row of `samples.csv` without the outputs at every checkpoint, which the table `outputs` has."""
     return {key: value for key, value in row.items() if "@" not in key}
 
 
-def _flat(row, prefix=""):
+def flat(row: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     """A nested object as one row."""
-    flat = {}
+    found: dict[str, Any] = {}
     for key, value in row.items():
         if isinstance(value, dict):
-            flat |= _flat(value, f"{prefix}{key}_")
+            found |= flat(value, f"{prefix}{key}_")
         else:
-            flat[prefix + key] = value
-    return flat
+            found[prefix + key] = value
+    return found
 
 
-def _life(row):
+def _life(row: Mapping[str, Any]) -> dict[str, Any]:
     """A life; the level of reliability is called so, since `reliability` is a curve."""
-    flat = _flat(row)
-    return {"limit_state": flat.pop("limit_state"), "level": flat.pop("reliability"), **flat}
+    found = flat(row)
+    return {"limit_state": found.pop("limit_state"), "level": found.pop("reliability"), **found}

@@ -111,6 +111,53 @@ class WithStudy(unittest.TestCase):
         with self.assertRaises(AttributeError):
             self.study.nonsense
 
+    def test_questions_to_a_study_are_the_commands(self):
+        changed = hingewise.what_if(self.study, {"wear.threshold": "9 um"})
+        same = hingewise.call("what-if", "study", "--set", "wear.threshold=9 um")
+        self.assertEqual(changed["lives"], same["lives"])
+        lives = changed.frame("lives") if pandas else changed["lives"]
+        self.assertEqual(len(lives), 6)
+        row = ("A7", 2000, "max_wear_depth", "3.7 um", "0.1 um")
+        unit = hingewise.update("study", [row], points=4000)["units"][0]
+        self.assertEqual((unit["unit"], unit["observed_until"]), ("A7", 2000))
+        with self.assertRaises(hingewise.ProgramError) as raised:
+            hingewise.learn(self.study, [("A7", 2000, "nonsense", 1, 1)])
+        self.assertIn("nonsense", str(raised.exception))
+        problem = {
+            "quantities": [{"change": "friction.mean", "lower": 0.04, "upper": 0.05, "cost": {"model": "linear", "c0": 0, "c1": 1}}],
+            "targets": [{"reliability": 0.5, "cycles": 5000}],
+        }
+        found = hingewise.optimise(self.study, problem, max_evaluations=0)
+        self.assertTrue(0.04 <= found["optimum"]["cost"] <= 0.05, found["optimum"])
+
+    def test_a_notebook_shows_the_lives_and_the_curve(self):
+        page = self.study._repr_html_()
+        self.assertIn("16 simulations", page)
+        self.assertEqual(page.count("<tr>"), 1 + len(self.study.rows("lives")))
+        self.assertEqual(self.study.units["max_wear_depth"], "m")
+        curves = self.study.rows("curves")
+        self.assertTrue(all(row["lower"] <= row["reliability"] <= row["upper"] for row in curves))
+        try:
+            import matplotlib
+        except ImportError:
+            return
+        matplotlib.use("agg")
+        self.assertEqual(len(self.study.plot(limit_states=["total"]).lines), 1)
+
+    def test_own_samples_are_simulated_in_their_order(self):
+        rows = [{"friction": 0.04}, {"no_variable": 1}, {"friction": 0.06, "parameters.width": "11 mm"}]
+        first, second, third = hingewise.evaluate(small(), rows, accuracy="draft", at_once=2)
+        self.assertIsInstance(second, hingewise.ProgramError)
+        self.assertNotIn(".hingewise-", str(second))
+        alone = hingewise.simulate("four-bar", {"friction": 0.04}, accuracy="draft")
+        self.assertEqual(first["max_wear_depth_m"], alone["max_wear_depth_m"])
+        self.assertLess(third["max_wear_depth_m"][-1], first["max_wear_depth_m"][-1])
+        self.assertTrue(hingewise.check("four-bar", quick=True)["valid"])
+        wrong = small() | {"life": {}}
+        found = hingewise.check(wrong, quick=True)
+        self.assertFalse(found["valid"])
+        self.assertEqual([(fault["file"], fault["key"]) for fault in found["faults"]][0], ("scene", "life.cycles"))
+
     def test_a_study_goes_on_and_nothing_is_run_again(self):
         before = {row["id"]: row["finished_at"] for row in self.study.rows("samples")}
         hingewise.run("study/scene.toml", "longer", levels="draft", workers=2)

@@ -70,7 +70,7 @@ fn learned(
 }
 
 /// Sets of parameters of the closed forms: with 6000 all means agree within 1 %.
-const SETS: usize = 1500;
+const SETS: usize = 800;
 
 /// True if a posterior mean and standard deviation are exact within three of their standard errors by the effective number of
 /// sets, and half a per cent for the points.
@@ -251,8 +251,8 @@ fn bounds_from_few_samples_hold_as_often_as_stated() {
             let sets: Vec<(f64, [f64; 2])> = laws.iter().map(|law| (1.0, [law.mean(), law.std()])).collect();
             let points_of = space::proposal(&fitted, None, &sets);
             let reweighting = Reweighting::new(vec![0], std::slice::from_ref(&points_of));
-            let states: Vec<f64> = (0..2000)
-                .map(|j| common::random::standard_normal_quantile((f64::from(j) + 0.5) / 2000.0))
+            let states: Vec<f64> = (0..1000)
+                .map(|j| common::random::standard_normal_quantile((f64::from(j) + 0.5) / 1000.0))
                 .collect();
             let lives: Vec<f64> = states.iter().map(|u| points_of.from_standard_normal(*u)).collect();
             let points: PointPlaces = reweighting.points(&states, 1);
