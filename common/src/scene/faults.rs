@@ -22,6 +22,7 @@ use super::expression::read_unit;
 use super::location::Location;
 use super::quantity::{Dimension, Kind};
 use crate::accuracy::AccuracyNameError;
+use std::collections::BTreeSet;
 use std::ops::Range;
 use thiserror::Error;
 
@@ -262,7 +263,13 @@ impl From<&str> for FaultKind {
 impl FaultKind {
     /// A key that is none of those `known`.
     pub(super) fn unknown_key<'n>(key: &str, known: impl Iterator<Item = &'n str> + Clone) -> Self {
-        Self::UnknownKey { nearest: nearest(key, known.clone()), known: known.map(str::to_owned).collect() }
+        let nearest = nearest(key, known.clone());
+        // Types of one element share keys.
+        let mut seen = BTreeSet::new();
+        Self::UnknownKey {
+            nearest,
+            known: known.filter(|key| seen.insert(*key)).map(str::to_owned).collect(),
+        }
     }
 
     /// A word that is none of those `known`.

@@ -67,6 +67,9 @@ pub fn read(text: &str) -> Result<ImportedLinkage, String> {
     if let Some(second) = inputs.next() {
         return Err(format!("has a second input at {}: one is allowed", second.name));
     }
+    if !linkage.joints().iter().any(|joint| joint.word == "clearance") {
+        return Err("has no hinge beside that of its drive: nothing could wear".to_owned());
+    }
     Ok(linkage)
 }
 

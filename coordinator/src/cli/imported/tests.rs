@@ -85,27 +85,125 @@ fn the_coupler_of_a_hoeken_linkage_draws_its_line() {
     assert!(heights.len() > 30 && high - low < 0.8, "{low} to {high}");
 }
 
+/// The point that has in the triangle `p`, `q` the place of `x` in the triangle `a`, `b`.
+fn carried([a, b, x]: [[f64; 2]; 3], p: [f64; 2], q: [f64; 2]) -> [f64; 2] {
+    let minus = |u: [f64; 2], v: [f64; 2]| [u[0] - v[0], u[1] - v[1]];
+    let (base, own, now) = (minus(b, a), minus(x, a), minus(q, p));
+    let length = base[0].powi(2) + base[1].powi(2);
+    let along = (own[0] * base[0] + own[1] * base[1]) / length;
+    let across = (base[0] * own[1] - base[1] * own[0]) / length;
+    [p[0] + along * now[0] - across * now[1], p[1] + along * now[1] + across * now[0]]
+}
+
+/// Places of all pins of a linkage at an angle of its crank, pin 1 to 2, from those before. A step is a pin with two others: it has its
+/// distances from them, or (`true`) lies on the link that they belong to.
+fn solved(
+    linkage: &ImportedLinkage,
+    angle: f64,
+    steps: &[(usize, [usize; 2], bool)],
+    places: &mut [[f64; 2]],
+) {
+    let file = |k: usize| linkage.pins[k - 1].at;
+    let [x, y] = [0, 1].map(|axis| file(2)[axis] - file(1)[axis]);
+    let (sin, cos) = angle.sin_cos();
+    places[1] = [file(1)[0] + cos * x - sin * y, file(1)[1] + sin * x + cos * y];
+    for (pin, [a, b], on_link) in steps {
+        let (p, q) = (places[a - 1], places[b - 1]);
+        places[pin - 1] = if *on_link {
+            carried([file(*a), file(*b), file(*pin)], p, q)
+        } else {
+            dyad(p, far(file(*pin), file(*a)), q, far(file(*pin), file(*b)), places[pin - 1])
+        };
+    }
+}
+
+/// Linkages of dyads: file, steps of [`solved`], and the body and pin that are compared.
 #[test]
-fn four_bars_and_six_bars_follow_their_dyads() {
+fn linkages_follow_their_dyads() {
+    let (dyad, link) = (false, true);
+    let four_bar = (3, [2, 4], dyad);
+    for (name, steps, body, pin) in [
+        ("drag-link", vec![four_bar], "output", 3),
+        ("pump-jack", vec![four_bar, (5, [3, 4], link)], "beam", 5),
+        ("tandem-wiper", vec![four_bar, (5, [2, 6], dyad)], "left", 5),
+        ("watt-1", vec![four_bar, (5, [2, 3], link), (6, [3, 4], link), (7, [5, 6], dyad)], "output", 7),
+        ("watt-2", vec![four_bar, (5, [3, 4], link), (6, [5, 7], dyad)], "output", 6),
+        ("stephenson-3", vec![four_bar, (5, [2, 3], link), (6, [5, 7], dyad)], "output", 6),
+        ("dwell", vec![four_bar, (5, [2, 3], link), (6, [5, 7], dyad)], "output", 6),
+        ("klann", vec![four_bar, (5, [2, 3], link), (6, [5, 7], dyad), (8, [5, 6], link)], "leg", 8),
+        // Lengths of Jansen (2007), The Great Pretender.
+        (
+            "jansen",
+            vec![
+                (3, [2, 4], dyad),
+                (5, [2, 4], dyad),
+                (6, [4, 3], dyad),
+                (7, [6, 5], dyad),
+                (8, [5, 7], dyad),
+            ],
+            "foot",
+            8,
+        ),
+        (
+            "pantograph",
+            vec![(4, [3, 2], dyad), (5, [3, 4], link), (6, [5, 2], dyad), (7, [5, 6], link)],
+            "copy",
+            7,
+        ),
+    ] {
+        let (scene, linkage) = scene(&format!("{name}.pmks"));
+        let mut places: Vec<[f64; 2]> = linkage.pins.iter().map(|pin| pin.at).collect();
+        let mut heights = Vec::new();
+        for (angle, place) in path(&scene, body, &format!("p{pin}")) {
+            solved(&linkage, angle, &steps, &mut places);
+            assert!(far(place, places[pin - 1]) < 1e-5, "{name}: {place:?} against {:?}", places[pin - 1]);
+            if name == "pantograph" {
+                // The copy is twice as large, about the fixed pin.
+                let twice = [0, 1].map(|axis| 2.0 * places[1][axis] - places[2][axis]);
+                assert!(far(place, twice) < 1e-5, "{place:?} against {twice:?}");
+            }
+            heights.push(place[1]);
+        }
+        // A leg steps level: for two fifths of its time the foot is near the ground.
+        if ["foot", "leg"].contains(&body) {
+            let (low, high) =
+                heights.iter().fold((f64::MAX, f64::MIN), |(low, high), y| (low.min(*y), high.max(*y)));
+            let down = heights.iter().filter(|y| **y - low < 0.15 * (high - low)).count();
+            assert!(down > 30, "{name}: {down} of 73");
+        }
+    }
     let (scene, _) = self::scene("four-bar.linkage2");
     let lengths = [far([20.0, 0.0], [50.0, 60.0]), far([50.0, 60.0], [80.0, 0.0])];
     let mut before = [50.0, 60.0];
     for (angle, place) in path(&scene, "link2", "p2") {
         let crank = [20.0 * angle.cos(), 20.0 * angle.sin()];
-        before = dyad(crank, lengths[0], [80.0, 0.0], lengths[1], before);
+        before = self::dyad(crank, lengths[0], [80.0, 0.0], lengths[1], before);
         near(place, before);
     }
-    for (name, of, ground) in
-        [("watt-2.pmks", "rocker", [150.0, 0.0]), ("stephenson-3.pmks", "coupler", [-10.0, 90.0])]
-    {
-        let (scene, linkage) = self::scene(name);
-        let pin = |k: usize| linkage.pins[k].at;
-        let lengths = [far(pin(4), pin(5)), far(pin(5), ground)];
-        let (joints, mut before) = (path(&scene, of, "p5"), pin(5));
-        for ((_, from), (_, place)) in joints.into_iter().zip(path(&scene, "output", "p6")) {
-            before = dyad(from, lengths[0], ground, lengths[1], before);
-            near(place, before);
-        }
+}
+
+#[test]
+fn mechanisms_with_slides_have_their_closed_forms() {
+    let (scene, _) = self::scene("whitworth.pmks");
+    for (angle, [x, y]) in path(&scene, "output", "p4") {
+        let output = (40.0 * angle.sin()).atan2(40.0 * angle.cos() + 25.0);
+        near([x, y], [85.0 * output.cos() - 25.0, 85.0 * output.sin()]);
+    }
+    let (scene, _) = self::scene("scotch-yoke.pmks");
+    for (angle, place) in path(&scene, "yoke", "p4") {
+        near(place, [30.0 * angle.cos(), 0.0]);
+    }
+    let (scene, _) = self::scene("swinging-cylinder.pmks");
+    for (angle, place) in path(&scene, "cylinder", "p5") {
+        let swing = (20.0 * angle.sin()).atan2(90.0 - 20.0 * angle.cos());
+        near(place, [90.0 - 40.0 * swing.cos(), 40.0 * swing.sin()]);
+    }
+    let (scene, linkage) = self::scene("toggle-press.pmks");
+    let mut places: Vec<[f64; 2]> = linkage.pins.iter().map(|pin| pin.at).collect();
+    for (angle, place) in path(&scene, "ram", "p5") {
+        solved(&linkage, angle, &[(3, [2, 4], false)], &mut places);
+        let [x, y] = places[2];
+        near(place, [55.0, y - (65.0_f64.powi(2) + 25.0 - (55.0 - x).powi(2)).sqrt()]);
     }
 }
 
@@ -125,32 +223,6 @@ fn a_quick_return_has_the_time_ratio_of_its_lengths() {
     assert!((most - 0.5_f64.asin()).abs() < 1e-3, "{most}");
 }
 
-/// Lengths of Jansen (2007), The Great Pretender.
-#[test]
-fn a_leg_of_jansen_steps_level() {
-    let (scene, linkage) = scene("jansen.pmks");
-    assert_eq!(linkage.links.len(), 8);
-    let (mut knee, mut top, mut heel) = (linkage.pins[4].at, linkage.pins[2].at, linkage.pins[6].at);
-    let mut hip = linkage.pins[5].at;
-    let mut foot = linkage.pins[7].at;
-    let pivot = [-38.0, -7.8];
-    let mut heights = Vec::new();
-    for (angle, place) in path(&scene, "foot", "p8") {
-        let crank = [-15.0 * angle.sin(), 15.0 * angle.cos()];
-        top = dyad(crank, 50.0, pivot, 41.5, top);
-        hip = dyad(pivot, 40.1, top, 55.8, hip);
-        knee = dyad(crank, 61.9, pivot, 39.3, knee);
-        heel = dyad(hip, 39.4, knee, 36.7, heel);
-        foot = dyad(knee, 49.0, heel, 65.7, foot);
-        assert!(far(place, foot) < 1e-5, "{place:?} against {foot:?}");
-        heights.push(place[1]);
-    }
-    // For half of its time the foot is within a tenth of its lift from the ground.
-    let (low, high) = heights.iter().fold((f64::MAX, f64::MIN), |(low, high), y| (low.min(*y), high.max(*y)));
-    let down = heights.iter().filter(|y| **y - low < 0.1 * (high - low)).count();
-    assert!(down > 30, "{down} of 73");
-}
-
 #[test]
 fn what_cannot_be_read_is_said_with_its_place() {
     for (text, said) in [
@@ -158,6 +230,10 @@ fn what_cannot_be_read_is_said_with_its_place() {
         ("<linkage2><connector id=\"0\" x=\"a\" y=\"0\"/></linkage2>", "1:11: x = \"a\" is no number"),
         ("ground,a,R,0,zero", "line 1: \"zero\" where a number was expected"),
         ("ground,a,R,0,0", "no input"),
+        (
+            "ground,input,R,0,0\ninput,yoke,RP,30,0,90\nyoke,ground,P,30,0,0",
+            "no hinge beside that of its drive",
+        ),
     ] {
         let fault = read(text).unwrap_err();
         assert!(fault.contains(said), "{fault}");

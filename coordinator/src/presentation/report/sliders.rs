@@ -5,7 +5,7 @@
 //! and five standard deviations, between which it interpolates by polynomials. So all distributions of a scene have sliders whose
 //! moments `what-if` takes, and move as it moves them.
 
-use super::figures::{LifeAxis, curve, ink_of, words};
+use super::figures::{LifeAxis, curve, ink_of, span, words};
 use super::input::ReportInput;
 use super::page::Page;
 use super::plot::{Axis, Plot, Series, Shape};
@@ -67,13 +67,17 @@ pub fn chapter(page: &mut Page, input: &ReportInput) -> Markup {
         "states": states.map(|(state, explicit)| of_state(input, state, explicit)).collect::<Vec<_>>(),
         "curves": curves.collect::<Vec<_>>(), "divisor": f64::from(end) / axis.place(end),
     });
+    // As far to the left of the first failures as the end lies to their right.
+    let first = (2.0 * span(summary, &axis).0 - axis.place(end)).max(0.0);
     let line = |row: &LifeCurveRow| {
-        let shape = Shape::Line(curve(summary, &row.limit_state, &axis).0);
+        let mut points = curve(summary, &row.limit_state, &axis).0;
+        points.retain(|(life, _)| *life >= first);
+        let shape = Shape::Line(points);
         Series::new(&row.limit_state, ink_of(summary, &row.limit_state), shape)
     };
     let series: Vec<Series> = summary.curves.iter().filter(is_drawn).map(line).collect();
     let (x, y) =
-        (Axis::linear(axis.label, (0.0, axis.place(end))), Axis::linear("reliability R", (0.0, 1.0)));
+        (Axis::linear(axis.label, (first, axis.place(end))), Axis::linear("reliability R", (0.0, 1.0)));
     let drawing = Plot { figure: "sliders", x, y, series: &series }.drawing();
     page.begin("What if");
     page.add(html! {

@@ -39,7 +39,9 @@ fn with_files(reply: &str, timeout: &str) -> Option<Study> {
 #[test]
 fn a_program_with_files_gives_the_same_answer() {
     let Some(lines) = Study::new(&model("", RIGHT), "1 min") else { return };
-    lines.done("run --scene study.toml --workers 2 --seed 3 --out two --quiet");
+    const RUN: &str =
+        "run --scene study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out two --quiet";
+    lines.done(RUN);
     let Some(study) = with_files("open('results.out', 'w').write(f'{R - S!r} margin\\n')", "1 min") else {
         return;
     };
@@ -49,31 +51,36 @@ fn a_program_with_files_gives_the_same_answer() {
         explained.contains("runs once per evaluation, in a folder with deck.inp, tables/steel.txt"),
         "{explained}"
     );
-    study.done("run --scene study.toml --workers 2 --seed 3 --out two --quiet");
+    study.done(RUN);
     assert_eq!(study.summary("two")["reliability"], lines.summary("two")["reliability"]);
 }
 
 #[test]
 fn a_program_with_files_fails_like_one_with_lines() {
     let right = "open('results.out', 'w').write(f'{R - S}')";
-    for (timeout, reply, cause) in [
-        (
-            "1 min",
-            "open('results.out', 'w').write('FAIL it diverged')",
-            "the simulator reports: FAIL it diverged",
-        ),
-        ("1 min", "open('results.out', 'w').write('nan')", "returned nan for output margin at cycle 1"),
-        ("1 min", "sys.exit('singular matrix')", "ended with exit status: 1: "),
-        ("1 min", "None", "ended with exit status: 0 and no results.out"),
-        ("2 s", "time.sleep(600)", "the simulator gave no answer within 2 s"),
-    ] {
-        let reply = format!("{reply} if request['id'] == 5 else {right}");
+    let own = [
+        ("open('results.out', 'w').write('FAIL it diverged')", "the simulator reports: FAIL it diverged"),
+        ("open('results.out', 'w').write('nan')", "returned nan for output margin at cycle 1"),
+        ("sys.exit('singular matrix')", "ended with exit status: 1: "),
+        ("None", "ended with exit status: 0 and no results.out"),
+    ];
+    let late = [("time.sleep(600)", "the simulator gave no answer within 5 s")];
+    for (timeout, faults) in [("1 min", &own[..]), ("5 s", &late)] {
+        // The evaluations from 5 on have one fault each.
+        let mut reply = right.to_owned();
+        for (k, (fault, _)) in faults.iter().enumerate() {
+            reply = format!("{fault} if request['id'] == {} else {reply}", 5 + k);
+        }
         let Some(study) = with_files(&reply, timeout) else { return };
-        study.done("run --scene study.toml --workers 2 --seed 3 --out out --quiet");
-        assert_eq!(study.summary("out")["evaluations"]["failed"], 1, "{cause}");
+        study.done(
+            "run --scene study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out out --quiet",
+        );
+        assert_eq!(study.summary("out")["evaluations"]["failed"], faults.len(), "{timeout}");
         let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
-        let row = samples.lines().find(|line| line.starts_with("5,")).unwrap();
-        assert!(row.contains(cause), "no \"{cause}\" in: {row}");
+        for (k, (_, cause)) in faults.iter().enumerate() {
+            let row = samples.lines().find(|line| line.starts_with(&format!("{},", 5 + k))).unwrap();
+            assert!(row.contains(cause), "no \"{cause}\" in: {row}");
+        }
     }
     // What cannot be a results file ends the study, with its name and line; a wrong template before it begins.
     let Some(study) = with_files("open('results.out', 'w').write('margin 3')", "1 min") else { return };

@@ -283,7 +283,9 @@ fn a_sample_without_a_result_is_a_failed_simulation() {
     ] {
         let reply = format!("{reply} if id == 5 else {RIGHT}");
         let Some(study) = Study::new(&model("", &reply), timeout) else { return };
-        study.done("run --scene study.toml --workers 2 --seed 3 --out out --quiet");
+        study.done(
+            "run --scene study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out out --quiet",
+        );
         assert_eq!(study.summary("out")["evaluations"]["failed"], 1, "{cause}");
         let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
         let row = samples.lines().find(|line| line.starts_with("5,")).unwrap();

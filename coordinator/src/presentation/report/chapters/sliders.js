@@ -231,8 +231,10 @@
       scatter = Math.max(scatter, Math.abs(r - surviving(studied.lives[c], time)));
       return between(...calibrations[c], r);
     }));
-    drawn.forEach((path, c) => path.setAttribute("d", shown[c].map((r, i) =>
-      `${i ? "L" : "M"}${place(axes.x, curves[c].times[i] / data.divisor).toFixed(0)} ${place(axes.y, r).toFixed(0)}`).join("")));
+    drawn.forEach((path, c) => {
+      const points = shown[c].map((r, i) => [curves[c].times[i] / data.divisor, r]).filter(([life]) => life >= axes.x.first);
+      path.setAttribute("d", points.map(([life, r], i) => `${i ? "L" : "M"}${place(axes.x, life).toFixed(0)} ${place(axes.y, r).toFixed(0)}`).join(""));
+    });
     const rows = levels.map((level) => [`R = ${level}`, ...curves.map(({ times, studied: before }, c) =>
       `${cycles(reached(times, shown[c], level))} (study ${cycles(reached(times, before, level))})`)]);
     const head = ["life [cycles] at", ...curves.map(({ name }) => name)];
