@@ -11,7 +11,7 @@ use super::shared::{
 use clap::Args;
 use common::scene::InputFile;
 use coordinator::analyses::calibrate::{
-    CalibrationProgress, CalibrationSettings, Space, answer, calibrate as fit, of_parameters, read_targets,
+    CalibrationSettings, Space, answer, calibrate as fit, of_parameters, read_targets,
 };
 use std::path::PathBuf;
 
@@ -65,12 +65,7 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
     };
     let campaign = of_mechanism(&space.source, accuracy, &format!("calibrate {plan:?} {targets:?}"));
     let mut farm = WorkerFarm::start(campaign, &arguments.farm, verbosity.quiet)?;
-    let report_progress = &mut |CalibrationProgress { round, done, all }: CalibrationProgress| {
-        if done == all || done % 10 == 0 {
-            verbosity.say(format_args!("round {round}: {done}/{all} simulations"));
-        }
-    };
-    let found = fit(&targets, &plan, &mut farm.evaluator, &space, report_progress)?;
+    let found = fit(&targets, &plan, &mut farm.evaluator, &space, &mut |text| verbosity.say(text))?;
     farm.close();
     answer_with(&answer(&found, &scene.name), &found, arguments.out.as_ref(), verbosity.json)
 }

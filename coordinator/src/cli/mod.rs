@@ -44,7 +44,6 @@ mod what_if;
 
 use command::{CommandArguments, CommandLine};
 use common::panics::end_process_on_panic;
-use coordinator::analyses::calibrate::CalibrationError;
 use coordinator::presentation::terminal::print_message;
 use error::CommandError;
 use shared::Verbosity;
@@ -80,9 +79,7 @@ pub fn main() -> ExitCode {
 /// An error as printed; faults of a scene with the lines that they are in.
 fn explained(error: &CommandError) -> String {
     match error {
-        CommandError::Scene(faults) | CommandError::Calibration(CalibrationError::Scene(faults)) => {
-            faults.explained()
-        }
+        CommandError::Scene(faults) => faults.explained(),
         error => format!("error: {error}\n"),
     }
 }

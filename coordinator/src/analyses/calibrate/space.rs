@@ -11,11 +11,10 @@
 //! that it changes. Lognormal and Weibull variables, whose shape depends on both, are those of the new mean and standard
 //! deviation at the same probability, and so remain positive.
 
-use super::CalibrationError;
 use crate::analyses::scene_settings::{rows, variable_row, written_value};
 use crate::statistics::design::InputModel;
 use common::random::Distribution;
-use common::scene::{Scene, SceneSource};
+use common::scene::{Faults, Scene, SceneSource};
 
 /// Effect of a free parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,8 +59,8 @@ impl Space {
     /// The space of a scene and its free parameters.
     ///
     /// # Errors
-    /// [`CalibrationError::Scene`] if a free parameter is no valid variable of the scene.
-    pub fn new(source: &SceneSource, free: &[FreeParameter]) -> Result<Self, CalibrationError> {
+    /// [`Faults`] if a free parameter is no valid variable of the scene.
+    pub fn new(source: &SceneSource, free: &[FreeParameter]) -> Result<Self, Faults> {
         let (inputs, own) = (InputModel::from_scene(source.nominal()), source.clone());
         Ok(Self { inputs, own, source: with_parameters(source, free)?, free: free.to_vec() })
     }
@@ -167,18 +166,18 @@ fn transformed(written: &Distribution, law: &Distribution, z: f64, mean_by: f64,
 }
 
 /// The scene with a uniform variable for each parameter that changes keys.
-fn with_parameters(source: &SceneSource, free: &[FreeParameter]) -> Result<SceneSource, CalibrationError> {
+fn with_parameters(source: &SceneSource, free: &[FreeParameter]) -> Result<SceneSource, Faults> {
     let keyed = free.iter().filter_map(|free| match &free.kind {
         ParameterKind::Keys(keys) => Some((free, keys)),
         ParameterKind::Mean(_) | ParameterKind::Spread(_) => None,
     });
-    Ok(source.edited(source.origin(), |document| {
+    source.edited(source.origin(), |document| {
         for (free, keys) in keyed {
             let [lower, upper] = [free.lower, free.upper].map(|bound| written_value(bound, &free.unit));
             let law = [("distribution", "uniform".into()), ("lower", lower), ("upper", upper)];
             rows(document, "variables").push(variable_row(&free.name, keys, &law).into());
         }
-    })?)
+    })
 }
 
 #[cfg(test)]

@@ -1,24 +1,13 @@
 //! Reliability and lives of designs from the simulations of the augmented study.
 
 use super::space::DesignSpace;
+use crate::analyses::error::AnalysisError;
 use crate::results::summary::StudySummary;
 use crate::study::{
     CampaignResult, Settings, StoredOutcome, StudyError, Surrogate, learn_with_surrogates, result_of,
 };
-use common::scene::{Faults, Scene};
+use common::scene::Scene;
 use std::time::Instant;
-use thiserror::Error;
-
-/// Reasons why designs have no answer.
-#[derive(Debug, Error)]
-pub enum DesignError {
-    /// A design within the ranges is no valid scene.
-    #[error(transparent)]
-    Scene(#[from] Faults),
-    /// The results of the study cannot be assessed.
-    #[error(transparent)]
-    Study(#[from] StudyError),
-}
 
 /// A finished study of the augmented scene.
 #[derive(Debug, Clone, Copy)]
@@ -60,12 +49,12 @@ impl DesignStudy<'_> {
 /// Answers for all `designs`, values of the design variables `(., q)`, from these simulations.
 ///
 /// # Errors
-/// [`DesignError`].
+/// [`AnalysisError`].
 pub fn answers(
     study: &DesignStudy<'_>,
     designs: &[Vec<f64>],
     outcomes: &[StoredOutcome],
-) -> Result<Vec<DesignAnswer>, DesignError> {
+) -> Result<Vec<DesignAnswer>, AnalysisError> {
     let mut surrogates: Vec<Surrogate> = vec![];
     let mut found = Vec::with_capacity(designs.len());
     for values in designs {

@@ -29,7 +29,7 @@ mod space;
 mod tests;
 mod variable;
 
-pub use answer::{DesignAnswer, DesignError, DesignStudy, answers};
+pub use answer::{DesignStudy, answers};
 pub use best::{Best, Objective};
 pub use present::Follower;
 pub use refinement::{Refined, refine};

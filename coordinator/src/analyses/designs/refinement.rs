@@ -1,7 +1,8 @@
 //! Simulations where single designs are still uncertain: the study of the augmented scene bounds the error of R over all
 //! designs together, these bound that of each one.
 
-use super::answer::{DesignError, DesignStudy};
+use super::answer::DesignStudy;
+use crate::analyses::error::AnalysisError;
 use crate::study::{FurtherLearning, StoredOutcome, Surrogate};
 use common::scene::Scene;
 
@@ -35,20 +36,20 @@ struct RefinedDesign {
 /// `progress` receives the largest error and the number of simulations added.
 ///
 /// # Errors
-/// [`DesignError`], and those of `simulate`.
-pub fn refine<E: From<DesignError>>(
+/// [`AnalysisError`], and those of `simulate`.
+pub fn refine(
     study: &DesignStudy<'_>,
     designs: &[Vec<f64>],
     mut outcomes: Vec<StoredOutcome>,
     budget: usize,
-    simulate: &mut dyn FnMut(&FurtherLearning<'_>) -> Result<Vec<StoredOutcome>, E>,
+    simulate: &mut dyn FnMut(&FurtherLearning<'_>) -> Result<Vec<StoredOutcome>, AnalysisError>,
     progress: &mut dyn FnMut(f64, usize),
-) -> Result<Refined, E> {
+) -> Result<Refined, AnalysisError> {
     let target = study.settings.targets().error;
     let before = outcomes.len();
     let mut candidates = Vec::with_capacity(designs.len());
     for values in designs {
-        let scene = study.space.scene_at(values).map_err(DesignError::from)?;
+        let scene = study.space.scene_at(values)?;
         candidates.push(RefinedDesign { scene, error: f64::INFINITY, is_exhausted: false });
     }
     loop {
@@ -88,7 +89,7 @@ fn assess(
     candidates: &mut [RefinedDesign],
     outcomes: &[StoredOutcome],
     target: f64,
-) -> Result<(), DesignError> {
+) -> Result<(), AnalysisError> {
     let mut surrogates: Vec<Surrogate> = vec![];
     for candidate in candidates.iter_mut().filter(|candidate| candidate.error > target) {
         let learned = study.assess(&candidate.scene, outcomes, &surrogates)?;

@@ -11,7 +11,8 @@ use super::problem::DesignProblem;
 use super::reliability::{TargetValue, place};
 use super::result::{OptimisationResult, Simulations};
 use super::solve::{Solved, solve};
-use super::{OptimiseError, Simulate, trust};
+use super::{Simulate, trust};
+use crate::analyses::error::AnalysisError;
 use crate::statistics::design::InputModel;
 use crate::study::StopReason;
 
@@ -20,30 +21,17 @@ const MOST_ROUNDS: usize = 25;
 /// Simulations of a first visit to a design, besides one per variable, and at most.
 const VISIT: (usize, usize) = (4, 16);
 
-/// Progress of an optimisation: an optimum on the surrogates.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OptimisationProgress {
-    /// Round, from 1.
-    pub round: usize,
-    /// Cost of the optimum on the present surrogates.
-    pub cost: f64,
-    /// True if it meets the targets on the present surrogates.
-    pub feasible: bool,
-    /// Simulations added so far.
-    pub added: usize,
-}
-
 /// Finds the cheapest design that meets the targets, with at most `budget` simulations besides those of the study.
 ///
 /// # Errors
-/// [`OptimiseError`].
+/// [`AnalysisError`].
 pub fn optimise(
     study: &StudyBasis,
     problem: &DesignProblem,
     budget: usize,
     simulate: &mut Simulate<'_>,
-    progress: &mut dyn FnMut(OptimisationProgress),
-) -> Result<OptimisationResult, OptimiseError> {
+    progress: &mut dyn FnMut(String),
+) -> Result<OptimisationResult, AnalysisError> {
     let mut campaign = TargetCampaign::new(study, problem);
     let before = campaign.simulations();
     let context = Context::new(study, problem, &campaign);
@@ -68,7 +56,11 @@ pub fn optimise(
             (solve(&mut reliability, &known), reliability.region)
         };
         let added = campaign.simulations() - before;
-        progress(OptimisationProgress { round, cost: solved.cost, feasible: solved.feasible, added });
+        let met = if solved.feasible { "" } else { ", none within the trust region meets the targets" };
+        let cost = solved.cost;
+        progress(format!(
+            "round {round}: cost {cost:.5} on the present surrogates{met}; {added} simulations added"
+        ));
         known = vec![solved.y.clone()];
         let pf = solved.least_probability(problem);
         let values = values_of(problem, &solved.y);

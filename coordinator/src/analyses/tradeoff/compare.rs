@@ -2,8 +2,9 @@
 //! the errors on the reliability.
 
 use super::lives::{LifeChange, life_changes};
-use super::measure::{Measured, Measurement};
+use super::measure::Measurement;
 use super::stated::{StatedErrorCheck, StatedValue};
+use crate::farm::evaluate::Finished;
 use common::accuracy::NamedAccuracy;
 use common::outputs::Evaluation;
 use common::scene::{LimitState, Scene};
@@ -56,7 +57,7 @@ impl SettingComparison {
 /// A setting and the reference at one point.
 struct ComparedPoint<'m> {
     point: usize,
-    measured: &'m Measured,
+    measured: &'m Finished,
     found: &'m Evaluation,
     reference: &'m Evaluation,
 }
@@ -88,7 +89,7 @@ pub fn compare(
 
 /// Row of the reference: its cost and, in [`SettingComparison::outputs`], its own stated errors.
 pub fn reference_row(scene: &Scene, measurement: &Measurement) -> SettingComparison {
-    let mut own: Vec<Measured> = measurement.reference.clone();
+    let mut own: Vec<Finished> = measurement.reference.clone();
     for measured in &mut own {
         if let Ok(evaluation) = &mut measured.outcome {
             for (history, errors) in evaluation.histories.iter_mut().zip(&evaluation.errors) {
@@ -106,8 +107,8 @@ pub fn reference_row(scene: &Scene, measurement: &Measurement) -> SettingCompari
 fn row(
     scene: &Scene,
     setting: &NamedAccuracy,
-    points: &[Measured],
-    reference: &[Measured],
+    points: &[Finished],
+    reference: &[Finished],
 ) -> SettingComparison {
     let pairs: Vec<ComparedPoint> = points
         .iter()
@@ -127,7 +128,7 @@ fn row(
         pairs.iter().filter(|pair| pair.point > 0).map(|pair| (pair.found, pair.reference)).collect();
     SettingComparison {
         setting: setting.clone(),
-        seconds: mean(&|pair| pair.measured.seconds),
+        seconds: mean(&|pair| pair.measured.wall),
         steps: mean(&|pair| pair.found.diagnostics.steps as f64),
         cycles: mean(&|pair| pair.found.diagnostics.simulated_cycles as f64),
         failures: points.iter().filter(|m| m.outcome.is_err()).count(),

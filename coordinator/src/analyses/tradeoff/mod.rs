@@ -14,10 +14,8 @@ mod stated;
 #[cfg(test)]
 mod tests;
 
-pub use compare::{OutputError, SettingComparison, compare, reference_row};
+pub use compare::{compare, reference_row};
 pub use csv::values_csv;
-pub use lives::{LifeChange, PairedReliability, life_changes};
-pub use measure::{Measured, Measurement, TradeoffPlan, TradeoffProgress};
+pub use measure::TradeoffPlan;
 pub use page::answer;
 pub use settings::{QUICK, full, settings};
-pub use stated::{StatedErrorCheck, StatedValue};
