@@ -1,7 +1,6 @@
 //! Accuracy of a command's evaluations: by name, or the cheapest within an error budget.
 
-use super::error::CommandError;
-use super::shared::share;
+use super::{CommandError, share};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;

@@ -1,12 +1,8 @@
 //! `coordinator calibrate`: fits free parameters of a scene to measured or published targets, with the workers of a study.
 
-use super::accuracy::AccuracyArguments;
-use super::error::CommandError;
-use super::farm::{WorkerFarm, of_mechanism};
-use super::output::{Destination, answer_with};
-use super::scenes::check_linkage;
-use super::shared::{
-    DEFAULT_SCENE, FarmArguments, SetArguments, Verbosity, load_with, positive, seed, whole,
+use super::{
+    AccuracyArguments, CommandError, DEFAULT_SCENE, Destination, FarmArguments, SetArguments, Verbosity,
+    WorkerFarm, answer_with, check_linkage, load_with, of_mechanism, positive, seed, whole,
 };
 use clap::Args;
 use common::scene::InputFile;

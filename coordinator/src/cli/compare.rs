@@ -1,8 +1,8 @@
 //! `coordinator compare`: the curves of several finished studies on one page, and as CSV.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with, file_of, or_here, unusable};
-use super::stored_study::{scene_of, summary_of};
+use super::output::{file_of, or_here, unusable};
+use super::stored_study::scene_of;
+use super::{CommandError, Destination, answer_with, summary_of};
 use clap::Args;
 use common::scene::SceneSource;
 use coordinator::analyses::scene_difference::{DifferingKey, differing_keys};

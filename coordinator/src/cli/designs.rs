@@ -1,11 +1,10 @@
 //! `coordinator designs`, and the end of a study with design variables: reliability and lives of every design, with
 //! simulations where single designs are still uncertain.
 
-use super::error::CommandError;
-use super::farm::CommandEvaluator;
-use super::output::{Destination, answer_with};
-use super::shared::{FarmArguments, Verbosity, positive, value};
-use super::stored_study::{OpenedStudy, StoredStudy, failed, known_outcomes, stored_correction};
+use super::{
+    CommandError, CommandEvaluator, Destination, FarmArguments, OpenedStudy, StoredStudy, Verbosity,
+    answer_with, failed, known_outcomes, positive, stored_correction, value,
+};
 use clap::Args;
 use common::scene::Scene;
 use coordinator::analyses::designs::{

@@ -1,9 +1,7 @@
 //! `coordinator draw`: the mechanism of a scene as a drawing, before anything is simulated.
 
-use super::error::CommandError;
-use super::output::{check_destination, file_of, print, to_json, unusable};
-use super::scenes::check_linkage;
-use super::shared::{SetArguments, load_with};
+use super::output::{check_destination, file_of, unusable};
+use super::{CommandError, SetArguments, check_linkage, load_with, print, to_json};
 use clap::Args;
 use common::scene::{Motion, Scene, SceneSource};
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};

@@ -2,15 +2,12 @@
 
 mod variables;
 
-use super::accuracy::AccuracyArguments;
-use super::error::CommandError;
 use super::external::{self, failed};
 use super::farm::cores;
 use super::measured::MeasuredFinding;
 use super::model::Model;
 use super::nominal::{findings, nominal_evaluation};
-use super::output::{count, print, to_json};
-use super::shared::{SetArguments, Verbosity, load_with};
+use super::{AccuracyArguments, CommandError, SetArguments, Verbosity, count, load_with, print, to_json};
 use common::scene::*;
 use coordinator::presentation::terminal::while_waiting;
 use coordinator::study::Settings;

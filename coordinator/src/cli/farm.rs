@@ -1,10 +1,10 @@
 //! The evaluators of a command: a coordinator that listens for workers, with local workers in this process, or the
 //! simulator that a scene names, without messages if no remote workers are asked for.
 
-use super::error::CommandError;
 use super::external;
-use super::shared::{FarmArguments, Slots};
+use super::shared::Slots;
 use super::signals::interruption;
+use super::{CommandError, FarmArguments};
 use common::accuracy::NamedAccuracy;
 use common::evaluation_shape::EvaluationShape;
 use common::external::SimulatorId;

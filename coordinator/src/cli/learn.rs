@@ -1,9 +1,6 @@
 //! `coordinator learn`: parameters of a population from what was observed of its units, and R at a confidence.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with};
-use super::shared::{share, value};
-use super::stored_study::OpenedStudy;
+use super::{CommandError, Destination, OpenedStudy, answer_with, share, value};
 use clap::Args;
 use coordinator::analyses::learn::{LearnSettings, Learned, answer, laws_of, learn as learn_fleet};
 use coordinator::analyses::update::read_fleet;

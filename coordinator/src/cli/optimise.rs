@@ -1,10 +1,10 @@
 //! `coordinator optimise`: the cheapest design that reaches the reliabilities of a problem file, from a finished study, with
 //! simulations at the optimum.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with};
-use super::shared::{FarmArguments, Verbosity, whole};
-use super::stored_study::{OpenedStudy, StoredStudy, stored_correction};
+use super::{
+    CommandError, Destination, FarmArguments, OpenedStudy, StoredStudy, Verbosity, answer_with,
+    stored_correction, whole,
+};
 use clap::Args;
 use common::scene::{InputFile, Scene};
 use coordinator::analyses::error::AnalysisError;

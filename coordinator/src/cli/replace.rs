@@ -1,9 +1,6 @@
 //! `coordinator replace`: the age, or the measured level, of replacement with the least cost, from a finished study.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with};
-use super::shared::{probability, value};
-use super::stored_study::OpenedStudy;
+use super::{CommandError, Destination, OpenedStudy, answer_with, probability, value};
 use clap::Args;
 use common::scene::Scene;
 use coordinator::analyses::quantity::output_quantity;

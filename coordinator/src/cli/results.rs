@@ -1,10 +1,9 @@
 //! `coordinator sensitivity` and `coordinator report`: results of a finished study, without a new evaluation.
 
-use super::error::CommandError;
-use super::output::{print, to_json};
 use super::pdf::{PdfError, print_page};
 use super::shared::ReportTexts;
-use super::stored_study::{not_finished, scene_of, summary_of};
+use super::stored_study::{not_finished, scene_of};
+use super::{CommandError, print, summary_of, to_json};
 use clap::Args;
 use coordinator::presentation::report;
 use coordinator::presentation::report::answer::{Answer, AnswerPart, Table};

@@ -1,8 +1,7 @@
 //! `coordinator status`: the progress of a running study.
 
-use super::error::CommandError;
-use super::output::{count, print, to_json};
 use super::stored_study::END_DOCUMENT;
+use super::{CommandError, count, print, to_json};
 use clap::Args;
 use common::wire::{Phase, Status};
 use coordinator::farm::dispatch::{ClientError, ClientSession};

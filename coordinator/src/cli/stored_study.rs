@@ -1,9 +1,7 @@
 //! A study in its folder, finished or not, with its scene, settings and evaluations; and a finished one that answers questions, with
 //! workers for the simulations that a question needs.
 
-use super::error::CommandError;
-use super::farm::CommandEvaluator;
-use super::shared::FarmArguments;
+use super::{CommandError, CommandEvaluator, FarmArguments};
 use common::scene::{Scene, SceneSource};
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace, StoredSpace};
 use coordinator::analyses::learn::{fitted_reliability, uncertain_fits};

@@ -1,9 +1,6 @@
 //! `coordinator test-plan`: units and cycles of a test that demonstrates a reliability.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with};
-use super::shared::{probability, value};
-use super::stored_study::{StoredStudy, summary_of};
+use super::{CommandError, Destination, StoredStudy, answer_with, probability, summary_of, value};
 use clap::Args;
 use coordinator::analyses::test_plan::{TestPlanQuestion, answer, plan};
 use std::path::PathBuf;

@@ -1,10 +1,9 @@
 //! `coordinator tradeoff`: time against error of the accuracy settings of a scene, with the workers of a study.
 
-use super::error::CommandError;
-use super::farm::{WorkerFarm, of_mechanism};
-use super::output::print;
-use super::scenes::check_linkage;
-use super::shared::{DEFAULT_SCENE, FarmArguments, SetArguments, Verbosity, load_with, positive};
+use super::{
+    CommandError, DEFAULT_SCENE, FarmArguments, SetArguments, Verbosity, WorkerFarm, check_linkage,
+    load_with, of_mechanism, positive, print,
+};
 use clap::{Args, ValueEnum};
 use common::accuracy::NamedAccuracy;
 use coordinator::analyses::tradeoff::{

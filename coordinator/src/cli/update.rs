@@ -1,9 +1,6 @@
 //! `coordinator update`: reliability and remaining life of single units from what was measured of them.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with};
-use super::shared::value;
-use super::stored_study::OpenedStudy;
+use super::{CommandError, Destination, OpenedStudy, answer_with, value};
 use clap::Args;
 use coordinator::analyses::update::{FleetSettings, answer, read_units, update as update_fleet};
 use std::path::PathBuf;

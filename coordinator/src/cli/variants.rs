@@ -1,10 +1,10 @@
 //! `run --variants` and `resume --variants`: other choices of the model of a study, each by its difference from the study.
 
-use super::error::CommandError;
-use super::farm::CommandEvaluator;
 use super::results::write_results;
-use super::shared::{FarmArguments, Verbosity};
-use super::stored_study::{OpenedStudy, StoredStudy, failed, known_outcomes, stored_correction};
+use super::{
+    CommandError, CommandEvaluator, FarmArguments, OpenedStudy, StoredStudy, Verbosity, failed,
+    known_outcomes, stored_correction,
+};
 use common::scene::{InputFile, SceneSource};
 use coordinator::analyses::variants::{ModelVariant, StoredVariant, VARIANTS_DOCUMENT, read, row};
 use coordinator::presentation::report::SUMMARY_DOCUMENT;

@@ -1,9 +1,6 @@
 //! `coordinator weibull`: the Weibull distribution of lives of a population, beside the reliability of a study.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with};
-use super::shared::probability;
-use super::stored_study::{StoredStudy, summary_of};
+use super::{CommandError, Destination, StoredStudy, answer_with, probability, summary_of};
 use clap::Args;
 use coordinator::analyses::weibull::{LifeQuestion, WeibullReport, answer, json, read_lives};
 use std::path::PathBuf;

@@ -6,12 +6,11 @@ use super::figures::figures;
 use super::refinement::Refined;
 use super::space::DesignSpace;
 use crate::analyses::paired_results::curve_names;
-use crate::presentation::report::answer::{Answer, AnswerPart, Table};
-use crate::presentation::report::compare::ComparedStudy;
 use crate::presentation::report::format::{count, percent, rounded_cycles, three_digits};
 use crate::presentation::report::life::{
     LEVELS, LifeAt, life_and_limits, life_at, reliability, unresolved_fall,
 };
+use crate::presentation::report::{Answer, AnswerPart, ComparedStudy, Table};
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::StudySummary;
 use serde_json::{Map, Value, json};

@@ -1,10 +1,8 @@
 //! What a fleet says of its population, with tables and figures.
 
 use super::result::{LearnReport, LearnedParameter};
-use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::{count, percent, shortest};
-use crate::presentation::report::palette::Ink;
-use crate::presentation::report::{Axis, Figure, Plot, Series, Shape};
+use crate::presentation::report::{Answer, AnswerPart, Axis, Figure, Ink, Plot, Series, Shape, Table};
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::ReliabilityRow;
 use crate::statistics::updating::{ConfidentLife, ConfidentReliability, ConfidentRow};

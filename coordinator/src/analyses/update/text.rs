@@ -1,9 +1,9 @@
 //! Updated units with their tables and figures, and as CSV.
 
 use super::result::{FleetReport, RemainingLife, UnitReport, UpdatedVariable};
-use crate::presentation::report::answer::{Answer, AnswerPart, Table};
-use crate::presentation::report::palette::{Ink, SERIES};
-use crate::presentation::report::{Axis, Figure, Plot, Points, Series, Shape};
+use crate::presentation::report::{
+    Answer, AnswerPart, Axis, Figure, Ink, Plot, Points, SERIES, Series, Shape, Table,
+};
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::ReliabilityRow;
 

@@ -1,10 +1,8 @@
 //! The answer of `coordinator weibull` with its tables and its figure.
 
 use super::{StudyEvidence, WeibullReport};
-use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::{significant, three_digits};
-use crate::presentation::report::palette::Ink;
-use crate::presentation::report::{Axis, Figure, Plot, Series, Shape};
+use crate::presentation::report::{Answer, AnswerPart, Axis, Figure, Ink, Plot, Series, Shape, Table};
 use crate::statistics::life_data::{FitBounds, UnitLife};
 use serde_json::{Value, json};
 

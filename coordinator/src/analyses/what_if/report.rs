@@ -3,13 +3,12 @@
 use super::answer::{Agreement, WhatIf};
 use super::changes::{ChangedVariable, LawParameters};
 use crate::analyses::paired_results::{ChangeOfLife, curve_names};
-use crate::presentation::report::answer::{Answer, AnswerPart, Table};
-use crate::presentation::report::compare::ComparedStudy;
 use crate::presentation::report::format::{count, percent, shortest, signed_with_width, three_digits};
 use crate::presentation::report::life::{
     LEVELS, life_and_limits, life_at, reliability, rows_that_matter, unresolved_fall,
 };
 use crate::presentation::report::life_change::change_of_life;
+use crate::presentation::report::{Answer, AnswerPart, ComparedStudy, Table};
 use crate::results::summary::{FirstFailureRow, StudySummary};
 use crate::statistics::reliability::paired::Change;
 use common::scene::Scene;

@@ -1,13 +1,12 @@
 //! Comparison of finished studies on one page: overlaid reliability curves, lives, and computing effort; and the curves
 //! as CSV.
 
-use super::answer::{Answer, AnswerPart, Table};
 use super::figures::capital;
 use super::format::{UNKNOWN, count, duration};
 use super::life::{LEVELS, LifeAt, failure_probability, life_and_limits, life_at, unresolved_fall};
 use super::life_change::change_between;
-use super::palette::SERIES;
 use super::words;
+use super::{Answer, AnswerPart, SERIES, Table};
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::PerLimitState;
 use crate::statistics::reliability::paired::Change;

@@ -2,9 +2,9 @@
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
 use super::format::words;
-use super::stated_errors::{StatedAt, StatedErrorCollector};
+use super::stated_errors::StatedErrorCollector;
 use super::untested::{no_simulated_failure, steps_and_noise};
-use super::written::WrittenScene;
+use super::{StatedAt, WrittenScene};
 use crate::presentation::motion_cautions::{control_points_notes, motion_cautions};
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;

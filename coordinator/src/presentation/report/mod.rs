@@ -31,24 +31,29 @@ mod words;
 mod written;
 
 pub use super::format;
+pub use answer::{Answer, AnswerPart, Table};
 pub use figure::{Drawing, Figure};
-pub use figures::{VaryingLoads, reliability as reliability_figure};
+pub use figures::{ComparedStudy, LifeAxis, VaryingLoads, reliability as reliability_figure};
 pub use input::{
     CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, EXPLICIT_DOCUMENT, ReportInput, SUMMARY_DOCUMENT,
     SimulatedSample, WorkTotals,
 };
 pub use life::{failure_probability, reliability};
-pub use page::{FigureFiles, LiveStatus, Page, standalone, wrapped};
-pub use plot::{Axis, Plot, Points, Scale, Series, Shape};
+pub use page::{FigureFiles, LiveStatus, Page, captioned, standalone, wrapped};
+pub use palette::{Ink, SERIES};
+pub use plot::{Axis, Band, Plot, Points, Scale, Series, Shape, tick_label};
 pub use stated_errors::StatedAt;
-pub use tables::table;
+pub use tables::{table, table_of, table_of_text};
+pub use written::WrittenScene;
 
 use crate::results::result_files::{
     ResultFileError, create_folder, reliability_csv, summary_json, write_samples_csv, write_text,
 };
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
+use bars::{BarPair, Bars};
 use common::scene::Scene;
+use figure::csv;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 

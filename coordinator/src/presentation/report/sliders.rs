@@ -5,10 +5,8 @@
 //! and five standard deviations, between which it interpolates by polynomials. So all distributions of a scene have sliders whose
 //! moments `what-if` takes, and move as it moves them.
 
-use super::figures::{LifeAxis, curve, ink_of, words};
-use super::input::ReportInput;
-use super::page::Page;
-use super::plot::{Axis, Plot, Series, Shape};
+use super::figures::{curve, ink_of, words};
+use super::{Axis, LifeAxis, Page, Plot, ReportInput, Series, Shape};
 use crate::results::life_summary::LifeCurveRow;
 use crate::statistics::design::{InputModel, fixed_bounds, with_moments};
 use crate::study::{ExplicitLimitState, LEVELS};

@@ -1,13 +1,9 @@
 //! Variants of the model in a study: the range of the lives in words, the envelope of R, the changes of the lives, and both as a table.
 
-use super::bars::{BarPair, Bars};
-use super::figure::Figure;
-use super::figures::{LifeAxis, span};
+use super::figures::span;
 use super::format::{fixed, signed_with_width, whole};
 use super::life::{LEVELS, LifeAt, life_and_limits, life_at};
-use super::palette::Ink;
-use super::plot::{Axis, Plot, Points, Series, Shape};
-use super::tables::table;
+use super::{Axis, BarPair, Bars, Figure, Ink, LifeAxis, Plot, Points, Series, Shape, table};
 use crate::results::summary::{ReliabilityRow, StudySummary, VariantRow};
 use crate::statistics::reliability::REACH;
 use maud::{Markup, Render, html};

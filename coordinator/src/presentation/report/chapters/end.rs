@@ -1,9 +1,9 @@
 //! The end of the page: computing effort, failed simulations, and what is needed to repeat the study.
 
 use crate::presentation::report::format::{UNKNOWN, count, percent};
-use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::page::{Page, captioned, details, numbered};
+use crate::presentation::report::page::{details, numbered};
 use crate::presentation::report::tables;
+use crate::presentation::report::{Page, ReportInput, captioned};
 use maud::{Markup, html};
 
 /// Failed evaluations listed one by one.

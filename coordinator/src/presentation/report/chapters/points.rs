@@ -4,9 +4,7 @@ use crate::presentation::report::figures::{capital, parallel_coordinates};
 use crate::presentation::report::format::{
     UNKNOWN, fixed, number_of_cycles, percent, seven_digits, three_digits,
 };
-use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::page::{Page, captioned};
-use crate::presentation::report::tables::table;
+use crate::presentation::report::{Page, ReportInput, captioned, table};
 use crate::results::point_summary::{CoordinateRow, FailurePointRow};
 use common::random::RandomVariable;
 use common::scene::expression::read_unit;

@@ -3,10 +3,9 @@
 
 use crate::presentation::report::drawing;
 use crate::presentation::report::format::{UNKNOWN, count};
-use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::page::{Page, captioned, numbered};
-use crate::presentation::report::tables::{table, table_of_text};
+use crate::presentation::report::page::numbered;
 use crate::presentation::report::words;
+use crate::presentation::report::{Page, ReportInput, captioned, table, table_of_text};
 use maud::{Markup, Render, html};
 
 /// Adds the chapter.

@@ -2,10 +2,8 @@
 //! are a straight line, with the line of least squares and the B-lives.
 
 use super::{ink_of, range};
-use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{percent, seven_digits, three_digits, whole};
-use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, Points, Scale, Series, Shape, tick_label};
+use crate::presentation::report::{Axis, Figure, Ink, Plot, Points, Scale, Series, Shape, tick_label};
 use crate::results::life_summary::LifeCurveRow;
 use crate::results::summary::StudySummary;
 use common::random::standard_normal_cdf;

@@ -2,10 +2,9 @@
 
 use super::papers::papers;
 use super::{LifeAxis, ink_of, span};
-use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::percent;
 use crate::presentation::report::life::rows_that_matter;
-use crate::presentation::report::plot::{Axis, Band, Plot, Points, Series, Shape};
+use crate::presentation::report::{Axis, Band, Figure, Plot, Points, Series, Shape};
 use crate::results::life_summary::LifeCurveRow;
 use crate::results::summary::StudySummary;
 use crate::statistics::design::{Stream, open_stream};

@@ -1,12 +1,9 @@
 //! Figures of the failures over life: R with its bands, the shares of first failures, and R of several studies.
 
 use super::{LifeAxis, file_name, ink_of, span, stacked};
-use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{number_of_cycles, percent};
-use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::{governing, rows_that_matter};
-use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Band, Plot, Points, Series, Shape};
+use crate::presentation::report::{Axis, Band, Figure, Ink, Plot, Points, ReportInput, Series, Shape};
 use crate::results::life_summary::LifeCurveRow;
 use crate::results::summary::{ReliabilityRow, StudySummary};
 

@@ -9,8 +9,7 @@ pub use axis::{Axis, Scale, tick_label};
 pub use series::{Band, Points, Series, Shape};
 pub use shapes::{Area, DrawError, LETTERS, draw, letters, px, stroke};
 
-use super::figure::{Drawing, Figure};
-use super::palette::Ink;
+use super::{Drawing, Figure, Ink};
 use axis::{TickedAxis, ticks};
 use plotters::prelude::*;
 use shapes::{Frame, draw_series};

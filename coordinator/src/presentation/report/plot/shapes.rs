@@ -2,8 +2,7 @@
 
 use super::axis::TickedAxis;
 use super::series::{Band, Points, Series, Shape};
-use crate::presentation::report::figure::Drawing;
-use crate::presentation::report::palette::Ink;
+use crate::presentation::report::{Drawing, Ink};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
