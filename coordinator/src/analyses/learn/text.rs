@@ -1,12 +1,11 @@
 //! What a fleet says of its population, with tables and figures.
 
 use super::result::{LearnReport, LearnedParameter};
-use crate::presentation::report::format::{count, percent, shortest};
+use crate::presentation::report::format::{before_unit, count, percent, shortest, unit_scale};
 use crate::presentation::report::{Answer, AnswerPart, Axis, Figure, Ink, Plot, Series, Shape, Table};
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::ReliabilityRow;
 use crate::statistics::updating::{ConfidentLife, ConfidentReliability, ConfidentRow};
-use common::scene::expression::read_unit;
 
 /// Most checkpoints in a table.
 const ROWS: usize = 12;
@@ -115,9 +114,9 @@ fn parameter_row(parameter: &LearnedParameter) -> Vec<String> {
     let LearnedParameter {
         name, unit, median, interval: [low, high], study, prior: [from, to], is_flat, ..
     } = parameter;
-    let scale = read_unit(unit).map_or(1.0, |unit| unit.multiply / unit.divide);
+    let scale = unit_scale(unit);
     let shown = |value: &f64| shortest(value / scale, 4);
-    let with_unit = |text: String| if unit == "1" { text } else { format!("{text} {unit}") };
+    let with_unit = |text: String| before_unit(&text, unit);
     let flat = if *is_flat { ", flat" } else { "" };
     vec![
         name.clone(),

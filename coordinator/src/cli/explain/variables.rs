@@ -2,8 +2,7 @@
 
 use common::random::Correlation;
 use common::scene::Scene;
-use common::scene::expression::read_unit;
-use coordinator::presentation::report::format::seven_digits;
+use coordinator::presentation::report::format::{seven_digits, unit_scale};
 use std::fmt::Write;
 
 pub(super) fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
@@ -17,7 +16,7 @@ pub(super) fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
     for variable in &scene.variables {
         let law = &variable.distribution;
         // The unit was read when the scene was checked; "1" denotes a plain number.
-        let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
+        let scale = unit_scale(&variable.unit);
         let shown = |value: f64| digits(value / scale);
         let unit = if variable.unit == "1" { String::new() } else { format!(" {}", variable.unit) };
         let (mean, std) = (shown(law.parent_mean()), shown(law.given_std()));

@@ -3,13 +3,12 @@
 
 use super::figures::capital;
 use super::format::{UNKNOWN, count, duration};
-use super::life::{LEVELS, LifeAt, failure_probability, life_and_limits, life_at, unresolved_fall};
+use super::life::{LEVELS, failure_probability, life_at, life_with_limits, unresolved_fall};
 use super::life_change::change_between;
 use super::words;
 use super::{Answer, AnswerPart, SERIES, Table};
 use crate::results::csv_table::{CsvTable, number};
-use crate::results::summary::PerLimitState;
-use crate::statistics::reliability::paired::Change;
+use crate::results::summary::{PerLimitState, StudySummary};
 use std::collections::BTreeSet;
 use thiserror::Error;
 
@@ -141,27 +140,16 @@ fn lives(studies: &[ComparedStudy], name: &str) -> Table {
     }
     let levels = LEVELS.map(|level| format!("at R = {level} (95 % interval)"));
     let rows = studies.iter().map(|study| {
-        let lives = LEVELS.map(|level| life_in_words(life_at(&study.summary, name, level)));
+        let lives = LEVELS.map(|level| life_with_limits(life_at(&study.summary, name, level)));
         [vec![study.name.clone()], lives.to_vec()].concat()
     });
-    let gains = studies.iter().enumerate().skip(1).map(|(k, study)| {
-        let gains = LEVELS.map(|level| gain(studies, k, (name, level)).1);
+    let gains = studies.iter().skip(1).map(|study| {
+        let both = [&studies[0].summary, &study.summary];
+        let gains = LEVELS.map(|level| change_between(both, (name, level)).1);
         [vec![format!("{} minus {}", study.name, studies[0].name)], gains.to_vec()].concat()
     });
     let head = std::iter::once("life [cycles]".to_owned()).chain(levels);
     Table::new(capital(name), head, rows.chain(gains))
-}
-
-fn life_in_words(life: LifeAt) -> String {
-    match life_and_limits(life) {
-        (life, limits) if limits.is_empty() => life,
-        (life, limits) => format!("{life} ({limits})"),
-    }
-}
-
-/// Change of a life, of a curve at a level, from the first study to study `k`, and in words.
-pub fn gain(studies: &[ComparedStudy], k: usize, life: (&str, f64)) -> (Option<Change>, String) {
-    change_between([&studies[0].summary, &studies[k].summary], life)
 }
 
 /// The keys in which the scenes differ, with their values.
@@ -196,20 +184,27 @@ fn effort(studies: &[ComparedStudy]) -> Table {
 /// Every curve of every study: `study`, `limit_state`, `cycles`, `R`, `standard_error`, and the 95 % interval `lower`, `upper`,
 /// one row per checkpoint.
 pub fn csv(studies: &[ComparedStudy]) -> String {
-    let mut table =
-        CsvTable::new(["study", "limit_state", "cycles", "R", "standard_error", "lower", "upper"]);
+    let mut table = CsvTable::new(["study"].into_iter().chain(CURVE_COLUMNS));
     for ComparedStudy { name: study, summary } in studies {
         for name in studies[0].summary.curve_names() {
-            let value = |values: &PerLimitState| values.get(name).copied().map_or(String::new(), number);
-            for row in &summary.reliability {
-                let [r, error] = [&row.reliability, &row.standard_error].map(value);
-                let range = row.interval_of(name).map(|range| [range.lower, range.upper].map(number));
-                let [lower, upper] = range.unwrap_or_default();
-                table.push([study, name, &row.cycles.to_string(), &r, &error, &lower, &upper]);
-            }
+            curve_cells(summary, name).for_each(|cells| table.push([study.clone()].into_iter().chain(cells)));
         }
     }
     table.into_text()
+}
+
+/// Columns of the rows of [`curve_cells`].
+pub const CURVE_COLUMNS: [&str; 6] = ["limit_state", "cycles", "R", "standard_error", "lower", "upper"];
+
+/// R of a curve at every checkpoint with its standard error and its 95 % interval.
+pub fn curve_cells<'s>(summary: &'s StudySummary, name: &'s str) -> impl Iterator<Item = [String; 6]> + 's {
+    let value = move |values: &PerLimitState| values.get(name).copied().map_or(String::new(), number);
+    summary.reliability.iter().map(move |row| {
+        let [r, error] = [&row.reliability, &row.standard_error].map(value);
+        let range = row.interval_of(name).map(|range| [range.lower, range.upper].map(number));
+        let [lower, upper] = range.unwrap_or_default();
+        [name.to_owned(), row.cycles.to_string(), r, error, lower, upper]
+    })
 }
 
 #[cfg(test)]
@@ -262,7 +257,8 @@ mod tests {
     fn issue_a_gain_between_two_accuracies_contains_the_numerical_errors_of_both() {
         let mut studies = two();
         studies[1].summary = studies[0].summary.clone();
-        let change = gain(&studies, 1, ("total", 0.5)).0.unwrap();
+        let both = [&studies[0].summary, &studies[1].summary];
+        let change = change_between(both, ("total", 0.5)).0.unwrap();
         let lives = &studies[0].summary.lives;
         let life = lives.iter().find(|l| (&*l.limit_state, l.reliability) == ("total", 0.5)).unwrap();
         let (value, range) = (life.cycles.unwrap(), life.whole_interval());

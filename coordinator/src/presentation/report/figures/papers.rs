@@ -12,27 +12,9 @@ use common::random::standard_normal_cdf;
 const FITTED: (f64, f64) = (0.01, 0.99);
 const DRAWN: (f64, f64) = (1e-4, 0.9999);
 
-/// Probability paper on which a distribution is a straight line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Paper {
-    Weibull,
-    Lognormal,
-}
-
-impl Paper {
-    fn scale(self) -> Scale {
-        match self {
-            Self::Weibull => Scale::Weibull,
-            Self::Lognormal => Scale::Normal,
-        }
-    }
-
-    fn word(self) -> &'static str {
-        match self {
-            Self::Weibull => "Weibull",
-            Self::Lognormal => "lognormal",
-        }
-    }
+/// The distribution that is a straight line on the paper with this scale of shares.
+fn word(scale: Scale) -> &'static str {
+    if scale == Scale::Weibull { "Weibull" } else { "lognormal" }
 }
 
 /// A straight line on a paper, y = slope (ln t - ln centre).
@@ -45,49 +27,42 @@ impl Paper {
 /// Nelson (1982), Applied Life Data Analysis, chapter 3.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct PaperLine {
-    paper: Paper,
+    scale: Scale,
     slope: f64,
     centre: f64,
 }
 
 impl PaperLine {
     /// The line with the least squares through points (t, F); `None` for fewer than three points or lives that are all equal.
-    fn through(paper: Paper, points: &[(f64, f64)]) -> Option<Self> {
+    fn through(scale: Scale, points: &[(f64, f64)]) -> Option<Self> {
         let n = points.len() as f64;
-        let (x, y): (Vec<f64>, Vec<f64>) =
-            points.iter().map(|(t, f)| (t.ln(), paper.scale().of_share(*f))).unzip();
+        let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|(t, f)| (t.ln(), scale.of_share(*f))).unzip();
         let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
         let spread: f64 = x.iter().map(|x| (x - mx).powi(2)).sum();
         let slope = x.iter().zip(&y).map(|(x, y)| (x - mx) * (y - my)).sum::<f64>() / spread;
         let fits = points.len() > 2 && slope.is_finite() && slope > 0.0;
-        fits.then(|| Self { paper, slope, centre: (mx - my / slope).exp() })
+        fits.then(|| Self { scale, slope, centre: (mx - my / slope).exp() })
     }
 
     /// Share that has failed by a time [1].
     fn failed(&self, time: f64) -> f64 {
         let y = self.slope * (time / self.centre).ln();
-        match self.paper {
-            Paper::Weibull => -(-y.exp()).exp_m1(),
-            Paper::Lognormal => standard_normal_cdf(y),
-        }
+        if self.scale == Scale::Weibull { -(-y.exp()).exp_m1() } else { standard_normal_cdf(y) }
     }
 
     /// Life by which a share has failed [cycles].
     fn life(&self, failed: f64) -> f64 {
-        self.centre * (self.paper.scale().of_share(failed) / self.slope).exp()
+        self.centre * (self.scale.of_share(failed) / self.slope).exp()
     }
 
     /// Parameters and B-lives in words.
     fn in_words(&self) -> String {
-        let parameters = match self.paper {
-            Paper::Weibull => {
-                format!("shape {}, scale {} cycles", three_digits(self.slope), whole(self.centre))
-            }
-            Paper::Lognormal => format!(
-                "median {} cycles, standard deviation of the logarithm {}",
-                whole(self.centre),
-                three_digits(1.0 / self.slope)
-            ),
+        let (centre, slope) = (whole(self.centre), self.slope);
+        let parameters = if self.scale == Scale::Weibull {
+            format!("shape {}, scale {centre} cycles", three_digits(slope))
+        } else {
+            let deviation = three_digits(1.0 / slope);
+            format!("median {centre} cycles, standard deviation of the logarithm {deviation}")
         };
         let lives = B_LIVES.map(|(name, failed)| format!("{name} {}", whole(self.life(failed))));
         format!("{parameters}; {} cycles", lives.join(", "))
@@ -106,15 +81,16 @@ fn life_on(row: &LifeCurveRow, failed: f64) -> Option<f64> {
     Some(row.cycles[before] + along * (row.cycles[at] - row.cycles[before])).filter(|life| *life > 0.0)
 }
 
-/// A life at a tick: whole cycles, or decimals where lives are a few cycles.
-fn life_tick(life: f64) -> String {
+/// A life at a tick of a logarithmic axis: whole cycles, or decimals where lives are a few cycles.
+fn life_tick(power: f64) -> String {
+    let life = 10f64.powf(power);
     if life < 9.5 { tick_label(life) } else { whole(life) }
 }
 
 /// Both papers for these curves, the last of which is that of the whole system; none with fewer than three points.
 pub fn papers(summary: &StudySummary, curves: &[(&str, &LifeCurveRow)]) -> Vec<Figure> {
-    let papers = [Paper::Weibull, Paper::Lognormal].into_iter();
-    papers.filter_map(|paper| figure(paper, summary, curves)).collect()
+    let scales = [Scale::Weibull, Scale::Normal].into_iter();
+    scales.filter_map(|scale| figure(scale, summary, curves)).collect()
 }
 
 /// Points (t, F) of a curve with shares between two.
@@ -123,8 +99,8 @@ fn within((low, high): (f64, f64), row: &LifeCurveRow) -> Vec<(f64, f64)> {
     points.filter(|(t, f)| *t > 0.0 && (low..=high).contains(f)).collect()
 }
 
-fn figure(paper: Paper, summary: &StudySummary, curves: &[(&str, &LifeCurveRow)]) -> Option<Figure> {
-    let scale = paper.scale();
+fn figure(scale: Scale, summary: &StudySummary, curves: &[(&str, &LifeCurveRow)]) -> Option<Figure> {
+    let word = word(scale);
     let on_paper = |points: &[(f64, f64)]| -> Points {
         points.iter().map(|(t, f)| (t.log10(), scale.of_share(*f))).collect()
     };
@@ -136,12 +112,10 @@ fn figure(paper: Paper, summary: &StudySummary, curves: &[(&str, &LifeCurveRow)]
     }
     if let Some((name, row)) = curves.last() {
         let fitted = within(FITTED, row);
-        if let Some(line) = PaperLine::through(paper, &fitted) {
-            let along: Vec<(f64, f64)> =
-                within(DRAWN, row).iter().map(|(t, _)| (*t, line.failed(*t))).collect();
-            let along: Vec<(f64, f64)> =
-                along.into_iter().filter(|(_, f)| (DRAWN.0..=DRAWN.1).contains(f)).collect();
-            let label = format!("{} fit to {name}", paper.word());
+        if let Some(line) = PaperLine::through(scale, &fitted) {
+            let along = within(DRAWN, row).into_iter().map(|(t, _)| (t, line.failed(t)));
+            let along: Vec<(f64, f64)> = along.filter(|(_, f)| (DRAWN.0..=DRAWN.1).contains(f)).collect();
+            let label = format!("{word} fit to {name}");
             series.push(Series::new(label, Ink::Muted, Shape::Dashed(on_paper(&along))));
             let off = fitted.iter().map(|(t, f)| (f - line.failed(*t)).abs()).fold(0.0, f64::max);
             fit = format!(
@@ -160,30 +134,26 @@ fn figure(paper: Paper, summary: &StudySummary, curves: &[(&str, &LifeCurveRow)]
     if all.len() < 3 {
         return None;
     }
-    let text = match paper {
-        Paper::Weibull => |y: f64| seven_digits(Scale::Weibull.value(y)),
-        Paper::Lognormal => |y: f64| seven_digits(Scale::Normal.value(y)),
+    let (text, what): (fn(f64) -> String, _) = if scale == Scale::Weibull {
+        (|y| seven_digits(Scale::Weibull.value(y)), "ln(−ln(1 − F))")
+    } else {
+        (|y| seven_digits(Scale::Normal.value(y)), "the standard normal quantile of F")
     };
     let plot = Plot {
-        figure: &format!("{}-paper", paper.word().to_lowercase()),
+        figure: &format!("{}-paper", word.to_lowercase()),
         x: Axis {
-            text: |power| life_tick(10f64.powf(power)),
+            text: life_tick,
             scale: Scale::Logarithm,
             ..Axis::linear("life [cycles]", range(all.iter().map(|point| point.0)))
         },
         y: Axis { text, scale, ..Axis::linear("failed F [%]", range(all.iter().map(|point| point.1))) },
         series: &series,
     };
-    let what = match paper {
-        Paper::Weibull => "ln(−ln(1 − F))",
-        Paper::Lognormal => "the standard normal quantile of F",
-    };
     let caption = format!(
-        "Shares that have failed over {what} and the logarithm of life: lives of a {} distribution are a straight line. Dots: lives by \
-         which 1 %, 10 % and 50 % have failed (B1, B10, B50).{fit}",
-        paper.word()
+        "Shares that have failed over {what} and the logarithm of life: lives of a {word} distribution are a straight line. Dots: lives by \
+         which 1 %, 10 % and 50 % have failed (B1, B10, B50).{fit}"
     );
-    Some(plot.figure(&format!("Lives on {} paper", paper.word()), &caption))
+    Some(plot.figure(&format!("Lives on {word} paper"), &caption))
 }
 
 #[cfg(test)]
@@ -193,21 +163,21 @@ mod tests {
 
     #[test]
     fn a_distribution_is_its_own_fit() {
-        for paper in [Paper::Weibull, Paper::Lognormal] {
-            let line = PaperLine { paper, slope: 2.5, centre: 3000.0 };
+        for scale in [Scale::Weibull, Scale::Normal] {
+            let line = PaperLine { scale, slope: 2.5, centre: 3000.0 };
             let points: Vec<(f64, f64)> =
                 (1..9).map(|k| 500.0 * f64::from(k)).map(|t| (t, line.failed(t))).collect();
-            let found = PaperLine::through(paper, &points).unwrap();
+            let found = PaperLine::through(scale, &points).unwrap();
             assert!((found.slope - 2.5).abs() < 1e-6 && (found.centre - 3000.0).abs() < 1e-3, "{found:?}");
             for (t, f) in &points {
-                assert!((line.life(*f) / t - 1.0).abs() < 1e-6, "{paper:?} {t}");
+                assert!((line.life(*f) / t - 1.0).abs() < 1e-6, "{scale:?} {t}");
             }
-            assert_eq!(PaperLine::through(paper, &points[..2]), None);
-            assert_eq!(PaperLine::through(paper, &[(5.0, 0.1); 4]), None);
+            assert_eq!(PaperLine::through(scale, &points[..2]), None);
+            assert_eq!(PaperLine::through(scale, &[(5.0, 0.1); 4]), None);
         }
         // Closed forms: F(scale) = 1 - 1/e, F(median) = 1/2.
-        let [weibull, lognormal] = [Paper::Weibull, Paper::Lognormal]
-            .map(|paper| PaperLine { paper, slope: 3.0, centre: 70.0 }.failed(70.0));
+        let [weibull, lognormal] = [Scale::Weibull, Scale::Normal]
+            .map(|scale| PaperLine { scale, slope: 3.0, centre: 70.0 }.failed(70.0));
         assert!((weibull - 0.632_120_558_828_557_7).abs() < 1e-12 && (lognormal - 0.5).abs() < 1e-12);
     }
 

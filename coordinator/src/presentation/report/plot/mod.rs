@@ -12,7 +12,7 @@ pub use shapes::{Area, DrawError, LETTERS, draw, letters, px, stroke};
 use super::{Drawing, Figure, Ink};
 use axis::{TickedAxis, ticks};
 use plotters::prelude::*;
-use shapes::{Frame, draw_series};
+use shapes::{Frame, SeriesPainter};
 pub use shapes::{Legend, legend};
 use std::ops::Range;
 
@@ -109,7 +109,7 @@ impl Plot<'_> {
             .y_desc(self.y.label)
             .draw()?;
         for series in self.series {
-            draw_series(&mut chart, &frame, series)?;
+            SeriesPainter { chart: &mut chart, frame: &frame, series }.draw()?;
         }
         legend.draw_on(root)?;
         Ok(chart.plotting_area().get_pixel_range())
