@@ -80,6 +80,24 @@ impl CommandEvaluator {
         Ok(Self::Workers(Box::new(farm)))
     }
 
+    /// Opens the evaluator for further simulations of a study, and starts its workers.
+    ///
+    /// # Errors
+    /// [`CommandError`].
+    pub fn started(
+        source: &SceneSource,
+        settings: &Settings,
+        farm: &FarmArguments,
+        quiet: bool,
+    ) -> Result<Self, CommandError> {
+        let mut evaluator = Self::open(source, settings, true, farm)?;
+        evaluator.start_workers()?;
+        if !quiet {
+            evaluator.print_endpoints();
+        }
+        Ok(evaluator)
+    }
+
     /// The status board of the study, and the source of its status.
     pub fn status(&self) -> (StatusBoard, StatusSource) {
         match self {

@@ -9,7 +9,7 @@ use clap::Args;
 use common::scene::{InputFile, Scene};
 use coordinator::analyses::error::AnalysisError;
 use coordinator::analyses::optimise::{
-    DesignProblem, OptimisationResult, StudyBasis, answer, design_settings, optimise as find, read_problem,
+    DesignProblem, OptimisationResult, StudyBasis, answer, optimise as find, read_problem,
 };
 use coordinator::analyses::what_if::{json, redistributed};
 use coordinator::presentation::report::compare::ComparedStudy;
@@ -68,7 +68,7 @@ pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(
     let space = opened.space.as_ref().map(|space| (space, opened.study.scene()));
     let problem = read_problem(&file, &base, space)?;
     let result = search(&mut opened, base.nominal(), &problem, arguments, verbosity)?;
-    let sets = design_settings(&problem, base.nominal(), &result.values).map_err(AnalysisError::from)?;
+    let sets = problem.settings(base.nominal(), &result.values).map_err(AnalysisError::from)?;
     let changed = redistributed(&base, &sets)?;
     let found = opened.ask(&base, &changed)?;
     let result = result.with_numerical_errors(&found.after);

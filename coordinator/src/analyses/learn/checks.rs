@@ -2,8 +2,7 @@
 //! simulated values.
 
 use super::population::WeightedPopulation;
-use super::result::{LearnedUnit, LeftVariable};
-use super::settings::LearnSettings;
+use super::result::{LearnSettings, LearnedUnit, LeftVariable};
 use crate::analyses::update::{Observation, ObservationRow, ObservedUnit, evidence_of, warning};
 use crate::statistics::updating::{Evidence, Particles};
 use common::random::Distribution;

@@ -4,15 +4,14 @@
 use super::checks::{check, left, weights_without};
 use super::data_value::{DataSource, values_of};
 use super::population::{WeightedPopulation, model_of};
-use super::result::{LearnReport, LearnedParameter};
-use super::settings::LearnSettings;
+use super::result::{LearnReport, LearnSettings, LearnedParameter};
 use super::space::{default_unknown, proposal, space_of};
 use crate::analyses::update::{FleetData, Moment, ObservedUnit, outputs_of, posterior};
 use crate::results::summary::StudySummary;
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::updating::{
-    CurveDraws, Evidence, Fleet, ParameterSpace, Particles, SequentialMonteCarlo, UncertainVariable,
-    UnitModel, UnitPoints, UnitPosterior, Unsupported,
+    Evidence, Fleet, ParameterSpace, Particles, SequentialMonteCarlo, UncertainVariable, UnitModel,
+    UnitPoints, UnitPosterior, Unsupported,
 };
 use crate::study::LifeModel;
 use common::random::Distribution;
@@ -66,15 +65,6 @@ pub enum LearnError {
     NothingUnknown,
 }
 
-/// The posterior with what was made on the way.
-#[derive(Debug, Clone)]
-pub struct Learned {
-    /// What is shown and written.
-    pub report: LearnReport,
-    /// Curves and lives of every set.
-    pub curves: CurveDraws,
-}
-
 /// Learns the parameters of the population of `model`, whose variables `designs` are design variables; `fixed` tells which bounds of
 /// each variable stay where they are.
 ///
@@ -88,7 +78,7 @@ pub fn learn(
     designs: &[usize],
     fixed: &[[bool; 2]],
     settings: &LearnSettings,
-) -> Result<Learned, LearnError> {
+) -> Result<LearnReport, LearnError> {
     let by_default = data.unknown.is_empty();
     let unknown =
         if by_default { default_unknown(&model, &data.units, designs) } else { data.unknown.clone() };
@@ -168,7 +158,7 @@ pub fn learn(
     let name = |k: usize| &scene.variables[k];
     let parameter =
         |place: usize| parameter_row(scene, &space, particles, place, settings.confidence, designs);
-    let report = LearnReport {
+    Ok(LearnReport {
         scene: scene.name.clone(),
         evaluations: 0,
         units: data.units.len(),
@@ -192,8 +182,7 @@ pub fn learn(
         stages: found.stages,
         acceptance: found.acceptance,
         passes: pass,
-    };
-    Ok(Learned { report, curves })
+    })
 }
 
 /// The posterior from one population of points, and the median effective number of these under it.

@@ -1,3 +1,5 @@
+use super::fleet::LearnError;
+use super::result::{LearnReport, LearnedParameter};
 use super::*;
 use crate::analyses::update::FleetData;
 use crate::analyses::update::parse_fleet;
@@ -66,7 +68,7 @@ fn learned(
     settings.ranks = false;
     change(&mut settings);
     let summary = crate::test_study::study().summary;
-    learn(source.nominal(), &summary, model, &data, &[], &[], &settings).map(|learned| learned.report)
+    learn(source.nominal(), &summary, model, &data, &[], &[], &settings)
 }
 
 /// Sets of parameters of the closed forms: with 6000 all means agree within 1 %.

@@ -4,7 +4,7 @@ use super::campaign::TargetCampaign;
 use super::context::{Context, values_of};
 use super::reliability::value;
 use super::result::{
-    Advice, Bound, FrontPoint, Grades, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations,
+    Advice, Bound, FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations,
     TargetState,
 };
 use super::solve::{Solved, solve_relaxed};
@@ -101,11 +101,7 @@ impl Finding {
             quantities: (0..values.len()).map(quantity).collect(),
             targets,
             front: if held.is_empty() { self.front(context, learned) } else { vec![] },
-            grades: solved.grades.map(|search| Grades {
-                examined: search.examined,
-                proved: search.proved,
-                relaxed_cost: solved.relaxed_cost,
-            }),
+            grades: solved.grades,
             values,
         }
     }

@@ -14,7 +14,6 @@
 
 mod campaign;
 mod context;
-mod design_variables;
 mod finding;
 mod optimum;
 mod problem;
@@ -23,7 +22,6 @@ mod problem_file;
 mod reliability;
 mod report;
 mod result;
-mod settings;
 mod solve;
 #[cfg(test)]
 mod tests;
@@ -35,7 +33,6 @@ pub use problem::{DesignProblem, DesignQuantity, QuantityKind, ReliabilityTarget
 pub use problem_file::read as read_problem;
 pub use report::answer;
 pub use result::OptimisationResult;
-pub use settings::design_settings;
 
 use super::error::AnalysisError;
 use crate::study::{ObservedOutcome, SampleRequest};

@@ -6,7 +6,9 @@ use super::study_section::{STYLE, StatusSource, study_section};
 use crate::farm::dispatch::StatusBoard;
 use crate::presentation::progress::{record, state_of_study};
 use crate::presentation::report::nominal_page::NominalView;
-use crate::presentation::report::{self, Figure, LiveStatus, Page, ReportInput, SUMMARY_DOCUMENT};
+use crate::presentation::report::{
+    self, Figure, FigureFiles, LiveStatus, Page, ReportInput, SUMMARY_DOCUMENT,
+};
 use crate::results::progress::{Observer, Progress};
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::{EvaluationCounts, ReliabilityRow, Round, StudySummary};
@@ -294,7 +296,7 @@ impl LivePage {
         }
         let missing = || StoreError::NoCampaign { dir: self.dir.clone() };
         let input = ReportInput::from_campaign(&copy, &self.scene)?.ok_or_else(missing)?;
-        Ok(report::render_alone(&input))
+        Ok(report::render(&input, FigureFiles::Absent))
     }
 }
 

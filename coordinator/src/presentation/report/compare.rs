@@ -14,68 +14,41 @@ use thiserror::Error;
 
 pub use super::figures::ComparedStudy;
 
-/// Largest number of studies that one figure can distinguish.
-pub const MOST: usize = SERIES;
-
-/// Studies that cannot be compared.
+/// Why studies cannot be compared, in words.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-pub enum Incomparable {
-    /// Fewer studies than a comparison needs, or more than there are distinct colours.
-    #[error("{given} studies: a comparison takes 2 to {MOST}")]
-    Number {
-        /// Number of studies given.
-        given: usize,
-    },
-    /// The limit states of the studies differ.
-    #[error(
-        "{} and {} have different limit states: {} against {}; studies are compared by limit states of the same \
-         names",
-        .names[0], .names[1], .limit_states[0].join(", "), .limit_states[1].join(", ")
-    )]
-    LimitStates {
-        /// Names of the first study and of another.
-        names: [String; 2],
-        /// Their limit states.
-        limit_states: [Vec<String>; 2],
-    },
-    /// The checkpoints of the studies differ.
-    #[error(
-        "{} and {} have different checkpoints: every {} cycles up to {} against every {} up to {}; give the scenes \
-         the same life",
-        .names[0], .names[1], .ends[0][0], .ends[0][1], .ends[1][0], .ends[1][1]
-    )]
-    Checkpoints {
-        /// Names of the first study and of another.
-        names: [String; 2],
-        /// Their first and last checkpoints [cycles].
-        ends: [[u32; 2]; 2],
-    },
-}
+#[error("{0}")]
+pub struct Incomparable(String);
 
 /// Checks that the studies can be compared: at least two, with the same limit states (in any order) and checkpoints.
 ///
 /// # Errors
 /// [`Incomparable`].
 pub fn check(studies: &[ComparedStudy]) -> Result<(), Incomparable> {
-    if !(2..=MOST).contains(&studies.len()) {
-        return Err(Incomparable::Number { given: studies.len() });
+    if !(2..=SERIES).contains(&studies.len()) {
+        return Err(Incomparable(format!("{} studies: a comparison takes 2 to {SERIES}", studies.len())));
     }
     let states = |study: &ComparedStudy| study.summary.limit_states.iter().cloned().collect::<BTreeSet<_>>();
     let cycles =
         |study: &ComparedStudy| study.summary.reliability.iter().map(|row| row.cycles).collect::<Vec<_>>();
     for other in &studies[1..] {
         let both = [&studies[0], other];
-        let names = both.map(|study| study.name.clone());
+        let [first, second] = both.map(|study| &study.name);
         let [of_first, of_other] = both.map(states);
         if of_first != of_other {
-            let limit_states = both.map(|study| study.summary.limit_states.clone());
-            return Err(Incomparable::LimitStates { names, limit_states });
+            let [a, b] = both.map(|study| study.summary.limit_states.join(", "));
+            return Err(Incomparable(format!(
+                "{first} and {second} have different limit states: {a} against {b}; studies are compared by limit states of the \
+                 same names"
+            )));
         }
         let both = both.map(cycles);
         if both[0] != both[1] {
             let end = |cycles: Option<&u32>| cycles.copied().unwrap_or(0);
-            let ends = both.map(|cycles| [end(cycles.first()), end(cycles.last())]);
-            return Err(Incomparable::Checkpoints { names, ends });
+            let [[a, b], [c, d]] = both.map(|cycles| [end(cycles.first()), end(cycles.last())]);
+            return Err(Incomparable(format!(
+                "{first} and {second} have different checkpoints: every {a} cycles up to {b} against every {c} up to {d}; give the \
+                 scenes the same life"
+            )));
         }
     }
     Ok(())
@@ -270,7 +243,10 @@ mod tests {
     #[test]
     fn what_cannot_be_laid_over_each_other_is_refused() {
         let [a, mut b] = two();
-        assert_eq!(check(std::slice::from_ref(&a)), Err(Incomparable::Number { given: 1 }));
+        assert_eq!(
+            check(std::slice::from_ref(&a)).unwrap_err().to_string(),
+            "1 studies: a comparison takes 2 to 6"
+        );
         b.summary.reliability.truncate(60);
         let said = check(&[a.clone(), b.clone()]).unwrap_err().to_string();
         assert!(said.contains("every 1000 cycles up to 72000 against every 1000 up to 60000"), "{said}");

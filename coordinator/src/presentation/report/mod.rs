@@ -32,6 +32,7 @@ mod written;
 
 pub use super::format;
 pub use answer::{Answer, AnswerPart, Table};
+pub use chapters::page as render;
 pub use figure::{Drawing, Figure};
 pub use figures::{ComparedStudy, LifeAxis, VaryingLoads, reliability as reliability_figure};
 pub use input::{
@@ -79,23 +80,13 @@ impl ReportError {
     }
 }
 
-/// The page of the report; a function of its input alone.
-pub fn render(input: &ReportInput) -> Page {
-    chapters::page(input, FigureFiles::NextToPage)
-}
-
-/// The page of the report without links to files; a function of its input alone.
-pub fn render_alone(input: &ReportInput) -> Page {
-    chapters::page(input, FigureFiles::Absent)
-}
-
 /// Writes `report.html`, and every figure of it as `figures/*.svg` with its numbers as `figures/*.csv`, into `dir`;
 /// returns the path of the page.
 ///
 /// # Errors
 /// [`ReportError`].
 pub fn write(dir: &Path, input: &ReportInput) -> Result<PathBuf, ReportError> {
-    let page = render(input);
+    let page = render(input, FigureFiles::NextToPage);
     write_figures(dir, page.figures())?;
     let path = dir.join("report.html");
     write_text(&path, &page.html(None))?;
@@ -150,6 +141,6 @@ pub fn write_all(
     write_text(&dir.join("summary.json"), &summary_json(&input.summary)?)?;
     write_text(&dir.join("reliability.csv"), &reliability_csv(&input.summary))?;
     write_samples_csv(&dir.join("samples.csv"), campaign, scene)?;
-    write_text(&dir.join("scene.toml"), &input.scene_source)?;
+    write_text(&dir.join("scene.toml"), &input.meta.scene_source)?;
     write(dir, &input).map(Some)
 }

@@ -33,7 +33,7 @@ const STEPS_PER_NORMAL: f64 = 4.0;
 /// end of the page.
 pub fn chapter(page: &mut Page, input: &ReportInput) -> Markup {
     let summary = &input.summary;
-    let source = SceneSource::parse(&input.scene_source, "scene.toml").ok();
+    let source = SceneSource::parse(&input.meta.scene_source, "scene.toml").ok();
     let Some((source, explicit)) = source.zip(input.explicit.as_ref()) else { return html! {} };
     if summary.curves.is_empty() || !summary.designs.is_empty() {
         return html! {};

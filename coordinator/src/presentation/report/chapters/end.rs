@@ -86,8 +86,8 @@ fn failures(input: &ReportInput) -> Markup {
 /// What is needed to repeat the study.
 pub fn repeat(input: &ReportInput) -> Markup {
     let or_unknown = |text: &str| if text.is_empty() { UNKNOWN.to_string() } else { text.to_string() };
-    let settings = (!input.settings.is_null())
-        .then(|| serde_json::to_string_pretty(&input.settings).unwrap_or_default());
+    let settings = (!input.meta.settings.is_null())
+        .then(|| serde_json::to_string_pretty(&input.meta.settings).unwrap_or_default());
     html! {
         h3 { "Reproducibility" }
         p {
@@ -96,6 +96,6 @@ pub fn repeat(input: &ReportInput) -> Markup {
              and seed give bit-identical results for any number of workers."
         }
         @if let Some(settings) = settings { (details("Settings", html! { pre { (settings) } })) }
-        (details("Scene", html! { pre { (or_unknown(&input.scene_source)) } }))
+        (details("Scene", html! { pre { (or_unknown(&input.meta.scene_source)) } }))
     }
 }

@@ -22,8 +22,8 @@ fn facts(input: &ReportInput) -> Markup {
     let stated = |key: &'static str| Some((key, input.written.name(&format!("report.{key}"))?.render()));
     let rows = ["project", "revision"].into_iter().filter_map(stated).chain([
         ("begun", html! { (or_unknown(&moment(&summary.created))) }),
-        ("command", html! { code { (or_unknown(&input.command)) } }),
-        ("version", html! { "Hingewise " (or_unknown(&summary.version)) "; simulations: " (or_unknown(&input.program)) }),
+        ("command", html! { code { (or_unknown(&input.meta.command)) } }),
+        ("version", html! { "Hingewise " (or_unknown(&summary.version)) "; simulations: " (or_unknown(&input.meta.version)) }),
         (
             "scene",
             html! { (summary.scene) ", SHA-256 of " code { "scene.toml" } " " code { (or_unknown(&summary.scene_sha256)) } },
@@ -127,7 +127,7 @@ fn signatures(input: &ReportInput) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::{page, render};
+    use crate::presentation::report::{FigureFiles, page, render};
     use crate::test_study;
 
     #[test]
@@ -141,7 +141,7 @@ mod tests {
         input.written = crate::presentation::report::written::WrittenScene::new(include_str!(
             "../../../../../common/tests/scenes/everything.toml"
         ));
-        let text = render(&input).html(None);
+        let text = render(&input, FigureFiles::NextToPage).html(None);
         let (head, rest) = text.split_once("<nav").unwrap();
         assert!(head.contains("Project of every word, revision B, by A. Author"), "{head}");
         assert!(head.contains("A note to the reader."));
@@ -150,7 +150,7 @@ mod tests {
             assert!(body.contains(said) && !appendix.contains(said), "{said}");
         }
         input.sign(&[("report.author", "E. Editor"), ("scene.title", "Another title")]);
-        let text = render(&input).html(None);
+        let text = render(&input, FigureFiles::NextToPage).html(None);
         assert!(text.contains("<td>E. Editor</td>") && text.contains("<h1>Another title</h1>"));
         assert!(!text.contains("A. Author"));
     }
@@ -160,7 +160,7 @@ mod tests {
     fn every_element_of_a_prediction_is_answered_where_the_list_says() {
         let input = test_study::report_input();
         let listed = page::numbered::resolve(&elements(&input).0, page::FigureFiles::Absent);
-        let text = render(&input).html(None);
+        let text = render(&input, FigureFiles::NextToPage).html(None);
         let (_, list) = text.split_once("id=\"table-elements\"").unwrap();
         let list = list.split("</table>").next().unwrap();
         assert_eq!(list.matches("<tr>").count(), listed.matches("<tr>").count());

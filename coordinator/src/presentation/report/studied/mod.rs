@@ -74,7 +74,7 @@ pub fn chapter(input: &ReportInput, drawn: &Markup) -> Markup {
             (variable_tables::variables(scene, &input.summary))
         }
         (variable_tables::limits(scene, &input.summary.limits, &input.written))
-        (variable_tables::study_settings(scene, &input.summary, &input.settings))
+        (variable_tables::study_settings(scene, &input.summary, &input.meta.settings))
         h3 { "Assumptions and limits of the model" }
         ul { @for sentence in assumptions(input) { li { (sentence) } } }
     }
