@@ -4,8 +4,7 @@ use super::{CommandError, Destination, OpenedStudy, answer_with, share, value};
 use clap::Args;
 use coordinator::analyses::learn::{LearnSettings, answer, laws_of, learn as learn_fleet};
 use coordinator::analyses::update::read_fleet;
-use coordinator::statistics::design::InputModel;
-use coordinator::statistics::design::fixed_bounds;
+use coordinator::statistics::design::{InputModel, fixed_bounds};
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\

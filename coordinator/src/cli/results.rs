@@ -1,6 +1,6 @@
 //! `coordinator sensitivity` and `coordinator report`: results of a finished study, without a new evaluation.
 
-use super::pdf::{PdfError, print_page};
+use super::pdf::print_page;
 use super::shared::ReportTexts;
 use super::stored_study::{not_finished, scene_of};
 use super::{CommandError, print, summary_of, to_json};
@@ -43,9 +43,8 @@ pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandE
         Some(out) => write_results(&campaign, out, &texts)?,
         None => write_results(&campaign, dir, &texts).map_err(|error| error.of_report_in(dir))?,
     };
-    let failed = |error: PdfError| CommandError::Failed(error.to_string());
     let printed = match pdf {
-        true => Some(print_page(&page, &std::env::var_os("PATH").unwrap_or_default()).map_err(failed)?),
+        true => Some(print_page(&page, &std::env::var_os("PATH").unwrap_or_default())?),
         false => None,
     };
     if as_json {

@@ -1,9 +1,8 @@
 //! The answers for all designs as JSON, and with their table, sentences and figures.
 
-use super::answer::DesignAnswer;
+use super::answer::{DesignAnswer, Refined};
 use super::best::{Best, Objective};
 use super::figures::figures;
-use super::refinement::Refined;
 use super::space::DesignSpace;
 use crate::analyses::paired_results::curve_names;
 use crate::presentation::report::compare::{CURVE_COLUMNS, curve_cells};

@@ -9,15 +9,13 @@
 //! |---|---|
 //! | `space` | unknown parameters, their priors, and the distributions of the points |
 //! | `population` | R(n) and lives of many sets of parameters over one weighted population |
-//! | `fleet` | the posterior of the parameters |
-//! | `checks` | units and variables to be checked |
+//! | `fleet` | the posterior of the parameters; units and variables to be checked |
 //! | `data_value` | which further data would narrow the bound most |
 //! | `result`, `text` | settings and answer |
 //!
 //! The surrogates' errors count as scatter between units: an error that all units share is not in the bounds. Unknown correlations
 //! are not learned.
 
-mod checks;
 mod data_value;
 mod fleet;
 mod population;

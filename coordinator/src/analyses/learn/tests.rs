@@ -1,8 +1,7 @@
-use super::fleet::LearnError;
 use super::result::{LearnReport, LearnedParameter};
 use super::*;
-use crate::analyses::update::FleetData;
-use crate::analyses::update::parse_fleet;
+use crate::analyses::error::RefusedQuestion;
+use crate::analyses::update::{FleetData, parse_fleet};
 use crate::statistics::design::{InputModel, Population};
 use crate::study::{LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
 use common::random::Family;
@@ -62,7 +61,7 @@ fn learned(
     (source, model): (SceneSource, LifeModel),
     text: &str,
     change: impl FnOnce(&mut LearnSettings),
-) -> Result<LearnReport, LearnError> {
+) -> Result<LearnReport, RefusedQuestion> {
     let data: FleetData = parse_fleet(text, "fleet.csv", &source, &model, Some(&[])).unwrap();
     let mut settings = LearnSettings::new(3);
     settings.ranks = false;

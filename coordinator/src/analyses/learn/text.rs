@@ -2,8 +2,8 @@
 
 use super::result::{LearnReport, LearnedParameter};
 use crate::presentation::report::format::{before_unit, count, percent, shortest, unit_scale};
-use crate::presentation::report::{Answer, AnswerPart, Axis, Figure, Ink, Plot, Series, Shape, Table};
-use crate::results::csv_table::{CsvTable, number};
+use crate::presentation::report::{Answer, AnswerPart, Axis, Figure, Ink, Plot, Series, Shape, Table, csv};
+use crate::results::csv_table::number;
 use crate::results::summary::ReliabilityRow;
 use crate::statistics::updating::{ConfidentLife, ConfidentReliability, ConfidentRow};
 
@@ -47,7 +47,7 @@ pub fn answer(report: &LearnReport) -> Answer {
         subtitle: "Reliability with what differs between units and what is not known of them apart; no simulation was made".to_owned(),
         parts,
         figures: vec![confident_figure(confident, &report.study, report.end)],
-        files: vec![("reliability.csv".to_owned(), csv(confident))],
+        files: vec![("reliability.csv".to_owned(), reliability_csv(confident))],
         ..Answer::default()
     }
 }
@@ -188,11 +188,10 @@ pub fn confident_figure(confident: &ConfidentReliability, study: &[ReliabilityRo
 }
 
 /// R at the checkpoints: `cycles, median, mean, at_least, lower, upper`.
-fn csv(confident: &ConfidentReliability) -> String {
-    let mut table = CsvTable::new("cycles,median,mean,at_least,lower,upper".split(','));
-    for row in &confident.reliability {
+fn reliability_csv(confident: &ConfidentReliability) -> String {
+    let row = |row: &ConfidentRow| {
         let [lower, upper] = row.interval;
-        table.push([row.cycles, row.median, row.mean, row.at_least, lower, upper].map(number));
-    }
-    table.into_text()
+        [row.cycles, row.median, row.mean, row.at_least, lower, upper].map(number)
+    };
+    csv("cycles,median,mean,at_least,lower,upper".split(','), confident.reliability.iter().map(row))
 }

@@ -14,7 +14,6 @@
 
 mod campaign;
 mod context;
-mod finding;
 mod optimum;
 mod problem;
 mod problem_costs;

@@ -3,8 +3,7 @@
 use super::problem::{DesignProblem, DesignQuantity, Grade, QuantityKind, ReliabilityTarget, StudiedDesigns};
 use crate::analyses::designs::{DesignSpace, DesignVariable};
 use crate::analyses::quantity::{ShownUnit, checkpoint, limit_state};
-use crate::statistics::design::InputModel;
-use crate::statistics::design::fixed_bounds;
+use crate::statistics::design::{InputModel, fixed_bounds};
 use common::random::Distribution;
 use common::scene::quantity::NUMBER;
 use common::scene::{FaultKind, Faults, InputFile, Range, Scene, SceneSource, Section, nearest};

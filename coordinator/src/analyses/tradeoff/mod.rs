@@ -5,17 +5,14 @@
 //! names -> [`settings`] -> [`TradeoffPlan::measure`] -> [`compare`] -> [`answer`], [`values_csv`]
 
 mod compare;
-mod csv;
 mod lives;
 mod measure;
 mod page;
 mod settings;
-mod stated;
 #[cfg(test)]
 mod tests;
 
 pub use compare::{compare, reference_row};
-pub use csv::values_csv;
 pub use measure::TradeoffPlan;
-pub use page::answer;
+pub use page::{answer, values_csv};
 pub use settings::{QUICK, full, settings};

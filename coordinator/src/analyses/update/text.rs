@@ -2,9 +2,9 @@
 
 use super::result::{FleetReport, RemainingLife, UnitReport, UpdatedVariable};
 use crate::presentation::report::{
-    Answer, AnswerPart, Axis, Figure, Ink, Plot, Points, SERIES, Series, Shape, Table,
+    Answer, AnswerPart, Axis, Figure, Ink, Plot, Points, SERIES, Series, Shape, Table, csv,
 };
-use crate::results::csv_table::{CsvTable, number};
+use crate::results::csv_table::number;
 use crate::results::summary::ReliabilityRow;
 
 /// Units whose variables are listed: with more, only the table of units is.
@@ -46,7 +46,7 @@ pub fn answer(report: &FleetReport) -> Answer {
             .to_owned(),
         parts,
         figures: figures(report),
-        files: vec![("units.csv".to_owned(), csv(report))],
+        files: vec![("units.csv".to_owned(), units_csv(report))],
         ..Answer::default()
     }
 }
@@ -109,17 +109,15 @@ fn variables(unit: &UnitReport) -> AnswerPart {
 /// One row per unit: `unit, observed_until, R, R_standard_error, remaining_5, remaining_50, remaining_95, effective_size,
 /// stages, least_probability, warning`; lives beyond the study are empty. The least probability is at least what the number of
 /// points resolves.
-fn csv(report: &FleetReport) -> String {
-    let mut table = CsvTable::new(
-        "unit,observed_until,R,R_standard_error,remaining_5,remaining_50,remaining_95,effective_size,stages,least_probability,warning"
-            .split(','),
-    );
-    for unit in &report.units {
-        let or_empty = |value: Option<f64>| value.map_or(String::new(), number);
+fn units_csv(report: &FleetReport) -> String {
+    let head = "unit,observed_until,R,R_standard_error,remaining_5,remaining_50,remaining_95,effective_size,stages,least_probability,\
+                warning";
+    let or_empty = |value: Option<f64>| value.map_or(String::new(), number);
+    let row = |unit: &UnitReport| {
         let there = unit.reliability.first();
         let least =
             unit.observations.iter().map(|o| o.probability.max(o.resolution)).fold(f64::INFINITY, f64::min);
-        table.push([
+        [
             unit.unit.clone(),
             number(unit.observed_until),
             or_empty(there.map(|row| row.reliability["total"])),
@@ -131,9 +129,9 @@ fn csv(report: &FleetReport) -> String {
             unit.stages.to_string(),
             number(least),
             unit.warning.clone().unwrap_or_default(),
-        ]);
-    }
-    table.into_text()
+        ]
+    };
+    csv(head.split(','), report.units.iter().map(row))
 }
 
 /// The remaining lives, and of as many units as there are colours the curves.

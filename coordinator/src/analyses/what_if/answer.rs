@@ -2,8 +2,7 @@
 //! simulations and over populations of common random numbers, and their changes with intervals.
 
 use super::changes::Changes;
-use super::outside::widen;
-use super::region::Region;
+use super::region::{Region, widen};
 use crate::analyses::paired_results::{ChangeOfLife, PairedResults, ReliabilityChange};
 use crate::results::summary::StudySummary;
 use crate::statistics::reliability::paired::OtherErrors;

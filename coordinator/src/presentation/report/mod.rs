@@ -33,7 +33,7 @@ mod written;
 pub use super::format;
 pub use answer::{Answer, AnswerPart, Table};
 pub use chapters::page as render;
-pub use figure::{Drawing, Figure};
+pub use figure::{Drawing, Figure, csv};
 pub use figures::{ComparedStudy, LifeAxis, VaryingLoads, reliability as reliability_figure};
 pub use input::{
     CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, EXPLICIT_DOCUMENT, ReportInput, SUMMARY_DOCUMENT,
@@ -54,7 +54,6 @@ use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
 use bars::{BarPair, Bars};
 use common::scene::Scene;
-use figure::csv;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 

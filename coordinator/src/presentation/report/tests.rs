@@ -183,7 +183,9 @@ fn the_sentences_carry_the_numbers_of_the_curves() {
 #[test]
 fn issue_the_report_said_nothing_of_the_jobs_asked_for() {
     let mut input = test_study::report_input();
-    let said = |input: &ReportInput| render(input, FigureFiles::NextToPage).html(None).contains("at most 4 at a time");
+    let said = |input: &ReportInput| {
+        render(input, FigureFiles::NextToPage).html(None).contains("at most 4 at a time")
+    };
     assert!(!said(&input));
     let system = "Slurm".to_owned();
     input.summary.scale = Some(crate::results::summary::ScaleRow { system, most: 4, asked: 9, failed: 2 });

@@ -2,8 +2,7 @@
 
 use crate::presentation::report::format::{UNKNOWN, count, percent};
 use crate::presentation::report::page::{details, numbered};
-use crate::presentation::report::tables;
-use crate::presentation::report::{Page, ReportInput, captioned};
+use crate::presentation::report::{Page, ReportInput, captioned, tables};
 use maud::{Markup, html};
 
 /// Failed evaluations listed one by one.

@@ -1,11 +1,9 @@
 //! The chapter by which a report is signed: what identifies the study, where it answers each element of a reliability prediction, and the
 //! signatures.
 
-use crate::presentation::report::drawing;
 use crate::presentation::report::format::{UNKNOWN, count};
 use crate::presentation::report::page::numbered;
-use crate::presentation::report::words;
-use crate::presentation::report::{Page, ReportInput, captioned, table, table_of_text};
+use crate::presentation::report::{Page, ReportInput, captioned, drawing, table, table_of_text, words};
 use maud::{Markup, Render, html};
 
 /// Adds the chapter.

@@ -7,13 +7,12 @@ mod shapes;
 
 pub use axis::{Axis, Scale, tick_label};
 pub use series::{Band, Points, Series, Shape};
-pub use shapes::{Area, DrawError, LETTERS, draw, letters, px, stroke};
+pub use shapes::{Area, DrawError, LETTERS, Legend, draw, legend, letters, px, stroke};
 
 use super::{Drawing, Figure, Ink};
 use axis::{TickedAxis, ticks};
 use plotters::prelude::*;
 use shapes::{Frame, SeriesPainter};
-pub use shapes::{Legend, legend};
 use std::ops::Range;
 
 /// Height of what is above and below the plot, without the legend [CSS pixels].
