@@ -271,22 +271,21 @@ fn print_summary(
 
 /// One entry per output and checkpoint of the histories.
 fn for_report(histories: &[OutputHistory]) -> Vec<CheckpointDistribution> {
-    let mut all = Vec::new();
-    for history in histories {
-        for (&cycles, at) in history.cycles.iter().zip(&history.at) {
+    let all = histories.iter().flat_map(|history| {
+        history.cycles.iter().zip(&history.at).map(|(cycles, at)| {
             let (edges, counts) = bins(&at.histogram);
-            all.push(CheckpointDistribution {
+            CheckpointDistribution {
                 output: history.output.clone(),
-                cycles,
+                cycles: *cycles,
                 mean: at.mean,
                 std: at.std,
                 edges,
                 counts,
                 quantiles: PROBABILITIES.iter().copied().zip(at.quantiles.iter().copied()).collect(),
-            });
-        }
-    }
-    all
+            }
+        })
+    });
+    all.collect()
 }
 
 /// Edges `(bins + 1,)`, increasing, and counts `(bins,)`; one narrow bin if every value is the same.

@@ -36,13 +36,8 @@ impl DesignSpace {
     pub fn new(base: SceneSource, ranges: &[String]) -> Result<Self, Faults> {
         let read = ranges.iter().map(|range| DesignVariable::parse(range));
         let mut faults = Vec::new();
-        let mut variables = Vec::new();
-        for variable in read {
-            match variable {
-                Ok(variable) => variables.push(variable),
-                Err(Faults(found)) => faults.extend(found),
-            }
-        }
+        let variables =
+            read.filter_map(|read| read.map_err(|Faults(found)| faults.extend(found)).ok()).collect();
         if faults.is_empty() { Self::of_variables(base, variables) } else { Err(Faults(faults)) }
     }
 

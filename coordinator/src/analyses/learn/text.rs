@@ -180,8 +180,7 @@ pub fn confident_figure(confident: &ConfidentReliability, study: &[ReliabilityRo
         Series::new(format!("at least, C = {c}"), Ink::Series(1), Shape::Line(line(&|row| row.at_least))),
     ];
     let x = Axis::linear("life [cycles]", (0.0, end));
-    let y = Axis::linear("reliability R", (0.0, 1.0));
-    Plot { figure: "confident-reliability", x, y, series: &series }.figure(
+    Plot::of_reliability("confident-reliability", x, &series).figure(
         "Reliability at a confidence",
         "Curve: what differs between units. Band: what is not known of their population.",
     )

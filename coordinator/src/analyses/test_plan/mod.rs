@@ -206,16 +206,13 @@ pub fn plan(
                 None if is_extra => continue,
                 found => found.ok_or_else(too_many)?,
             };
-            let mean_cycles = match question.inspect_every {
-                None => None,
-                Some(every) => {
-                    let shape = need("--inspect-every")?;
-                    let inspections =
-                        (1..).map(|k| f64::from(k) * every / at).take_while(|life| *life < length);
-                    let lives: Vec<f64> = inspections.chain([length]).collect();
-                    Some(at * mean_length(units, allowed, reliability, shape, &lives))
-                }
-            };
+            let mean_cycles = question.inspect_every.map(|every| {
+                let shape = need("--inspect-every")?;
+                let inspections = (1..).map(|k| f64::from(k) * every / at).take_while(|life| *life < length);
+                let lives: Vec<f64> = inspections.chain([length]).collect();
+                Ok(at * mean_length(units, allowed, reliability, shape, &lives))
+            });
+            let mean_cycles = mean_cycles.transpose()?;
             let with_prior = match &prior {
                 None => None,
                 Some((law, _)) => {

@@ -97,7 +97,7 @@ pub fn reference_row(scene: &Scene, measurement: &Measurement) -> SettingCompari
         }
     }
     let setting = NamedAccuracy {
-        name: super::settings::REFERENCE.into(),
+        name: super::measure::REFERENCE.into(),
         accuracy: common::accuracy::Accuracy::reference(),
     };
     row(scene, &setting, &own, &measurement.reference)

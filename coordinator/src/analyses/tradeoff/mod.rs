@@ -8,11 +8,10 @@ mod compare;
 mod lives;
 mod measure;
 mod page;
-mod settings;
 #[cfg(test)]
 mod tests;
 
 pub use compare::{compare, reference_row};
 pub use measure::TradeoffPlan;
+pub use measure::{QUICK, full, settings};
 pub use page::{answer, values_csv};
-pub use settings::{QUICK, full, settings};

@@ -175,8 +175,7 @@ fn curves(fleet: &FleetReport) -> Figure {
         series.push(Series::new(&unit.unit, Ink::Series(k), Shape::Line(points(&unit.reliability))));
     }
     let x = Axis::linear("life [cycles]", (0.0, fleet.end));
-    let y = Axis::linear("reliability R", (0.0, 1.0));
-    Plot { figure: "updated-reliability", x, y, series: &series }.figure(
+    Plot::of_reliability("updated-reliability", x, &series).figure(
         "Reliability",
         "Probability of no failure up to this life, given what was observed of each unit.",
     )

@@ -137,13 +137,8 @@ fn figure(report: &WeibullReport) -> Figure {
     series.push(Series::new("data", Ink::Ink, Shape::Cloud(kaplan_meier(lives))));
     let caption = "Weibull distribution with Fisher bounds; data: estimate of Kaplan and Meier after each failure, one within an interval \
                    at its end.";
-    Plot {
-        figure: "weibull",
-        x: Axis::linear("life [cycles]", (0.0, end)),
-        y: Axis::linear("reliability R", (0.0, 1.0)),
-        series: &series,
-    }
-    .figure("Reliability by the data", caption)
+    let x = Axis::linear("life [cycles]", (0.0, end));
+    Plot::of_reliability("weibull", x, &series).figure("Reliability by the data", caption)
 }
 
 /// R after each failure (t, R), one within an interval at its end.

@@ -70,9 +70,8 @@ pub fn chapter(page: &mut Page, input: &ReportInput) -> Markup {
         Series::new(&row.limit_state, ink_of(summary, &row.limit_state), shape)
     };
     let series: Vec<Series> = summary.curves.iter().filter(is_drawn).map(line).collect();
-    let (x, y) =
-        (Axis::linear(axis.label, (0.0, axis.place(end))), Axis::linear("reliability R", (0.0, 1.0)));
-    let drawing = Plot { figure: "sliders", x, y, series: &series }.drawing();
+    let x = Axis::linear(axis.label, (0.0, axis.place(end)));
+    let drawing = Plot::of_reliability("sliders", x, &series).drawing();
     page.begin("What if");
     page.add(html! {
         p.asks {

@@ -6,7 +6,6 @@ mod influences;
 mod learning;
 mod loads;
 mod outputs;
-mod papers;
 mod parallel;
 mod rates;
 mod reliability;

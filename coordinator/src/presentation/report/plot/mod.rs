@@ -33,6 +33,13 @@ pub struct Plot<'a> {
     pub series: &'a [Series],
 }
 
+impl<'a> Plot<'a> {
+    /// A plot of reliabilities.
+    pub fn of_reliability(figure: &'a str, x: Axis<'a>, series: &'a [Series]) -> Self {
+        Self { figure, x, y: Axis::linear("reliability R", (0.0, 1.0)), series }
+    }
+}
+
 impl Plot<'_> {
     /// The chart with its numbers as CSV.
     pub fn figure(&self, title: &str, caption: &str) -> Figure {
