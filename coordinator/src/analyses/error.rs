@@ -32,7 +32,7 @@ pub enum AnalysisError {
     TooFew {
         /// Simulations with a result.
         succeeded: usize,
-        /// All simulations.
+        /// Number of all simulations.
         all: usize,
         /// Least number for a fit.
         least: usize,

@@ -56,10 +56,8 @@ pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError
     check_picture(out.as_deref())?;
     check_linkage(source.origin(), &source, scene)?;
     let (drawn, loads) = drawn(source.origin(), scene, arguments.at)?;
-    let files = match &out {
-        Some(file) => write_figures(scene, &drawn, loads.as_ref(), file)?,
-        None => vec![],
-    };
+    let written = out.as_ref().map(|file| write_figures(scene, &drawn, loads.as_ref(), file));
+    let files = written.transpose()?.unwrap_or_default();
     match (as_json, &out) {
         (true, _) => print(&to_json(&drawn)?),
         (false, Some(_)) => {

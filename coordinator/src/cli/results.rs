@@ -43,10 +43,8 @@ pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandE
         Some(out) => write_results(&campaign, out, &texts)?,
         None => write_results(&campaign, dir, &texts).map_err(|error| error.of_report_in(dir))?,
     };
-    let printed = match pdf {
-        true => Some(print_page(&page, &std::env::var_os("PATH").unwrap_or_default())?),
-        false => None,
-    };
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let printed = pdf.then(|| print_page(&page, &path)).transpose()?;
     if as_json {
         let mut written = json!({ "report": page });
         if let Some(file) = printed {
@@ -151,10 +149,7 @@ fn cells(summary: &StudySummary, row: &SensitivityRow) -> Vec<String> {
 
 /// Of the checkpoints with derivatives, the one where the reliability is nearest one half.
 fn checkpoint_nearest_one_half(summary: &StudySummary, state: &str) -> Option<u32> {
-    let has_derivatives = |cycles: u32| {
-        let of_state = |row: &&SensitivityRow| row.cycles == cycles && row.limit_state == state;
-        summary.sensitivity.iter().filter(of_state).any(SensitivityRow::is_known)
-    };
+    let has_derivatives = |cycles: u32| strongest(summary, state, cycles).iter().any(|row| row.is_known());
     summary
         .reliability
         .iter()

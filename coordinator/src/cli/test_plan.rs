@@ -75,10 +75,8 @@ fn many(text: &str) -> Result<u64, String> {
 /// # Errors
 /// [`CommandError`].
 pub fn test_plan(arguments: &TestPlanArguments, as_json: bool) -> Result<(), CommandError> {
-    let summary = match &arguments.dir {
-        None => None,
-        Some(dir) => Some(summary_of(&StoredStudy::look(dir)?.campaign)?),
-    };
+    let summary =
+        arguments.dir.as_ref().map(|dir| summary_of(&StoredStudy::look(dir)?.campaign)).transpose()?;
     let question = TestPlanQuestion {
         reliability: arguments.reliability,
         at: arguments.at,

@@ -50,10 +50,7 @@ pub struct WeibullArguments {
 /// [`CommandError`].
 pub fn weibull(arguments: &WeibullArguments, as_json: bool) -> Result<(), CommandError> {
     let WeibullArguments { file, study, mode, reliability, confidence, out } = arguments;
-    let summary = match study {
-        None => None,
-        Some(dir) => Some(summary_of(&StoredStudy::look(dir)?.campaign)?),
-    };
+    let summary = study.as_ref().map(|dir| summary_of(&StoredStudy::look(dir)?.campaign)).transpose()?;
     let end = summary.as_ref().and_then(|summary| summary.reliability.last());
     let question = LifeQuestion {
         mode: mode.as_deref(),

@@ -77,10 +77,8 @@ fn for_designs(
     let followers = space.followers()?;
     let mut faults = Vec::new();
     for (place, quantity) in problem.quantities.iter().enumerate() {
-        for (variable, k, _) in space.quantities() {
-            if !quantity.variables.contains(&k) {
-                continue;
-            }
+        let own = space.quantities().into_iter().filter(|(_, k, _)| quantity.variables.contains(k));
+        for (variable, k, _) in own {
             let key = format!("quantities[{}]", place + 1);
             let (lower, upper) = augmented.variables[k].distribution.support();
             let margin = ROUNDING * (upper - lower);

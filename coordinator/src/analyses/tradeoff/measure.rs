@@ -85,7 +85,7 @@ pub const QUICK: [&str; 10] = [
     "jump-2000",
 ];
 
-/// Single parameters, then combinations, in addition to [`QUICK`].
+/// Single parameters, then combinations, in addition to [`QUICK`]; a new parameter needs a word in [`NamedAccuracy`] and a line here.
 const MORE: [&str; 24] = [
     "step-x2",
     "step-x0.5",
