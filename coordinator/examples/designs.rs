@@ -12,7 +12,8 @@
 use clap::Parser;
 use common::failure::SimulationFailure;
 use common::scene::{Faults, SceneSource};
-use coordinator::analyses::designs::{DesignError, DesignSpace, DesignStudy, answers, refine};
+use coordinator::analyses::designs::{DesignSpace, DesignStudy, answers, refine};
+use coordinator::analyses::error::AnalysisError;
 use coordinator::farm::evaluate::{Finished, Request, local::LocalEvaluator};
 use coordinator::results::journal::InMemoryJournal;
 use coordinator::results::life_summary::LifeRow;
@@ -101,7 +102,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let at_first = first.len();
     let grid = space.grid(arguments.points);
     let study = DesignStudy { space: &space, augmented: scene, settings: &settings };
-    let mut more = |learning: &FurtherLearning<'_>| -> Result<Vec<StoredOutcome>, DesignError> {
+    let mut more = |learning: &FurtherLearning<'_>| -> Result<Vec<StoredOutcome>, AnalysisError> {
         learning.learn(&mut evaluator, &mut journal, &mut Silent)?;
         Ok(known(&journal))
     };

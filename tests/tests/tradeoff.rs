@@ -46,7 +46,7 @@ fn every_task_of_a_measurement_has_its_own_accuracy() {
             let evaluation = one.outcome.as_ref().expect("none of these samples fails");
             assert_eq!(evaluation.diagnostics.wear_stages, u64::from(jump));
             assert_eq!(evaluation.histories, practice_result(&[point as f64]).expect("likewise").histories);
-            assert!(one.seconds >= 0.0);
+            assert!(one.wall >= 0.0);
         }
     }
 }

@@ -92,10 +92,10 @@ pub fn run(study: &Study, direct: &Study, fleets: usize, unknown: &[String]) -> 
         }
         std::fs::write(&file, &text)?;
         let model = LifeModel::new(scene, &learned);
-        let fleet = read_fleet(&file, source, &model, &[])?;
+        let fleet = read_fleet(&file, source, &model, Some(&[]))?;
         let own = LearnSettings { ranks: false, confidence: CONFIDENCE, ..LearnSettings::new(settings.seed) };
         let found = match learn(scene, summary, model, &fleet, &[], &[], &own) {
-            Ok(found) => found.report.confident.lives,
+            Ok(found) => found.confident.lives,
             Err(error) => {
                 println!("no answer: {error}");
                 without += 1;

@@ -2,7 +2,8 @@
 
 use super::problems::Known;
 use common::random::standard_normal_quantile;
-use coordinator::analyses::optimise::{OptimisationProgress, OptimiseError, StudyBasis, answer, optimise};
+use coordinator::analyses::error::AnalysisError;
+use coordinator::analyses::optimise::{StudyBasis, answer, optimise};
 use coordinator::statistics::design::InputModel;
 use coordinator::statistics::learning::Mode;
 use coordinator::statistics::reliability::LineSampling;
@@ -56,14 +57,13 @@ impl fmt::Display for Outcome {
 pub fn solve(known: &Known, seed: u64, budget: usize, report: bool) -> Result<Outcome, Box<dyn Error>> {
     let started = Instant::now();
     let study = study(known, seed)?;
-    let mut simulate = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, OptimiseError> {
+    let mut simulate = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, AnalysisError> {
         Ok(requests.iter().map(|request| observed(known, &request.sample)).collect())
     };
     let left = budget - study.outcomes.len();
-    let mut progress = |at: OptimisationProgress| {
-        let seconds = started.elapsed().as_secs_f64();
+    let mut progress = |text| {
         if report {
-            eprintln!("round {}: cost {:.5}, {} added, {seconds:.1} s", at.round, at.cost, at.added);
+            eprintln!("{text}, {:.1} s", started.elapsed().as_secs_f64());
         }
     };
     let found = optimise(&study, &known.problem, left, &mut simulate, &mut progress)?;

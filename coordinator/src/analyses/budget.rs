@@ -55,17 +55,6 @@ pub struct TriedSetting {
     pub setting: NamedAccuracy,
     /// The output with the largest error, or the failure of a simulation.
     pub worst: Result<OutputShare, SimulationFailure>,
-    /// Longest time of an evaluation [s].
-    pub seconds: f64,
-}
-
-/// The chosen setting and all results.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ChosenSetting {
-    /// Cheapest setting within the budget.
-    pub setting: NamedAccuracy,
-    /// All settings tried, from the cheapest to the chosen one.
-    pub attempts: Vec<TriedSetting>,
 }
 
 /// An error of [`choose_setting`].
@@ -122,7 +111,7 @@ pub fn choose_setting(
     points: &[Vec<f64>],
     evaluator: &mut dyn Evaluator,
     tried: &mut dyn FnMut(&TriedSetting),
-) -> Result<ChosenSetting, BudgetError> {
+) -> Result<NamedAccuracy, BudgetError> {
     if scene.outputs.is_empty() {
         return Err(BudgetError::NothingToHold);
     }
@@ -134,13 +123,12 @@ pub fn choose_setting(
         if comparable.is_some_and(|last| cannot_be_enough(last, &setting.accuracy, budget)) {
             continue;
         }
-        let attempt = attempt(scene, budget, setting, points, evaluator)?;
+        let attempt = attempt(scene, budget, setting.clone(), points, evaluator)?;
         tried(&attempt);
         let fits = attempt.worst.as_ref().is_ok_and(|worst| worst.error <= budget);
         attempts.push(attempt);
         if fits {
-            let setting = attempts[attempts.len() - 1].setting.clone();
-            return Ok(ChosenSetting { setting, attempts });
+            return Ok(setting);
         }
     }
     Err(refusal(budget, attempts))
@@ -177,7 +165,6 @@ fn attempt(
     evaluator: &mut dyn Evaluator,
 ) -> Result<TriedSetting, BudgetError> {
     let mut worst = OutputShare { output: scene.outputs[0].name.clone(), error: 0.0 };
-    let mut longest = 0.0_f64;
     let (nominal, others) = points.split_at(points.len().min(1));
     for batch in [nominal, others] {
         let request = |(id, sample): (u64, &Vec<f64>)| Request::at(id, sample.clone(), setting.accuracy);
@@ -186,21 +173,20 @@ fn attempt(
         let (outcomes, end) = evaluator.outcomes(&requests, &mut |_| ());
         end?;
         for finished in outcomes.into_iter().flatten() {
-            longest = longest.max(finished.wall);
             match finished.outcome {
                 Ok(evaluation) => {
                     for found in shares(scene, &evaluation) {
                         worst = if found.error > worst.error { found } else { worst };
                     }
                 }
-                Err(failure) => return Ok(TriedSetting { setting, worst: Err(failure), seconds: longest }),
+                Err(failure) => return Ok(TriedSetting { setting, worst: Err(failure) }),
             }
         }
         if worst.error > budget {
             break;
         }
     }
-    Ok(TriedSetting { setting, worst: Ok(worst), seconds: longest })
+    Ok(TriedSetting { setting, worst: Ok(worst) })
 }
 
 /// Stated error of every output to which the budget applies; see [`choose_setting`].

@@ -17,11 +17,13 @@
 //! | [`variants`] | other choices of the model of a study, by differences |
 //! | [`update`] | single units from what was measured of them |
 //! | [`paired_results`] | changes between two results from the same simulations |
+//! | [`error`] | reasons why there is no answer |
 //! | [`quantity`] | quantities of outputs as a person writes them |
 
 pub mod budget;
 pub mod calibrate;
 pub mod designs;
+pub mod error;
 pub mod learn;
 pub mod optimise;
 pub mod paired_results;

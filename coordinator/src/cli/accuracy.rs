@@ -1,7 +1,6 @@
 //! Accuracy of a command's evaluations: by name, or the cheapest within an error budget.
 
-use super::error::CommandError;
-use super::shared::share;
+use super::{CommandError, share};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
@@ -79,7 +78,7 @@ impl AccuracyArguments {
             let setting = self.accuracy.clone().unwrap_or_else(|| scene.accuracy.clone());
             return Ok(StudyAccuracy { setting, max_error: None });
         };
-        let choice = choose_setting(scene, budget, &LADDER, points, &mut evaluator, &mut |attempt| {
+        let setting = choose_setting(scene, budget, &LADDER, points, &mut evaluator, &mut |attempt| {
             if !quiet {
                 print_message(attempt_text(attempt, budget));
             }
@@ -87,12 +86,12 @@ impl AccuracyArguments {
         if !quiet {
             print_message(format_args!(
                 "accuracy {}: the cheapest tried that states errors below {} at {}",
-                choice.setting.name,
+                setting.name,
                 short_percent(budget),
                 if points.len() == 1 { "this point".to_owned() } else { format!("{} points", points.len()) }
             ));
         }
-        Ok(StudyAccuracy { setting: choice.setting, max_error: Some(budget) })
+        Ok(StudyAccuracy { setting, max_error: Some(budget) })
     }
 }
 

@@ -1,17 +1,13 @@
 //! `coordinator calibrate`: fits free parameters of a scene to measured or published targets, with the workers of a study.
 
-use super::accuracy::AccuracyArguments;
-use super::error::CommandError;
-use super::farm::{WorkerFarm, of_mechanism};
-use super::output::{Destination, answer_with};
-use super::scenes::check_linkage;
-use super::shared::{
-    DEFAULT_SCENE, FarmArguments, SetArguments, Verbosity, load_with, positive, seed, whole,
+use super::{
+    AccuracyArguments, CommandError, DEFAULT_SCENE, Destination, FarmArguments, SetArguments, Verbosity,
+    WorkerFarm, answer_with, check_linkage, load_with, of_mechanism, positive, seed, whole,
 };
 use clap::Args;
 use common::scene::InputFile;
 use coordinator::analyses::calibrate::{
-    CalibrationProgress, CalibrationSettings, Space, answer, calibrate as fit, of_parameters, read_targets,
+    CalibrationSettings, Space, answer, calibrate as fit, of_parameters, read_targets,
 };
 use std::path::PathBuf;
 
@@ -65,12 +61,7 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
     };
     let campaign = of_mechanism(&space.source, accuracy, &format!("calibrate {plan:?} {targets:?}"));
     let mut farm = WorkerFarm::start(campaign, &arguments.farm, verbosity.quiet)?;
-    let report_progress = &mut |CalibrationProgress { round, done, all }: CalibrationProgress| {
-        if done == all || done % 10 == 0 {
-            verbosity.say(format_args!("round {round}: {done}/{all} simulations"));
-        }
-    };
-    let found = fit(&targets, &plan, &mut farm.evaluator, &space, report_progress)?;
+    let found = fit(&targets, &plan, &mut farm.evaluator, &space, &mut |text| verbosity.say(text))?;
     farm.close();
     answer_with(&answer(&found, &scene.name), &found, arguments.out.as_ref(), verbosity.json)
 }

@@ -1,14 +1,11 @@
 //! `coordinator check`: every fault and warning of a scene with its place, for people and for editors.
 
 use super::draw::{check_picture, look};
-use super::error::CommandError;
 use super::external;
 use super::measured::MeasuredFinding;
 use super::model::Model;
 use super::nominal::{findings, nominal_evaluation};
-use super::output::{count, print, to_json};
-use super::scenes::check_linkage;
-use super::shared::{SetArguments, Verbosity, load_with};
+use super::{CommandError, SetArguments, Verbosity, check_linkage, count, load_with, print, to_json};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::external::SimulatorId;

@@ -3,7 +3,6 @@
 #[cfg(test)]
 mod tests;
 
-use super::accuracy::AccuracyArguments;
 use super::calibrate::CalibrateArguments;
 use super::check::{self, CheckArguments};
 use super::compare::CompareArguments;
@@ -15,7 +14,6 @@ use super::learn::LearnArguments;
 use super::optimise::OptimiseArguments;
 use super::replace::ReplaceArguments;
 use super::results::ReportArguments;
-use super::shared::{DEFAULT_SCENE, SetArguments, Verbosity};
 use super::simulate::SimulateArguments;
 use super::status::StatusArguments;
 use super::study_options::{ResumeArguments, RunArguments};
@@ -24,6 +22,7 @@ use super::tradeoff::TradeoffArguments;
 use super::update::UpdateArguments;
 use super::weibull::WeibullArguments;
 use super::what_if::WhatIfArguments;
+use super::{AccuracyArguments, DEFAULT_SCENE, SetArguments, Verbosity};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::fmt::Write;

@@ -1,12 +1,13 @@
 //! `coordinator compare`: the curves of several finished studies on one page, and as CSV.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with, file_of, or_here, unusable};
-use super::stored_study::{scene_of, summary_of};
+use super::output::{file_of, or_here, unusable};
+use super::stored_study::scene_of;
+use super::{CommandError, Destination, answer_with, summary_of};
 use clap::Args;
 use common::scene::SceneSource;
 use coordinator::analyses::scene_difference::{DifferingKey, differing_keys};
-use coordinator::presentation::report::compare::{ComparedStudy, answer, check, gain};
+use coordinator::presentation::report::compare::{ComparedStudy, answer, check};
+use coordinator::presentation::report::life_change::change_between;
 use coordinator::results::store::CampaignFile;
 use coordinator::study::LEVELS;
 use serde_json::{Value, json};
@@ -76,7 +77,8 @@ fn gains(studies: &[ComparedStudy]) -> Vec<Value> {
     let curves = first.summary.limit_states.iter().map(String::as_str).chain(["total"]);
     let of_curve = |name: &str| {
         let of_study = |k: usize, level: f64| {
-            let (change, _) = gain(studies, k, (name, level));
+            let both = [&first.summary, &studies[k].summary];
+            let (change, _) = change_between(both, (name, level));
             json!({ "study": studies[k].name, "limit_state": name, "reliability": level,
     "cycles": change.map(|change| change.value), "lower": change.and_then(|change| change.lower),
     "upper": change.and_then(|change| change.upper) })

@@ -1,21 +1,20 @@
 //! `coordinator designs`, and the end of a study with design variables: reliability and lives of every design, with
 //! simulations where single designs are still uncertain.
 
-use super::error::CommandError;
-use super::farm::CommandEvaluator;
-use super::output::{Destination, answer_with};
-use super::shared::{FarmArguments, Verbosity, positive, value};
-use super::stored_study::{OpenedStudy, StoredStudy, failed, known_outcomes, stored_correction};
+use super::{
+    CommandError, CommandEvaluator, Destination, FarmArguments, OpenedStudy, StoredStudy, Verbosity,
+    answer_with, failed, known_outcomes, positive, stored_correction, value,
+};
 use clap::Args;
 use common::scene::Scene;
 use coordinator::analyses::designs::{
-    Best, DesignError, DesignReport, DesignSpace, DesignStudy, Objective, Refined, answer, answers, json,
-    refine,
+    Best, DesignReport, DesignSpace, DesignStudy, Objective, Refined, answer, answers, json, refine,
 };
+use coordinator::analyses::error::AnalysisError;
 use coordinator::farm::evaluate::EvaluateError;
 use coordinator::results::progress::Silent;
 use coordinator::results::store::FurtherEvaluations;
-use coordinator::study::{FurtherLearning, LEVELS, StoredOutcome, StudyError};
+use coordinator::study::{FurtherLearning, LEVELS, StoredOutcome};
 use std::path::{Path, PathBuf};
 
 pub const EXAMPLES: &str = "\
@@ -178,10 +177,10 @@ fn answer_for(
     answer_with(&answer(&report), &json(&report), out, verbosity.json)
 }
 
-fn of_designs(error: DesignError, dir: &Path) -> CommandError {
+fn of_designs(error: AnalysisError, dir: &Path) -> CommandError {
     match error {
-        DesignError::Scene(faults) => CommandError::Scene(faults),
-        DesignError::Study(error) => failed(error, dir),
+        AnalysisError::Study(error) => failed(error, dir),
+        error => error.into(),
     }
 }
 
@@ -201,10 +200,10 @@ fn refine_with(
     };
     let correction = stored_correction(&opened.study.campaign)?;
     let campaign = &mut opened.study.campaign;
-    let mut simulate = |learning: &FurtherLearning<'_>| -> Result<Vec<StoredOutcome>, DesignError> {
+    let mut simulate = |learning: &FurtherLearning<'_>| -> Result<Vec<StoredOutcome>, AnalysisError> {
         let learning = FurtherLearning { correction: correction.as_ref(), ..*learning };
         learning.learn(evaluator.evaluator(), &mut FurtherEvaluations::of(campaign), &mut Silent)?;
-        Ok(known_outcomes(campaign).map_err(EvaluateError::from).map_err(StudyError::from)?)
+        Ok(known_outcomes(campaign).map_err(EvaluateError::from)?)
     };
     let mut progress = |error: f64, added: usize| {
         let target = designs.settings.targets().error;

@@ -1,8 +1,7 @@
 //! `coordinator doctor`: checks from this machine, one after the other, of all that a worker needs.
 
-use super::error::CommandError;
-use super::output::{print, to_json};
 use super::status::explained;
+use super::{CommandError, print, to_json};
 use clap::Args;
 use common::wire::{Claim, Offers, Status, WireError, WorkerId};
 use coordinator::farm::dispatch::{ClientError, ClientSession, clock_ms};

@@ -1,9 +1,7 @@
 //! `coordinator draw`: the mechanism of a scene as a drawing, before anything is simulated.
 
-use super::error::CommandError;
-use super::output::{check_destination, file_of, print, to_json, unusable};
-use super::scenes::check_linkage;
-use super::shared::{SetArguments, load_with};
+use super::output::{check_destination, file_of, unusable};
+use super::{CommandError, SetArguments, check_linkage, load_with, print, to_json};
 use clap::Args;
 use common::scene::{Motion, Scene, SceneSource};
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
@@ -58,10 +56,8 @@ pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError
     check_picture(out.as_deref())?;
     check_linkage(source.origin(), &source, scene)?;
     let (drawn, loads) = drawn(source.origin(), scene, arguments.at)?;
-    let files = match &out {
-        Some(file) => write_figures(scene, &drawn, loads.as_ref(), file)?,
-        None => vec![],
-    };
+    let written = out.as_ref().map(|file| write_figures(scene, &drawn, loads.as_ref(), file));
+    let files = written.transpose()?.unwrap_or_default();
     match (as_json, &out) {
         (true, _) => print(&to_json(&drawn)?),
         (false, Some(_)) => {

@@ -3,8 +3,7 @@
 use common::failure::SimulationFailure;
 use common::scene::{FaultKind, Faults, Motion, Scene};
 use coordinator::analyses::budget::BudgetError;
-use coordinator::analyses::calibrate::CalibrationError;
-use coordinator::analyses::optimise::OptimiseError;
+use coordinator::analyses::error::AnalysisError;
 use coordinator::farm::dispatch::{ClientError, DispatchError};
 use coordinator::farm::evaluate::EvaluateError;
 use coordinator::presentation::report::ReportError;
@@ -44,12 +43,9 @@ pub enum CommandError {
     /// A setting of the study that is out of range.
     #[error("{} {} is out of range, allowed: {}", option_of(.0.key), .0.value, .0.allowed)]
     Setting(#[from] SettingError),
-    /// Parameters that could not be fitted.
+    /// An analysis without a result.
     #[error(transparent)]
-    Calibration(#[from] CalibrationError),
-    /// A design that could not be optimised.
-    #[error(transparent)]
-    Optimise(#[from] OptimiseError),
+    Analysis(AnalysisError),
     /// The user stopped the study.
     #[error("interrupted; everything done so far is saved, continue with `coordinator resume {}`", dir.display())]
     Interrupted {
@@ -90,6 +86,18 @@ pub enum CommandError {
     Output(#[source] std::io::Error),
 }
 
+impl From<AnalysisError> for CommandError {
+    fn from(error: AnalysisError) -> Self {
+        match error {
+            AnalysisError::Scene(faults) => Self::Scene(faults),
+            AnalysisError::Evaluate(error) | AnalysisError::Study(StudyError::Evaluate(error)) => {
+                Self::Evaluate(error)
+            }
+            error => Self::Analysis(error),
+        }
+    }
+}
+
 impl CommandError {
     /// What was given, an option, a file or a study, and why the command cannot use it.
     pub fn refused(subject: impl Display, fault: impl Display) -> Self {
@@ -117,13 +125,10 @@ impl CommandError {
             Self::Scene(_)
             | Self::BadInput(_)
             | Self::Setting(_)
-            | Self::Calibration(CalibrationError::Scene(_))
             | Self::Budget(BudgetError::OutOfReach { .. } | BudgetError::NothingToHold)
             | Self::Study { error: StudyError::Setting(_), .. }
             | Self::Worker(ServiceError::Settings { .. }) => true,
             Self::Interrupted { .. }
-            | Self::Calibration(CalibrationError::Evaluate(EvaluateError::Interrupted))
-            | Self::Optimise(OptimiseError::Evaluate(EvaluateError::Interrupted))
             | Self::Evaluate(EvaluateError::Interrupted)
             | Self::Budget(BudgetError::Evaluate(EvaluateError::Interrupted)) => return INTERRUPTED,
             // A reader that closes the pipe has what it needs.

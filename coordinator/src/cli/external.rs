@@ -1,11 +1,9 @@
 //! Scenes that name their own simulator: the options that they allow, one evaluation, and their description.
 
-use super::accuracy::AccuracyArguments;
-use super::error::CommandError;
 use super::evaluation_json::of_outputs;
-use super::output::{count, to_json};
-use super::shared::{FarmArguments, Slots};
+use super::shared::Slots;
 use super::signals::interruption;
+use super::{AccuracyArguments, CommandError, FarmArguments, count, to_json};
 use common::external::SimulatorId;
 use common::scene::{
     CycleTier, Exchange, ExternalSimulator, Fails, FileExchange, Gives, LimitState, OutputKind, Program,

@@ -1,10 +1,10 @@
 //! The evaluators of a command: a coordinator that listens for workers, with local workers in this process, or the
 //! simulator that a scene names, without messages if no remote workers are asked for.
 
-use super::error::CommandError;
 use super::external;
-use super::shared::{FarmArguments, Slots};
+use super::shared::Slots;
 use super::signals::interruption;
+use super::{CommandError, FarmArguments};
 use common::accuracy::NamedAccuracy;
 use common::evaluation_shape::EvaluationShape;
 use common::external::SimulatorId;
@@ -78,6 +78,24 @@ impl CommandEvaluator {
         let mut farm = WorkerFarm::listen(announced(source, settings, resumed)?, arguments)?;
         farm.simulator = own.unwrap_or(farm.simulator);
         Ok(Self::Workers(Box::new(farm)))
+    }
+
+    /// Opens the evaluator for further simulations of a study, and starts its workers.
+    ///
+    /// # Errors
+    /// [`CommandError`].
+    pub fn started(
+        source: &SceneSource,
+        settings: &Settings,
+        farm: &FarmArguments,
+        quiet: bool,
+    ) -> Result<Self, CommandError> {
+        let mut evaluator = Self::open(source, settings, true, farm)?;
+        evaluator.start_workers()?;
+        if !quiet {
+            evaluator.print_endpoints();
+        }
+        Ok(evaluator)
     }
 
     /// The status board of the study, and the source of its status.

@@ -95,8 +95,15 @@ fn linkage2(text: &str) -> Result<ImportedLinkage, String> {
     let is = |node: roxmltree::Node, key: &str| node.attribute(key) == Some("true");
     let mut found = ImportedLinkage { links: vec!["frame".to_owned()], ..Default::default() };
     let mut index: BTreeMap<&str, usize> = BTreeMap::new();
-    let elements = || root.children().filter(roxmltree::Node::is_element);
-    for node in elements().filter(|node| node.tag_name().name() == "connector") {
+    let elements = |name: &'static str| {
+        let is_named = move |node: &roxmltree::Node| node.tag_name().name().eq_ignore_ascii_case(name);
+        root.children().filter(roxmltree::Node::is_element).filter(is_named)
+    };
+    let unread = |node: roxmltree::Node, keys: [&str; 3], of: &str| -> Vec<String> {
+        let given = keys.into_iter().filter(|key| node.attribute(*key).is_some());
+        given.map(|key| format!("{}: {key} of {of}", place(node))).collect()
+    };
+    for node in elements("connector") {
         let id = node.attribute("id").unwrap_or_default();
         let name = node.attribute("name").map_or_else(|| format!("p{id}"), tame);
         let pin = Pin {
@@ -109,31 +116,25 @@ fn linkage2(text: &str) -> Result<ImportedLinkage, String> {
         if index.insert(id, found.pins.len()).is_some() {
             return Err(format!("{}: a second connector {id}", place(node)));
         }
-        for key in ["slideradius", "fastenlink", "fastenconnector"] {
-            if node.attribute(key).is_some() {
-                found.unread.push(format!("{}: {key} of {}", place(node), pin.name));
-            }
-        }
+        found.unread.extend(unread(node, ["slideradius", "fastenlink", "fastenconnector"], &pin.name));
         found.pins.push(pin);
     }
     let of = |node: roxmltree::Node| {
         let id = node.attribute("id").unwrap_or_default();
         index.get(id).copied().ok_or_else(|| format!("{}: there is no connector {id}", place(node)))
     };
-    for node in elements().filter(|node| node.tag_name().name().eq_ignore_ascii_case("link")) {
+    let within = |node: roxmltree::Node| -> Result<Vec<usize>, String> {
+        node.children().filter(roxmltree::Node::is_element).map(of).collect()
+    };
+    for node in elements("link") {
         let id = node.attribute("id").unwrap_or_default();
-        let pins =
-            node.children().filter(roxmltree::Node::is_element).map(of).collect::<Result<Vec<_>, _>>()?;
+        let pins = within(node)?;
         if let (true, [a, b]) = (is(node, "actuator"), &pins[..]) {
             let (stroke, rate) = (number(node, "throw")?, number(node, "cpm")?);
             found.cylinders.push(Cylinder { ends: [*a, *b], stroke, rate });
             continue;
         }
-        for key in
-            ["gear", "fastenlink", "fastenconnector"].into_iter().filter(|key| node.attribute(*key).is_some())
-        {
-            found.unread.push(format!("{}: {key} of link {id}", place(node)));
-        }
+        found.unread.extend(unread(node, ["gear", "fastenlink", "fastenconnector"], &format!("link {id}")));
         let is_frame = pins.len() > 1 && pins.iter().filter(|pin| found.pins[**pin].is_anchor).count() > 1;
         let link = if is_frame { 0 } else { found.links.len() };
         if !is_frame {
@@ -141,23 +142,18 @@ fn linkage2(text: &str) -> Result<ImportedLinkage, String> {
         }
         pins.into_iter().for_each(|pin| found.pins[pin].links.push(link));
     }
-    for node in elements().filter(|node| node.tag_name().name() == "connector" && is(*node, "slider")) {
-        let limits =
-            node.children().filter(roxmltree::Node::is_element).map(of).collect::<Result<Vec<_>, _>>()?;
-        let pin = of(node)?;
+    for node in elements("connector").filter(|node| is(*node, "slider")) {
+        let (limits, pin) = (within(node)?, of(node)?);
+        let slider = format!("{}: slider {}", place(node), found.pins[pin].name);
         let [from, to] = limits[..] else {
-            found.unread.push(format!(
-                "{}: slider {} without its two limits",
-                place(node),
-                found.pins[pin].name
-            ));
+            found.unread.push(format!("{slider} without its two limits"));
             continue;
         };
         let [a, b] = [from, to].map(|limit| found.pins[limit].at);
         let both_fixed = [from, to].iter().all(|limit| found.pins[*limit].is_anchor);
         let shared = found.pins[from].links.iter().find(|link| found.pins[to].links.contains(link)).copied();
         let Some(guide) = (if both_fixed { Some(0) } else { shared }) else {
-            found.unread.push(format!("{}: slider {} between two links", place(node), found.pins[pin].name));
+            found.unread.push(format!("{slider} between two links"));
             continue;
         };
         let own = &mut found.pins[pin];
@@ -165,9 +161,8 @@ fn linkage2(text: &str) -> Result<ImportedLinkage, String> {
         own.slides = Some((b[1] - a[1]).atan2(b[0] - a[0]).to_degrees());
         own.links.push(guide);
     }
-    for node in elements().filter(|node| node.tag_name().name() == "ratios") {
-        found.unread.push(format!("{}: ratios of gears and chains", place(node)));
-    }
+    let ratios = elements("ratios").map(|node| format!("{}: ratios of gears and chains", place(node)));
+    found.unread.extend(ratios);
     for pin in found.pins.iter_mut().filter(|pin| pin.is_anchor && !pin.links.contains(&0)) {
         // First, so that a slider's line stays the last one.
         pin.links.insert(0, 0);

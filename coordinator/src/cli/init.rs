@@ -1,8 +1,8 @@
 //! `coordinator init`: a commented scene to start from.
 
-use super::error::CommandError;
 use super::imported;
-use super::output::{file_of, print, to_json, unusable};
+use super::output::{file_of, unusable};
+use super::{CommandError, print, to_json};
 use clap::Args;
 use common::scene::{Faults, SceneSource, read_text};
 use serde_json::json;

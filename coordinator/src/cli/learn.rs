@@ -1,14 +1,10 @@
 //! `coordinator learn`: parameters of a population from what was observed of its units, and R at a confidence.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with};
-use super::shared::{share, value};
-use super::stored_study::OpenedStudy;
+use super::{CommandError, Destination, OpenedStudy, answer_with, share, value};
 use clap::Args;
-use coordinator::analyses::learn::{LearnSettings, Learned, answer, laws_of, learn as learn_fleet};
+use coordinator::analyses::learn::{LearnSettings, answer, laws_of, learn as learn_fleet};
 use coordinator::analyses::update::read_fleet;
-use coordinator::statistics::design::InputModel;
-use coordinator::statistics::design::fixed_bounds;
+use coordinator::statistics::design::{InputModel, fixed_bounds};
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
@@ -75,12 +71,12 @@ pub fn learn(arguments: &LearnArguments, as_json: bool) -> Result<(), CommandErr
     let (laws, designs) = laws_of(studied, present.nominal());
     let inputs = InputModel::new(laws, model.inputs().copula().clone());
     let model = model.redistributed(inputs);
-    let data = read_fleet(&arguments.data, &opened.study.source, &model, &designs)?;
+    let data = read_fleet(&arguments.data, &opened.study.source, &model, Some(&designs))?;
     let mut settings = LearnSettings::new(opened.study.settings.seed);
     settings.sets = arguments.sets;
     settings.confidence = arguments.confidence;
     let fixed = fixed_bounds(&opened.study.source);
-    let Learned { report, .. } = learn_fleet(studied, summary, model, &data, &designs, &fixed, &settings)
+    let report = learn_fleet(studied, summary, model, &data, &designs, &fixed, &settings)
         .map_err(|error| CommandError::refused(arguments.data.display(), error.to_string()))?;
     answer_with(&answer(&report), &report, arguments.out.as_ref(), as_json)
 }

@@ -1,9 +1,8 @@
 //! The measured variables of a scene: how many values they have, which distribution was taken from them and whether it fits.
 
 use common::random::Family;
-use common::scene::expression::read_unit;
 use common::scene::{MeasuredVariable, SceneSource, Warning};
-use coordinator::presentation::report::format::three_digits;
+use coordinator::presentation::report::format::{before_unit, three_digits, unit_scale};
 use coordinator::statistics::goodness_of_fit::{GoodnessOfFit, REPLICATIONS, anderson_darling};
 use serde::Serialize;
 
@@ -45,17 +44,16 @@ fn finding(measured: &MeasuredVariable, unit: &str) -> MeasuredFinding {
         let GoodnessOfFit { statistic, p } = anderson_darling(family, samples);
         FamilyTest { family: family.word(), a2: statistic, p }
     });
-    let scale = read_unit(unit).map_or(1.0, |unit| unit.multiply / unit.divide);
+    let scale = unit_scale(unit);
     let shown = |value: f64| three_digits(value / scale).replace('\u{2212}', "-");
     let least = samples.iter().copied().fold(f64::INFINITY, f64::min);
     let most = samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let symbol = if unit == "1" { String::new() } else { format!(" {unit}") };
     MeasuredFinding {
         variable: name.clone(),
         values: samples.len(),
         family: family.map(Family::word),
         families: families.collect(),
-        range: format!("{} to {}{symbol}", shown(least), shown(most)).replace('\u{a0}', " "),
+        range: before_unit(&format!("{} to {}", shown(least), shown(most)), unit).replace('\u{a0}', " "),
     }
 }
 

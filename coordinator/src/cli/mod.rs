@@ -42,13 +42,20 @@ mod variants;
 mod weibull;
 mod what_if;
 
+use accuracy::AccuracyArguments;
 use command::{CommandArguments, CommandLine};
 use common::panics::end_process_on_panic;
-use coordinator::analyses::calibrate::CalibrationError;
 use coordinator::presentation::terminal::print_message;
 use error::CommandError;
-use shared::Verbosity;
+use farm::{CommandEvaluator, WorkerFarm, of_mechanism};
+use output::{Destination, answer_with, count, print, to_json};
+use scenes::check_linkage;
+use shared::{
+    DEFAULT_SCENE, FarmArguments, SetArguments, Verbosity, load_with, positive, probability, seed, share,
+    value, whole,
+};
 use std::process::ExitCode;
+use stored_study::{OpenedStudy, StoredStudy, failed, known_outcomes, stored_correction, summary_of};
 use study_options::RunArguments;
 use worker::log::{self, LogOptions};
 
@@ -80,9 +87,7 @@ pub fn main() -> ExitCode {
 /// An error as printed; faults of a scene with the lines that they are in.
 fn explained(error: &CommandError) -> String {
     match error {
-        CommandError::Scene(faults) | CommandError::Calibration(CalibrationError::Scene(faults)) => {
-            faults.explained()
-        }
+        CommandError::Scene(faults) => faults.explained(),
         error => format!("error: {error}\n"),
     }
 }

@@ -1,9 +1,8 @@
 //! Access to a running study: `--live`.
 
 use super::draw::drawing_figure;
-use super::error::CommandError;
-use super::farm::CommandEvaluator;
 use super::signals::interruption;
+use super::{CommandError, CommandEvaluator};
 use clap::Args;
 use common::scene::Scene;
 use coordinator::farm::dispatch::StatusBoard;

@@ -1,15 +1,15 @@
 //! `coordinator optimise`: the cheapest design that reaches the reliabilities of a problem file, from a finished study, with
 //! simulations at the optimum.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with};
-use super::shared::{FarmArguments, Verbosity, whole};
-use super::stored_study::{OpenedStudy, StoredStudy, stored_correction};
+use super::{
+    CommandError, Destination, FarmArguments, OpenedStudy, StoredStudy, Verbosity, answer_with,
+    stored_correction, whole,
+};
 use clap::Args;
 use common::scene::{InputFile, Scene};
+use coordinator::analyses::error::AnalysisError;
 use coordinator::analyses::optimise::{
-    DesignProblem, OptimisationProgress, OptimisationResult, OptimiseError, StudyBasis, answer,
-    design_settings, optimise as find, read_problem,
+    DesignProblem, OptimisationResult, StudyBasis, answer, optimise as find, read_problem,
 };
 use coordinator::analyses::what_if::{json, redistributed};
 use coordinator::presentation::report::compare::ComparedStudy;
@@ -68,7 +68,7 @@ pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(
     let space = opened.space.as_ref().map(|space| (space, opened.study.scene()));
     let problem = read_problem(&file, &base, space)?;
     let result = search(&mut opened, base.nominal(), &problem, arguments, verbosity)?;
-    let sets = design_settings(&problem, base.nominal(), &result.values).map_err(OptimiseError::Law)?;
+    let sets = problem.settings(base.nominal(), &result.values).map_err(AnalysisError::from)?;
     let changed = redistributed(&base, &sets)?;
     let found = opened.ask(&base, &changed)?;
     let result = result.with_numerical_errors(&found.after);
@@ -95,30 +95,23 @@ fn search(
         settings: opened.settings.clone(),
         outcomes: complete_outcomes(opened.study.scene(), &opened.outcomes()?),
     };
-    let mut progress = |progress: OptimisationProgress| {
-        let OptimisationProgress { round, cost, feasible, added } = progress;
-        let met = if feasible { "" } else { ", none within the trust region meets the targets" };
-        verbosity.say(format_args!(
-            "round {round}: cost {cost:.5} on the present surrogates{met}; {added} simulations added"
-        ));
-    };
+    let mut say = |text| verbosity.say(text);
     if arguments.max_evaluations == 0 {
-        let mut none = |_: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, OptimiseError> { Ok(vec![]) };
-        return Ok(find(&basis, problem, 0, &mut none, &mut progress)?);
+        return Ok(find(&basis, problem, 0, &mut |_| Ok(vec![]), &mut say)?);
     }
     let mut evaluator = opened.evaluator(&arguments.farm, verbosity.quiet)?;
     let correction = stored_correction(&opened.study.campaign)?;
     let OpenedStudy { study: StoredStudy { campaign, source, .. }, settings, .. } = opened;
     let mut journal = FurtherEvaluations::of(campaign);
     let mut next = basis.outcomes.len() as u64;
-    let mut simulate = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, OptimiseError> {
+    let mut simulate = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, AnalysisError> {
         let (scene, evaluator) = (source.nominal(), evaluator.evaluator());
         let numbered = (next, correction.as_ref());
         let found = simulate_samples(scene, settings, requests, numbered, evaluator, &mut journal)?;
         next += requests.len() as u64;
         Ok(found)
     };
-    let result = find(&basis, problem, arguments.max_evaluations, &mut simulate, &mut progress)?;
+    let result = find(&basis, problem, arguments.max_evaluations, &mut simulate, &mut say)?;
     evaluator.close();
     Ok(result)
 }

@@ -1,45 +1,14 @@
 //! Prints a page to a PDF file with a browser of this machine.
 
+use super::CommandError;
 use std::ffi::OsStr;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use thiserror::Error;
 
 /// Browsers that print without a window, in the order of preference.
 const BROWSERS: [&str; 5] =
     ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge"];
-
-/// Reasons why a page has no PDF file.
-#[derive(Debug, Error)]
-pub enum PdfError {
-    /// No browser that prints without a window.
-    #[error(
-        "no PDF: none of {} is on the path; open {} in any browser and print it to a file, its style sheet is made for A4",
-        BROWSERS.join(", "),
-        page.display()
-    )]
-    NoBrowser {
-        /// Path of the page.
-        page: PathBuf,
-    },
-    /// A browser that cannot be started.
-    #[error("no PDF: {} cannot be started: {error}", browser.display())]
-    NotStarted {
-        /// Path of the browser.
-        browser: PathBuf,
-        /// The error of the operating system.
-        error: std::io::Error,
-    },
-    /// A browser that wrote no file.
-    #[error("no PDF: {} wrote no file; its last message: {message}", browser.display())]
-    NotWritten {
-        /// Path of the browser.
-        browser: PathBuf,
-        /// Last line of its messages.
-        message: String,
-    },
-}
 
 /// The first browser in the folders of `path`, the value of the environment variable PATH.
 fn browser(path: &OsStr) -> Option<PathBuf> {
@@ -52,10 +21,17 @@ fn browser(path: &OsStr) -> Option<PathBuf> {
 /// file.
 ///
 /// # Errors
-/// [`PdfError`].
-pub fn print_page(page: &Path, path: &OsStr) -> Result<PathBuf, PdfError> {
-    let browser = browser(path).ok_or_else(|| PdfError::NoBrowser { page: page.to_path_buf() })?;
-    let not_started = |error| PdfError::NotStarted { browser: browser.clone(), error };
+/// [`CommandError::Failed`] if none of the browsers is there, starts or writes a file.
+pub fn print_page(page: &Path, path: &OsStr) -> Result<PathBuf, CommandError> {
+    let no_pdf = |fault: String| CommandError::Failed(format!("no PDF: {fault}"));
+    let browser = browser(path).ok_or_else(|| {
+        let (browsers, page) = (BROWSERS.join(", "), page.display());
+        no_pdf(format!(
+            "none of {browsers} is on the path; open {page} in any browser and print it to a file, its style sheet is made for A4"
+        ))
+    })?;
+    let not_started =
+        |error: std::io::Error| no_pdf(format!("{} cannot be started: {error}", browser.display()));
     let page = std::path::absolute(page).map_err(not_started)?;
     let file = page.with_extension("pdf");
     if let Err(error) = std::fs::remove_file(&file)
@@ -86,8 +62,8 @@ pub fn print_page(page: &Path, path: &OsStr) -> Result<PathBuf, PdfError> {
         return Ok(file);
     }
     let messages = String::from_utf8_lossy(&done.stderr);
-    let message = messages.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("none").to_owned();
-    Err(PdfError::NotWritten { browser, message })
+    let message = messages.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("none");
+    Err(no_pdf(format!("{} wrote no file; its last message: {message}", browser.display())))
 }
 
 #[cfg(test)]

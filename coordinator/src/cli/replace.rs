@@ -1,9 +1,6 @@
 //! `coordinator replace`: the age, or the measured level, of replacement with the least cost, from a finished study.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with};
-use super::shared::{probability, value};
-use super::stored_study::OpenedStudy;
+use super::{CommandError, Destination, OpenedStudy, answer_with, probability, value};
 use clap::Args;
 use common::scene::Scene;
 use coordinator::analyses::quantity::output_quantity;
@@ -118,17 +115,14 @@ fn plan(arguments: &ReplaceArguments, scene: &Scene) -> Result<InspectionPlan, C
             first
         }
     };
-    let error = match &arguments.inspect_error {
-        None => 0.0,
-        Some(text) => {
-            let read = output_quantity(&scene.outputs[output], text);
-            let positive =
-                read.and_then(
-                    |error| if error >= 0.0 { Ok(error) } else { Err("allowed: 0 or above".to_owned()) },
-                );
-            positive.map_err(|what| refused("--inspect-error", text, what))?
-        }
-    };
+    let error =
+        arguments.inspect_error.as_ref().map(|text| match output_quantity(&scene.outputs[output], text) {
+            Ok(error) if error >= 0.0 => Ok(error),
+            read => {
+                Err(refused("--inspect-error", text, read.err().unwrap_or("allowed: 0 or above".to_owned())))
+            }
+        });
+    let error = error.transpose()?.unwrap_or(0.0);
     let costs = PolicyCosts {
         planned: arguments.planned_cost,
         failure: arguments.failure_cost,

@@ -1,10 +1,9 @@
 //! `coordinator sensitivity` and `coordinator report`: results of a finished study, without a new evaluation.
 
-use super::error::CommandError;
-use super::output::{print, to_json};
-use super::pdf::{PdfError, print_page};
+use super::pdf::print_page;
 use super::shared::ReportTexts;
-use super::stored_study::{not_finished, scene_of, summary_of};
+use super::stored_study::{not_finished, scene_of};
+use super::{CommandError, print, summary_of, to_json};
 use clap::Args;
 use coordinator::presentation::report;
 use coordinator::presentation::report::answer::{Answer, AnswerPart, Table};
@@ -44,11 +43,8 @@ pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandE
         Some(out) => write_results(&campaign, out, &texts)?,
         None => write_results(&campaign, dir, &texts).map_err(|error| error.of_report_in(dir))?,
     };
-    let failed = |error: PdfError| CommandError::Failed(error.to_string());
-    let printed = match pdf {
-        true => Some(print_page(&page, &std::env::var_os("PATH").unwrap_or_default()).map_err(failed)?),
-        false => None,
-    };
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let printed = pdf.then(|| print_page(&page, &path)).transpose()?;
     if as_json {
         let mut written = json!({ "report": page });
         if let Some(file) = printed {
@@ -153,10 +149,7 @@ fn cells(summary: &StudySummary, row: &SensitivityRow) -> Vec<String> {
 
 /// Of the checkpoints with derivatives, the one where the reliability is nearest one half.
 fn checkpoint_nearest_one_half(summary: &StudySummary, state: &str) -> Option<u32> {
-    let has_derivatives = |cycles: u32| {
-        let of_state = |row: &&SensitivityRow| row.cycles == cycles && row.limit_state == state;
-        summary.sensitivity.iter().filter(of_state).any(SensitivityRow::is_known)
-    };
+    let has_derivatives = |cycles: u32| strongest(summary, state, cycles).iter().any(|row| row.is_known());
     summary
         .reliability
         .iter()

@@ -3,18 +3,18 @@
 //! scene -> checks -> listen -> folder -> local workers -> study -> result files -> report
 
 use super::designs::{Machines, after_study};
-use super::error::CommandError;
 use super::external;
-use super::farm::{CommandEvaluator, cores, local_slots};
+use super::farm::{cores, local_slots};
 use super::monitor::Monitor;
-use super::output::{print, to_json};
 use super::results::write_results;
-use super::scenes::check_linkage;
-use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, load_with};
 use super::signals::interruption;
-use super::stored_study::{END_DOCUMENT, StoredStudy, design_keys, summary_of};
+use super::stored_study::{END_DOCUMENT, design_keys};
 use super::study_options::{ResumeArguments, RunArguments};
 use super::variants::{self, store_variants, variants_of};
+use super::{
+    CommandError, CommandEvaluator, DEFAULT_SCENE, FarmArguments, StoredStudy, Verbosity, check_linkage,
+    load_with, print, summary_of, to_json,
+};
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
 use coordinator::presentation::motion_cautions::motion_cautions;
 use coordinator::presentation::report::{self, CheckpointDistribution, SUMMARY_DOCUMENT};
@@ -271,22 +271,21 @@ fn print_summary(
 
 /// One entry per output and checkpoint of the histories.
 fn for_report(histories: &[OutputHistory]) -> Vec<CheckpointDistribution> {
-    let mut all = Vec::new();
-    for history in histories {
-        for (&cycles, at) in history.cycles.iter().zip(&history.at) {
+    let all = histories.iter().flat_map(|history| {
+        history.cycles.iter().zip(&history.at).map(|(cycles, at)| {
             let (edges, counts) = bins(&at.histogram);
-            all.push(CheckpointDistribution {
+            CheckpointDistribution {
                 output: history.output.clone(),
-                cycles,
+                cycles: *cycles,
                 mean: at.mean,
                 std: at.std,
                 edges,
                 counts,
                 quantiles: PROBABILITIES.iter().copied().zip(at.quantiles.iter().copied()).collect(),
-            });
-        }
-    }
-    all
+            }
+        })
+    });
+    all.collect()
 }
 
 /// Edges `(bins + 1,)`, increasing, and counts `(bins,)`; one narrow bin if every value is the same.

@@ -1,7 +1,6 @@
 //! `coordinator scenes`, and the check of a linkage that every command on a mechanism begins with.
 
-use super::error::CommandError;
-use super::output::{print, to_json};
+use super::{CommandError, print, to_json};
 use common::scene::{Faults, Scene, SceneSource};
 use serde_json::json;
 

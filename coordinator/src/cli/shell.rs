@@ -1,8 +1,7 @@
 //! `coordinator completions`, `coordinator man` and `coordinator schema`: the command line for shells and for `man`, files for editors.
 
 use super::command::{CommandLine, grouped};
-use super::error::CommandError;
-use super::output::print;
+use super::{CommandError, print};
 use clap::CommandFactory;
 use clap_complete::Shell;
 use coordinator::results::result_files::{ResultFileError, create_folder};

@@ -1,12 +1,11 @@
 //! `coordinator simulate`: runs one evaluation in this process and prints it, as JSON for scripts and in lines for a person.
 
-use super::accuracy::AccuracyArguments;
-use super::error::CommandError;
 use super::evaluation_json::{of_mechanism, of_outputs};
 use super::external;
-use super::output::{check_destination, count, deliver, file_of, print, to_json};
-use super::scenes::check_linkage;
-use super::shared::{DEFAULT_SCENE, Verbosity};
+use super::output::{check_destination, deliver, file_of};
+use super::{
+    AccuracyArguments, CommandError, DEFAULT_SCENE, Verbosity, check_linkage, count, print, to_json,
+};
 use clap::Args;
 use common::outputs::{Evaluation, NarrowGroove};
 use common::scene::{Fault, Faults, Output, Scene, SceneSource};

@@ -1,16 +1,14 @@
 //! `coordinator status`: the progress of a running study.
 
-use super::error::CommandError;
-use super::output::{count, print, to_json};
 use super::stored_study::END_DOCUMENT;
+use super::{CommandError, count, print, to_json};
 use clap::Args;
 use common::wire::{Phase, Status};
 use coordinator::farm::dispatch::{ClientError, ClientSession};
 use coordinator::presentation::monitor::status_text;
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, is_running};
-use coordinator::results::summary::Round;
-use serde::Serialize;
+use serde_json::json;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -98,22 +96,6 @@ pub fn explained(error: ClientError, since: Instant) -> ClientError {
     }
 }
 
-/// State of a study, as printed with `--json`.
-#[derive(Debug, Serialize)]
-struct StoredStatus {
-    scene: String,
-    /// One of `running`, `finished`, `ended` (without a result), `interrupted`.
-    state: &'static str,
-    /// Reason of an end without a result.
-    reason: Option<String>,
-    evaluations: usize,
-    failed: usize,
-    /// Number of times the study was started or continued with other settings.
-    legs: usize,
-    /// The last round of learning.
-    round: Option<Round>,
-}
-
 /// Prints the state of the study in a folder.
 ///
 /// # Errors
@@ -128,29 +110,26 @@ fn stored_status(dir: &Path, as_json: bool) -> Result<(), CommandError> {
         (_, _, Some(_)) => "ended",
         _ => "interrupted",
     };
-    let status = StoredStatus {
-        scene: campaign.meta().scene.clone(),
-        state,
-        reason,
-        evaluations: campaign.count()?,
-        failed: campaign.failed_count()?,
-        legs: campaign.legs()?.len().max(1),
-        round: campaign.rounds()?.pop(),
-    };
-    if as_json { print(&to_json(&status)?) } else { print(&stored_text(&status, dir)) }
-}
-
-fn stored_text(status: &StoredStatus, dir: &Path) -> String {
+    let scene = &campaign.meta().scene;
+    let (evaluations, failed) = (campaign.count()?, campaign.failed_count()?);
+    // Times that the study was started or continued with other settings, and the last round of learning.
+    let (legs, round) = (campaign.legs()?.len().max(1), campaign.rounds()?.pop());
+    if as_json {
+        return print(&to_json(
+            &json!({ "scene": scene, "state": state, "reason": reason, "evaluations": evaluations,
+                                       "failed": failed, "legs": legs, "round": round }),
+        )?);
+    }
     let dir = dir.display();
-    let state = match (status.state, &status.reason) {
+    let state = match (state, &reason) {
         ("ended", Some(reason)) => format!("ended without a result: {reason}"),
         ("interrupted", _) => format!("interrupted; continue it with `coordinator resume {dir}`"),
         (state, _) => state.to_owned(),
     };
-    let legs = if status.legs > 1 { format!(", {} legs", status.legs) } else { String::new() };
-    let done = count(status.evaluations, "evaluation");
-    let round = status.round.as_ref().map_or(String::new(), |round| {
+    let legs = if legs > 1 { format!(", {legs} legs") } else { String::new() };
+    let done = count(evaluations, "evaluation");
+    let round = round.map_or(String::new(), |round| {
         format!("round {}: R({}) = {:.4}\n", round.round, round.cycles, round.reliability_total)
     });
-    format!("{}: {state}\n{done}, {} failed{legs}\n{round}", status.scene, status.failed)
+    print(&format!("{scene}: {state}\n{done}, {failed} failed{legs}\n{round}"))
 }

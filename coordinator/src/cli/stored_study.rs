@@ -1,9 +1,7 @@
 //! A study in its folder, finished or not, with its scene, settings and evaluations; and a finished one that answers questions, with
 //! workers for the simulations that a question needs.
 
-use super::error::CommandError;
-use super::farm::CommandEvaluator;
-use super::shared::FarmArguments;
+use super::{CommandError, CommandEvaluator, FarmArguments};
 use common::scene::{Scene, SceneSource};
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace, StoredSpace};
 use coordinator::analyses::learn::{fitted_reliability, uncertain_fits};
@@ -73,21 +71,15 @@ impl StoredStudy {
     }
 }
 
-/// The error of a command on a study that ended without a result, if it has.
-fn ended_without_result(campaign: &CampaignFile) -> Option<CommandError> {
-    // A file that cannot be read any further has no known reason.
-    let reason: String = campaign.document(END_DOCUMENT).ok()??;
-    let fault = format!("this study ended without a result: {reason}");
-    Some(CommandError::refused(campaign.dir().display(), fault))
-}
-
 /// The error of a command on the results of a study that has none, with the reason if it is known.
 pub fn not_finished(campaign: &CampaignFile) -> CommandError {
-    ended_without_result(campaign).unwrap_or_else(|| {
-        let dir = campaign.dir().display();
-        let fault = format!("this study is not finished; continue it with `coordinator resume {dir}`");
-        CommandError::refused(dir, fault)
-    })
+    let dir = campaign.dir().display();
+    let reason: Option<String> = campaign.document(END_DOCUMENT).ok().flatten();
+    let fault = match reason {
+        Some(reason) => format!("this study ended without a result: {reason}"),
+        None => format!("this study is not finished; continue it with `coordinator resume {dir}`"),
+    };
+    CommandError::refused(dir, fault)
 }
 
 /// The summary of a finished study.
@@ -129,16 +121,6 @@ pub fn design_keys(campaign: &CampaignFile) -> Result<Vec<String>, CommandError>
     Ok(stored.map_or(vec![], |stored| stored.variables.into_iter().map(|variable| variable.key).collect()))
 }
 
-/// The design variables of a study, if it has any.
-///
-/// # Errors
-/// [`CommandError::Store`], and the faults of a stored space.
-pub fn stored_space(campaign: &CampaignFile) -> Result<Option<DesignSpace>, CommandError> {
-    let stored = campaign.document::<StoredSpace>(DESIGNS_DOCUMENT)?;
-    let origin = campaign.dir().display().to_string();
-    Ok(stored.map(|stored| DesignSpace::from_stored(stored, &origin)).transpose()?)
-}
-
 /// Population on which the surrogates of a [`LifeModel`] are assessed.
 const SAMPLES: usize = 20_000;
 
@@ -170,7 +152,9 @@ impl OpenedStudy {
     /// [`CommandError::Store`] or [`CommandError::BadInput`].
     pub fn of(study: StoredStudy) -> Result<Self, CommandError> {
         let summary = summary_of(&study.campaign)?;
-        let space = stored_space(&study.campaign)?;
+        let origin = study.campaign.dir().display().to_string();
+        let space = study.campaign.document::<StoredSpace>(DESIGNS_DOCUMENT)?;
+        let space = space.map(|stored| DesignSpace::from_stored(stored, &origin)).transpose()?;
         let has_population = study.settings.method.learns() && summary.conditional.is_none();
         let of_study =
             if has_population { summary.population.max(study.settings.samples) } else { POPULATION };
@@ -244,12 +228,7 @@ impl OpenedStudy {
     /// [`CommandError`].
     pub fn evaluator(&self, farm: &FarmArguments, quiet: bool) -> Result<CommandEvaluator, CommandError> {
         // Samples and accuracy determine what is simulated, so the workers receive the scene of the study.
-        let mut evaluator = CommandEvaluator::open(&self.study.source, &self.settings, true, farm)?;
-        evaluator.start_workers()?;
-        if !quiet {
-            evaluator.print_endpoints();
-        }
-        Ok(evaluator)
+        CommandEvaluator::started(&self.study.source, &self.settings, farm, quiet)
     }
 
     /// The predictor of lives by the surrogates of the study.

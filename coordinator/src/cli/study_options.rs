@@ -1,8 +1,8 @@
 //! Options of a study, and the settings they make of a scene's defaults.
 
-use super::accuracy::AccuracyArguments;
 use super::monitor::MonitorArguments;
-use super::shared::{FarmArguments, ReportTexts, positive, seed, share, word, word_or_auto};
+use super::shared::{ReportTexts, word, word_or_auto};
+use super::{AccuracyArguments, FarmArguments, positive, seed, share};
 use clap::Args;
 use common::accuracy::{LevelsError, NamedAccuracy};
 use common::scene::Scene;

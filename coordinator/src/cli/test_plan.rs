@@ -1,9 +1,6 @@
 //! `coordinator test-plan`: units and cycles of a test that demonstrates a reliability.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with};
-use super::shared::{probability, value};
-use super::stored_study::{StoredStudy, summary_of};
+use super::{CommandError, Destination, StoredStudy, answer_with, probability, summary_of, value};
 use clap::Args;
 use coordinator::analyses::test_plan::{TestPlanQuestion, answer, plan};
 use std::path::PathBuf;
@@ -78,10 +75,8 @@ fn many(text: &str) -> Result<u64, String> {
 /// # Errors
 /// [`CommandError`].
 pub fn test_plan(arguments: &TestPlanArguments, as_json: bool) -> Result<(), CommandError> {
-    let summary = match &arguments.dir {
-        None => None,
-        Some(dir) => Some(summary_of(&StoredStudy::look(dir)?.campaign)?),
-    };
+    let summary =
+        arguments.dir.as_ref().map(|dir| summary_of(&StoredStudy::look(dir)?.campaign)).transpose()?;
     let question = TestPlanQuestion {
         reliability: arguments.reliability,
         at: arguments.at,

@@ -1,14 +1,13 @@
 //! `coordinator tradeoff`: time against error of the accuracy settings of a scene, with the workers of a study.
 
-use super::error::CommandError;
-use super::farm::{WorkerFarm, of_mechanism};
-use super::output::print;
-use super::scenes::check_linkage;
-use super::shared::{DEFAULT_SCENE, FarmArguments, SetArguments, Verbosity, load_with, positive};
+use super::{
+    CommandError, DEFAULT_SCENE, FarmArguments, SetArguments, Verbosity, WorkerFarm, check_linkage,
+    load_with, of_mechanism, positive, print,
+};
 use clap::{Args, ValueEnum};
 use common::accuracy::NamedAccuracy;
 use coordinator::analyses::tradeoff::{
-    QUICK, TradeoffPlan, TradeoffProgress, answer, compare, full, reference_row, settings, values_csv,
+    QUICK, TradeoffPlan, answer, compare, full, reference_row, settings, values_csv,
 };
 use coordinator::results::result_files::{create_folder, write_text};
 use coordinator::statistics::design::nominal_and_random;
@@ -65,11 +64,7 @@ pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Result<(
     let accuracy = NamedAccuracy { name: "tradeoff".into(), ..NamedAccuracy::default() };
     let campaign = of_mechanism(&source, accuracy, &format!("tradeoff {plan:?}"));
     let mut farm = WorkerFarm::start(campaign, &arguments.farm, verbosity.quiet)?;
-    let (measurement, end) =
-        plan.measure(&mut farm.evaluator, &mut |TradeoffProgress { done, all, setting, point, seconds }| {
-            verbosity
-                .say(format_args!("{done}/{all} evaluations: {setting} at point {point}, {seconds:.2} s"));
-        });
+    let (measurement, end) = plan.measure(&mut farm.evaluator, &mut |text| verbosity.say(text));
     if end.is_ok() {
         farm.close();
     }

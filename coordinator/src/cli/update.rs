@@ -1,11 +1,8 @@
 //! `coordinator update`: reliability and remaining life of single units from what was measured of them.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with};
-use super::shared::value;
-use super::stored_study::OpenedStudy;
+use super::{CommandError, Destination, OpenedStudy, answer_with, value};
 use clap::Args;
-use coordinator::analyses::update::{FleetSettings, answer, read_units, update as update_fleet};
+use coordinator::analyses::update::{FleetSettings, answer, read_fleet, update as update_fleet};
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
@@ -63,7 +60,7 @@ pub fn update(arguments: &UpdateArguments, as_json: bool) -> Result<(), CommandE
     let opened = OpenedStudy::open(&arguments.dir, false)?;
     let model = opened.life_model()?;
     let OpenedStudy { study, summary, .. } = &opened;
-    let units = read_units(&arguments.measured, &study.source, &model)?;
+    let units = read_fleet(&arguments.measured, &study.source, &model, None)?.units;
     let mut settings = FleetSettings::new(study.settings.seed);
     settings.population = arguments.points;
     settings.monte_carlo.particles = arguments.particles;

@@ -1,12 +1,12 @@
 //! `run --variants` and `resume --variants`: other choices of the model of a study, each by its difference from the study.
 
-use super::error::CommandError;
-use super::farm::CommandEvaluator;
 use super::results::write_results;
-use super::shared::{FarmArguments, Verbosity};
-use super::stored_study::{OpenedStudy, StoredStudy, failed, known_outcomes, stored_correction};
+use super::{
+    CommandError, CommandEvaluator, FarmArguments, OpenedStudy, StoredStudy, Verbosity, failed,
+    known_outcomes, stored_correction,
+};
 use common::scene::{InputFile, SceneSource};
-use coordinator::analyses::variants::{ModelVariant, StoredVariant, VARIANTS_DOCUMENT, read, row};
+use coordinator::analyses::variants::{ModelVariant, VARIANTS_DOCUMENT, read, row};
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::FurtherEvaluations;
 use coordinator::results::summary::VariantRow;
@@ -40,7 +40,7 @@ pub fn variants_of(
 /// [`CommandError::Store`].
 pub fn store_variants(study: &mut StoredStudy, variants: &[ModelVariant]) -> Result<(), CommandError> {
     let known = study.campaign.document(VARIANTS_DOCUMENT)?.unwrap_or_default();
-    Ok(study.campaign.put_document(VARIANTS_DOCUMENT, &StoredVariant::merged(known, variants))?)
+    Ok(study.campaign.put_document(VARIANTS_DOCUMENT, &ModelVariant::merged(known, variants))?)
 }
 
 /// Learns the variants of a finished study that its summary lacks, and writes its results again.
@@ -52,13 +52,13 @@ pub fn after_study(
     farm: &FarmArguments,
     verbosity: Verbosity,
 ) -> Result<StoredStudy, CommandError> {
-    let known: Vec<StoredVariant> = study.campaign.document(VARIANTS_DOCUMENT)?.unwrap_or_default();
-    let asked: Vec<StoredVariant> = known.into_iter().filter(|variant| variant.is_asked).collect();
+    let known: Vec<ModelVariant> = study.campaign.document(VARIANTS_DOCUMENT)?.unwrap_or_default();
+    let asked: Vec<ModelVariant> = known.into_iter().filter(|variant| variant.is_asked).collect();
     if asked.is_empty() {
         return Ok(study);
     }
     let mut opened = OpenedStudy::of(study)?;
-    let is_done = |(done, asked): (&VariantRow, &StoredVariant)| {
+    let is_done = |(done, asked): (&VariantRow, &ModelVariant)| {
         (&done.name, &done.changes) == (&asked.name, &asked.changes)
     };
     let rows = &opened.summary.variants;
@@ -77,11 +77,7 @@ pub fn after_study(
         let source = SceneSource::parse(&variant.scene, &variant.name)?;
         let mut settings: Settings = opened.settings.clone();
         settings.accuracy.setting = variant.accuracy.clone().unwrap_or(settings.accuracy.setting);
-        let mut evaluator = CommandEvaluator::open(&source, &settings, true, farm)?;
-        evaluator.start_workers()?;
-        if !verbosity.quiet {
-            evaluator.print_endpoints();
-        }
+        let mut evaluator = CommandEvaluator::started(&source, &settings, farm, verbosity.quiet)?;
         let mut journal = FurtherEvaluations::of(&mut opened.study.campaign);
         let found = of_variants.learn(source.nominal(), variant.level, evaluator.evaluator(), &mut journal);
         let found = found.map_err(|error| CommandError::of_study(error, &dir))?;

@@ -1,9 +1,6 @@
 //! `coordinator weibull`: the Weibull distribution of lives of a population, beside the reliability of a study.
 
-use super::error::CommandError;
-use super::output::{Destination, answer_with};
-use super::shared::probability;
-use super::stored_study::{StoredStudy, summary_of};
+use super::{CommandError, Destination, StoredStudy, answer_with, probability, summary_of};
 use clap::Args;
 use coordinator::analyses::weibull::{LifeQuestion, WeibullReport, answer, json, read_lives};
 use std::path::PathBuf;
@@ -53,10 +50,7 @@ pub struct WeibullArguments {
 /// [`CommandError`].
 pub fn weibull(arguments: &WeibullArguments, as_json: bool) -> Result<(), CommandError> {
     let WeibullArguments { file, study, mode, reliability, confidence, out } = arguments;
-    let summary = match study {
-        None => None,
-        Some(dir) => Some(summary_of(&StoredStudy::look(dir)?.campaign)?),
-    };
+    let summary = study.as_ref().map(|dir| summary_of(&StoredStudy::look(dir)?.campaign)).transpose()?;
     let end = summary.as_ref().and_then(|summary| summary.reliability.last());
     let question = LifeQuestion {
         mode: mode.as_deref(),

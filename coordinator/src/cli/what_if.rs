@@ -1,11 +1,11 @@
 //! `coordinator what-if`: the reliability of a finished study's scene with changed distributions and thresholds, from the
 //! simulations that it has, and with further ones where the answer needs them.
 
-use super::error::CommandError;
 use super::learn::confidence as confidence_level;
-use super::output::{Destination, answer_with};
-use super::shared::{FarmArguments, Verbosity, positive, share};
-use super::stored_study::{OpenedStudy, StoredStudy, failed, stored_correction};
+use super::{
+    CommandError, Destination, FarmArguments, OpenedStudy, StoredStudy, Verbosity, answer_with, failed,
+    positive, share, stored_correction,
+};
 use clap::Args;
 use coordinator::analyses::learn::{confident_figure, confident_tables};
 use coordinator::analyses::what_if::{answer, changed_scene, json, redistributed};

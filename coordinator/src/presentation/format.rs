@@ -1,6 +1,7 @@
 //! Numbers as text for people; a value that is not finite is a dash.
 
 use common::scene::OutputUnit;
+use common::scene::expression::read_unit;
 
 /// Text of an unknown value.
 pub const UNKNOWN: &str = "–";
@@ -146,6 +147,16 @@ pub fn three_digits(value: f64) -> String {
 /// A value [SI] in the unit that people read, with three significant digits.
 pub fn with_unit(unit: &OutputUnit, value: f64) -> String {
     unit.after(&three_digits(unit.to_shown(value)))
+}
+
+/// SI value of one unit; 1 of a unit that is not known.
+pub fn unit_scale(unit: &str) -> f64 {
+    read_unit(unit).map_or(1.0, |unit| unit.multiply / unit.divide)
+}
+
+/// A text followed by its unit, which `1` is not.
+pub fn before_unit(text: &str, unit: &str) -> String {
+    if unit == "1" { text.to_owned() } else { format!("{text} {unit}") }
 }
 
 /// A value of a scene with seven digits, e.g. `40.0549`, `1.293e−13`.

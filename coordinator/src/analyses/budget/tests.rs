@@ -27,9 +27,12 @@ fn evaluation(scene: &Scene, shares: &[(f64, f64)]) -> Evaluation {
     }
 }
 
+/// The setting chosen, all that were tried, and the wear samples of every evaluation.
+type Climb = (Result<NamedAccuracy, BudgetError>, Vec<TriedSetting>, Vec<usize>);
+
 /// Climbs with an error that is the sum of a time part of fourth and a wear part of second order, `factor` at
 /// `balanced`, and `random` times that off the nominal point; with the names of all that was evaluated.
-fn climb(budget: f64, factor: f64, random: f64) -> (Result<ChosenSetting, BudgetError>, Vec<usize>) {
+fn climb(budget: f64, factor: f64, random: f64) -> Climb {
     let scene = scene();
     let points = nominal_and_random(&scene, scene.study.seed, RANDOM_POINTS);
     let balanced = Accuracy::balanced();
@@ -43,13 +46,15 @@ fn climb(budget: f64, factor: f64, random: f64) -> (Result<ChosenSetting, Budget
         Ok(evaluation(&scene, &[(0.5, 0.0), (0.9, factor * off_nominal * (0.8 * time + 0.2 * wear))]))
     };
     let mut evaluator = LocalEvaluator::new(2, simulate);
-    let found = choose_setting(&scene, budget, &LADDER, &points, &mut evaluator, &mut |_| {});
+    let mut attempts = Vec::new();
+    let mut tried = |attempt: &TriedSetting| attempts.push(attempt.clone());
+    let found = choose_setting(&scene, budget, &LADDER, &points, &mut evaluator, &mut tried);
     drop(evaluator);
-    (found, seen.into_inner().expect("no panic"))
+    (found, attempts, seen.into_inner().expect("no panic"))
 }
 
 fn chosen(budget: f64, factor: f64) -> Accuracy {
-    climb(budget, factor, 1.0).0.expect("within reach").setting.accuracy
+    climb(budget, factor, 1.0).0.expect("within reach").accuracy
 }
 
 #[test]
@@ -63,13 +68,13 @@ fn a_looser_budget_is_met_by_a_cheaper_setting() {
 
 #[test]
 fn what_was_tried_is_told_and_what_cannot_do_is_passed_over() {
-    let (found, evaluated) = climb(0.001, 0.01, 1.0);
+    let (found, attempts, evaluated) = climb(0.001, 0.01, 1.0);
     let choice = found.expect("within reach");
-    let names: Vec<&str> = choice.attempts.iter().map(|a| a.setting.name.as_str()).collect();
-    assert_eq!(names.last().copied(), Some(choice.setting.name.as_str()));
-    assert!(names.len() < LADDER.iter().position(|rung| *rung == choice.setting.name).expect("a rung") + 1);
+    let names: Vec<&str> = attempts.iter().map(|a| a.setting.name.as_str()).collect();
+    assert_eq!(names.last().copied(), Some(choice.name.as_str()));
+    assert!(names.len() < LADDER.iter().position(|rung| *rung == choice.name).expect("a rung") + 1);
     // The made-up error has no part that a warm-up takes away.
-    let others = choice.attempts.iter().filter(|a| !a.setting.name.contains("warm-up"));
+    let others = attempts.iter().filter(|a| !a.setting.name.contains("warm-up"));
     let errors: Vec<f64> = others.map(|a| a.worst.as_ref().expect("a result").error).collect();
     assert!(errors.is_sorted_by(|a, b| a > b) && errors[errors.len() - 1] <= 0.001, "{errors:?}");
     // What fails at the nominal point is tried nowhere else.
@@ -78,8 +83,8 @@ fn what_was_tried_is_told_and_what_cannot_do_is_passed_over() {
 
 #[test]
 fn a_random_point_over_the_budget_counts() {
-    let alike = climb(0.02, 0.01, 1.0).0.expect("within reach").setting.accuracy;
-    let worse = climb(0.02, 0.01, 9.0).0.expect("within reach").setting.accuracy;
+    let alike = climb(0.02, 0.01, 1.0).0.expect("within reach").accuracy;
+    let worse = climb(0.02, 0.01, 9.0).0.expect("within reach").accuracy;
     assert!(worse.step_tolerance < alike.step_tolerance);
 }
 

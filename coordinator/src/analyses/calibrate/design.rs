@@ -1,11 +1,11 @@
 //! Rounds of simulations and fits.
 
-use super::CalibrationError;
 use super::least_squares::{Fit, LeastSquares};
 use super::report::{CalibrationResult, result};
 use super::responses::{CalibrationPoint, POPULATION, ResponseSurrogates};
 use super::space::{ParameterKind, Space};
 use super::targets::CalibrationTargets;
+use crate::analyses::error::AnalysisError;
 use crate::farm::evaluate::{EvaluateError, Evaluator, Request};
 use crate::statistics::design::{InputModel, Population};
 use common::accuracy::Accuracy;
@@ -24,17 +24,6 @@ pub struct CalibrationSettings {
     pub accuracy: Accuracy,
 }
 
-/// Progress of a calibration: one simulation has ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CalibrationProgress {
-    /// Round, from 0.
-    pub round: usize,
-    /// Simulations ended in this round.
-    pub done: usize,
-    /// Simulations of this round.
-    pub all: usize,
-}
-
 /// Half-width of the next round's points around the optimum [standard uncertainties].
 const WINDOW: f64 = 2.0;
 
@@ -44,14 +33,14 @@ const SMALLEST_WINDOW: f64 = 0.05;
 /// Fits the free parameters of a scene to targets.
 ///
 /// # Errors
-/// [`CalibrationError`].
+/// [`AnalysisError`].
 pub fn calibrate(
     targets: &CalibrationTargets,
     settings: &CalibrationSettings,
     evaluator: &mut dyn Evaluator,
     space: &Space,
-    progress: &mut dyn FnMut(CalibrationProgress),
-) -> Result<CalibrationResult, CalibrationError> {
+    progress: &mut dyn FnMut(String),
+) -> Result<CalibrationResult, AnalysisError> {
     let targets: Vec<_> =
         targets.targets.iter().map(|target| target.clone().counted_over(POPULATION)).collect();
     let targets = targets.as_slice();
@@ -68,11 +57,13 @@ pub fn calibrate(
         let first_id = requested as u64;
         requested += points.len();
         simulated.extend(simulate(evaluator, points, first_id, settings.accuracy, &mut |done, all| {
-            progress(CalibrationProgress { round, done, all });
+            if done == all || done % 10 == 0 {
+                progress(format!("round {round}: {done}/{all} simulations"));
+            }
         })?);
         if simulated.len() < least {
             let succeeded = simulated.len();
-            return Err(CalibrationError::TooFew { succeeded, all: requested, least, dimension });
+            return Err(AnalysisError::TooFew { succeeded, all: requested, least, dimension });
         }
         let responses = ResponseSurrogates::fit(space, targets, &simulated, settings.seed)?;
         let residuals = |places: &[f64]| -> Vec<f64> {

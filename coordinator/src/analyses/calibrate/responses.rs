@@ -50,11 +50,17 @@ pub(super) struct CalibrationPoint {
 pub(super) struct ResponseSurrogates<'a> {
     space: &'a Space,
     targets: &'a [Target],
-    surrogates: BTreeMap<Group, (Vec<Column>, Kriging)>,
+    surrogates: BTreeMap<Group, GroupSurrogate>,
     /// Standardised variables `(POPULATION)(d,)`.
     population: Population,
-    /// Smallest leave-one-out Q2 of the responses of each group [1].
-    q2: BTreeMap<Group, f64>,
+}
+
+/// Surrogate of the responses of a group.
+struct GroupSurrogate {
+    columns: Vec<Column>,
+    model: Kriging,
+    /// Smallest leave-one-out Q2 of the responses [1].
+    q2: f64,
 }
 
 impl<'a> ResponseSurrogates<'a> {
@@ -75,7 +81,7 @@ impl<'a> ResponseSurrogates<'a> {
         }
         let d = simulated.first().map_or(0, |point| point.features.len());
         let points = Mat::from_fn(d, simulated.len(), |k, i| simulated[i].features[k]);
-        let fitted = columns
+        let surrogates = columns
             .into_par_iter()
             .map(|(group, columns)| {
                 let rows: Vec<Vec<f64>> = simulated
@@ -91,14 +97,11 @@ impl<'a> ResponseSurrogates<'a> {
                 };
                 let model = fit_surrogate(training, FormSettings::default(), None, Effort::MultiStart)?.model;
                 let q2 = model.leave_one_out(table.as_ref()).iter().map(|l| l.q2).fold(1.0, f64::min);
-                Ok((group, columns, model, q2))
+                Ok((group, GroupSurrogate { columns, model, q2 }))
             })
-            .collect::<Result<Vec<_>, SurrogateError>>()?;
-        let q2 = fitted.iter().map(|(group, _, _, q2)| (*group, *q2)).collect();
-        let surrogates =
-            fitted.into_iter().map(|(group, columns, model, _)| (group, (columns, model))).collect();
+            .collect::<Result<_, SurrogateError>>()?;
         let population = Population::latin_hypercube(&space.inputs, POPULATION, seed);
-        Ok(Self { space, targets, surrogates, population, q2 })
+        Ok(Self { space, targets, surrogates, population })
     }
 
     /// Predicted values of the targets `(targets,)` [SI] at these parameters `(p,)`.
@@ -111,7 +114,7 @@ impl<'a> ResponseSurrogates<'a> {
         let predictions: BTreeMap<Group, Prediction> = self
             .surrogates
             .iter()
-            .map(|(group, (_, model))| (*group, model.predict(points.as_ref())))
+            .map(|(group, surrogate)| (*group, surrogate.model.predict(points.as_ref())))
             .collect();
         self.targets.iter().map(|target| self.value(&target.quantity, &predictions)).collect()
     }
@@ -119,13 +122,16 @@ impl<'a> ResponseSurrogates<'a> {
     /// Smallest leave-one-out Q2 of the surrogates of a target [1].
     pub fn q2(&self, target: &Target) -> f64 {
         let groups = needed(&target.quantity, &self.space.scene().limit_states);
-        groups.iter().map(|(group, _)| self.q2[group]).fold(1.0, f64::min)
+        groups.iter().map(|(group, _)| self.surrogates[group].q2).fold(1.0, f64::min)
     }
 
     fn value(&self, quantity: &TargetQuantity, predictions: &BTreeMap<Group, Prediction>) -> f64 {
         let row = |group: Group, column: Column| -> (Vec<f64>, Group, usize) {
-            let place =
-                self.surrogates[&group].0.iter().position(|other| *other == column).expect("a needed column");
+            let place = self.surrogates[&group]
+                .columns
+                .iter()
+                .position(|other| *other == column)
+                .expect("a needed column");
             let mean = &predictions[&group].mean;
             ((0..=POPULATION).map(|j| mean[(place, j)]).collect(), group, place)
         };
@@ -152,7 +158,7 @@ impl<'a> ResponseSurrogates<'a> {
                 let mut survival = vec![1.0; POPULATION];
                 for s in (0..limits.len()).filter(chosen) {
                     let (values, group, place) = row(Group::Largest(s), Column::Checkpoint(*n));
-                    let (model, prediction) = (&self.surrogates[&group].1, &predictions[&group]);
+                    let (model, prediction) = (&self.surrogates[&group].model, &predictions[&group]);
                     // The predicted probability of survival: smooth in the parameters, unbiased where the surrogate is uncertain.
                     let noise = model.correlation().noise();
                     for (j, survives) in survival.iter_mut().enumerate() {

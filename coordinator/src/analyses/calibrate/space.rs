@@ -11,11 +11,10 @@
 //! that it changes. Lognormal and Weibull variables, whose shape depends on both, are those of the new mean and standard
 //! deviation at the same probability, and so remain positive.
 
-use super::CalibrationError;
 use crate::analyses::scene_settings::{rows, variable_row, written_value};
 use crate::statistics::design::InputModel;
 use common::random::Distribution;
-use common::scene::{Scene, SceneSource};
+use common::scene::{Faults, Scene, SceneSource};
 
 /// Effect of a free parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +42,16 @@ pub struct FreeParameter {
     pub unit: String,
 }
 
+impl FreeParameter {
+    /// The keys of the scene of which it is the value; none of a factor.
+    fn keys(&self) -> &[String] {
+        match &self.kind {
+            ParameterKind::Keys(keys) => keys,
+            ParameterKind::Mean(_) | ParameterKind::Spread(_) => &[],
+        }
+    }
+}
+
 /// Free parameters and random variables.
 #[derive(Debug, Clone)]
 pub struct Space {
@@ -60,8 +69,8 @@ impl Space {
     /// The space of a scene and its free parameters.
     ///
     /// # Errors
-    /// [`CalibrationError::Scene`] if a free parameter is no valid variable of the scene.
-    pub fn new(source: &SceneSource, free: &[FreeParameter]) -> Result<Self, CalibrationError> {
+    /// [`Faults`] if a free parameter is no valid variable of the scene.
+    pub fn new(source: &SceneSource, free: &[FreeParameter]) -> Result<Self, Faults> {
         let (inputs, own) = (InputModel::from_scene(source.nominal()), source.clone());
         Ok(Self { inputs, own, source: with_parameters(source, free)?, free: free.to_vec() })
     }
@@ -78,10 +87,8 @@ impl Space {
 
     /// The random variables at these parameters `(p,)`.
     pub fn placed<'s>(&'s self, parameters: &'s [f64]) -> PlacedSpace<'s> {
-        let keyed = self.free.iter().zip(parameters).flat_map(|(free, value)| match &free.kind {
-            ParameterKind::Keys(keys) => keys.iter().map(|key| (key.clone(), *value)).collect(),
-            ParameterKind::Mean(_) | ParameterKind::Spread(_) => Vec::new(),
-        });
+        let keyed = self.free.iter().zip(parameters);
+        let keyed = keyed.flat_map(|(free, value)| free.keys().iter().map(|key| (key.clone(), *value)));
         // With values that give no valid scene nothing follows, and the simulations fail.
         let inputs = self.own.variables_with(&keyed.collect::<Vec<_>>()).map_or_else(
             |_| self.inputs.clone(),
@@ -101,9 +108,9 @@ impl Space {
 
     /// Start of the fit `(p,)`: factors of one, keys in the middle of their bounds.
     pub fn middle(&self) -> Vec<f64> {
-        let middle = |free: &FreeParameter| match free.kind {
-            ParameterKind::Keys(_) => 0.5 * (free.lower + free.upper),
-            ParameterKind::Mean(_) | ParameterKind::Spread(_) => 1.0_f64.clamp(free.lower, free.upper),
+        let middle = |free: &FreeParameter| match free.keys() {
+            [] => 1.0_f64.clamp(free.lower, free.upper),
+            _ => 0.5 * (free.lower + free.upper),
         };
         self.free.iter().map(middle).collect()
     }
@@ -142,12 +149,9 @@ impl PlacedSpace<'_> {
     pub fn features(&self, sample: &[f64]) -> Vec<f64> {
         let d = self.inputs.dimension();
         let mut features = self.inputs.standardise(&sample[..d]);
-        let keyed = self.space.free.iter().filter(|free| matches!(free.kind, ParameterKind::Keys(_)));
-        features.extend(
-            keyed
-                .zip(&sample[d..])
-                .map(|(free, x)| (2.0 * x - free.lower - free.upper) / (free.upper - free.lower)),
-        );
+        let keyed = self.space.free.iter().filter(|free| !free.keys().is_empty()).zip(&sample[d..]);
+        features
+            .extend(keyed.map(|(free, x)| (2.0 * x - free.lower - free.upper) / (free.upper - free.lower)));
         features
     }
 }
@@ -167,18 +171,15 @@ fn transformed(written: &Distribution, law: &Distribution, z: f64, mean_by: f64,
 }
 
 /// The scene with a uniform variable for each parameter that changes keys.
-fn with_parameters(source: &SceneSource, free: &[FreeParameter]) -> Result<SceneSource, CalibrationError> {
-    let keyed = free.iter().filter_map(|free| match &free.kind {
-        ParameterKind::Keys(keys) => Some((free, keys)),
-        ParameterKind::Mean(_) | ParameterKind::Spread(_) => None,
-    });
-    Ok(source.edited(source.origin(), |document| {
-        for (free, keys) in keyed {
+fn with_parameters(source: &SceneSource, free: &[FreeParameter]) -> Result<SceneSource, Faults> {
+    let keyed = free.iter().filter(|free| !free.keys().is_empty());
+    source.edited(source.origin(), |document| {
+        for free in keyed {
             let [lower, upper] = [free.lower, free.upper].map(|bound| written_value(bound, &free.unit));
             let law = [("distribution", "uniform".into()), ("lower", lower), ("upper", upper)];
-            rows(document, "variables").push(variable_row(&free.name, keys, &law).into());
+            rows(document, "variables").push(variable_row(&free.name, free.keys(), &law).into());
         }
-    })?)
+    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 //! Reader of the file of free parameters and targets, TOML; every fault is reported at once.
 
-use super::CalibrationError;
 use super::space::{FreeParameter, ParameterKind};
 use super::targets::{CalibrationTargets, OutputStatistic, Target, TargetQuantity};
 use crate::analyses::quantity::{ShownUnit, checkpoint, limit_state};
@@ -68,12 +67,7 @@ pub fn read(file: &InputFile, source: &SceneSource) -> Result<CalibrationTargets
 }
 
 /// The error of a space of free parameters; a fault of the variable that represents one is that of the parameter in its file.
-pub fn of_parameters(
-    file: &InputFile,
-    targets: &CalibrationTargets,
-    error: CalibrationError,
-) -> CalibrationError {
-    let CalibrationError::Scene(Faults(faults)) = error else { return error };
+pub fn of_parameters(file: &InputFile, targets: &CalibrationTargets, Faults(faults): Faults) -> Faults {
     let of_parameter = |fault: &Fault| {
         let name =
             &targets.free.iter().find(|free| fault.key.contains(&format!("variables.{}", free.name)))?.name;
@@ -82,7 +76,7 @@ pub fn of_parameters(
     let (own, other): (Vec<Fault>, Vec<Fault>) =
         faults.into_iter().partition(|fault| of_parameter(fault).is_some());
     let own = file.refuse_for(own.iter().filter_map(of_parameter)).err().map_or(vec![], |Faults(own)| own);
-    CalibrationError::Scene(Faults([own, other].concat()))
+    Faults([own, other].concat())
 }
 
 /// The table `[published]` of the reference file that a file of targets may name.

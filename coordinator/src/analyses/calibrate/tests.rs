@@ -3,9 +3,10 @@
 use super::responses::depth;
 use super::targets::TargetQuantity;
 use super::{
-    CalibrationError, CalibrationResult, CalibrationSettings, CalibrationTargets, Space, answer, calibrate,
-    of_parameters, read_targets,
+    CalibrationResult, CalibrationSettings, CalibrationTargets, Space, answer, calibrate, of_parameters,
+    read_targets,
 };
+use crate::analyses::error::AnalysisError;
 use crate::farm::evaluate::Request;
 use crate::farm::evaluate::local::LocalEvaluator;
 use common::accuracy::Accuracy;
@@ -71,7 +72,7 @@ fn parse_targets(text: &str, path: &Path, source: &SceneSource) -> Result<Calibr
     read_targets(&InputFile::parse(text, &path.display().to_string())?, source)
 }
 
-fn fitted(targets: &str) -> Result<CalibrationResult, CalibrationError> {
+fn fitted(targets: &str) -> Result<CalibrationResult, AnalysisError> {
     let source = four_bar();
     let scene = source.nominal();
     let targets = parse_targets(&format!("{PARAMETERS}{targets}"), Path::new("targets.toml"), &source)?;
@@ -238,10 +239,10 @@ fn faults_of_the_file_are_named_with_their_key() {
             .replacen(from, to, 1)
             .replace("clearance\"]\nlower = \"5 mm\"", "clearance\"]\nlower = \"5 N\"");
         let file = InputFile::parse(&text, "t.toml").unwrap();
-        let found = read_targets(&file, &source).map_err(CalibrationError::from).and_then(|targets| {
+        let found = read_targets(&file, &source).and_then(|targets| {
             Space::new(&source, &targets.free).map_err(|error| of_parameters(&file, &targets, error))
         });
-        let Err(CalibrationError::Scene(faults)) = found else { panic!("{to}") };
+        let Err(faults) = found else { panic!("{to}") };
         assert!(faults.to_string().contains(expected), "{to}: {faults}");
         assert!(faults.0.iter().all(|fault| fault.location.is_some()), "{to}: {faults:?}");
     }

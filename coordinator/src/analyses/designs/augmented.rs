@@ -10,8 +10,7 @@
 //! dimensions that follow a design variable are simulated where the designs have them. These distributions choose the
 //! simulations; the reliability of a design is computed with its own.
 
-use super::space::DesignSpace;
-use super::variable::DesignVariable;
+use super::space::{DesignSpace, DesignVariable};
 use crate::analyses::scene_settings::{FIT_KEYS, row, rows, written_value};
 use common::random::{Correlation, RandomVariable};
 use common::scene::{Faults, Scene, SceneSource};

@@ -3,8 +3,7 @@
 use super::answer::DesignAnswer;
 use crate::analyses::paired_results::{ChangeOfLife, PairedResults};
 use crate::presentation::report::life::{LifeAt, life_at};
-use crate::statistics::reliability::paired::Change;
-use crate::statistics::reliability::paired::OtherErrors;
+use crate::statistics::reliability::paired::{Change, OtherErrors};
 use serde::Serialize;
 
 /// What makes a design good; both refer to the whole system.

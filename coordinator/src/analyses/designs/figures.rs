@@ -5,8 +5,7 @@ use super::best::Best;
 use super::space::DesignSpace;
 use crate::presentation::report::format::shortest;
 use crate::presentation::report::life::{LEVELS, LifeAt, life_at};
-use crate::presentation::report::palette::{Ink, SERIES};
-use crate::presentation::report::{Axis, Figure, Plot, Series, Shape};
+use crate::presentation::report::{Axis, Figure, Ink, Plot, SERIES, Series, Shape};
 
 /// Most checkpoints in the figure of R.
 const CHECKPOINTS: usize = 4;

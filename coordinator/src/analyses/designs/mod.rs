@@ -22,17 +22,13 @@ mod augmented;
 mod best;
 mod figures;
 mod present;
-mod refinement;
 mod report;
 mod space;
 #[cfg(test)]
 mod tests;
-mod variable;
 
-pub use answer::{DesignAnswer, DesignError, DesignStudy, answers};
+pub use answer::{DesignStudy, Refined, answers, refine};
 pub use best::{Best, Objective};
 pub use present::Follower;
-pub use refinement::{Refined, refine};
 pub use report::{DesignReport, answer, json};
-pub use space::{DESIGNS_DOCUMENT, DesignSpace, StoredSpace};
-pub use variable::DesignVariable;
+pub use space::{DESIGNS_DOCUMENT, DesignSpace, DesignVariable, StoredSpace};

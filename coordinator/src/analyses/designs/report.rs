@@ -1,17 +1,16 @@
 //! The answers for all designs as JSON, and with their table, sentences and figures.
 
-use super::answer::DesignAnswer;
+use super::answer::{DesignAnswer, Refined};
 use super::best::{Best, Objective};
 use super::figures::figures;
-use super::refinement::Refined;
 use super::space::DesignSpace;
 use crate::analyses::paired_results::curve_names;
-use crate::presentation::report::answer::{Answer, AnswerPart, Table};
-use crate::presentation::report::compare::ComparedStudy;
+use crate::presentation::report::compare::{CURVE_COLUMNS, curve_cells};
 use crate::presentation::report::format::{count, percent, rounded_cycles, three_digits};
 use crate::presentation::report::life::{
-    LEVELS, LifeAt, life_and_limits, life_at, reliability, unresolved_fall,
+    LEVELS, LifeAt, life_and_limits, life_at, life_with_limits, reliability, unresolved_fall,
 };
+use crate::presentation::report::{Answer, AnswerPart, ComparedStudy, Table};
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::StudySummary;
 use serde_json::{Map, Value, json};
@@ -139,10 +138,7 @@ fn table(report: &DesignReport<'_>) -> Table {
     let first = (report.answers[0].summary.limit_states.len() > 1).then(|| "fails first by".to_owned());
     let row = |i: usize| {
         let DesignAnswer { values, summary, .. } = &report.answers[i];
-        let life = |level: f64| {
-            let (life, limits) = life_and_limits(life_at(summary, "total", level));
-            if limits.is_empty() { life } else { format!("{life} ({limits})") }
-        };
+        let life = |level: f64| life_with_limits(life_at(summary, "total", level));
         let at = cycles.map(|cycles| {
             let row = summary.reliability.iter().find(|row| row.cycles == cycles);
             row.map_or(String::new(), |row| reliability(row, "total"))
@@ -245,20 +241,13 @@ fn best_in_words(report: &DesignReport<'_>, best: &Best) -> String {
 /// One row per design, curve and checkpoint: the values of the design variables, `limit_state`, `cycles`, `R`, `standard_error`,
 /// and the 95 % interval `lower`, `upper`.
 fn csv(space: &DesignSpace, answers: &[DesignAnswer]) -> String {
-    let labels: Vec<String> = space.variables().iter().map(super::DesignVariable::label).collect();
-    let head = ["limit_state", "cycles", "R", "standard_error", "lower", "upper"].map(str::to_owned);
-    let mut table = CsvTable::new(labels.into_iter().chain(head));
+    let labels = space.variables().iter().map(super::DesignVariable::label);
+    let mut table = CsvTable::new(labels.chain(CURVE_COLUMNS.map(str::to_owned)));
     for answer in answers {
         let values: Vec<String> = answer.values.iter().map(|value| number(*value)).collect();
         for name in curve_names(&answer.summary) {
-            for row in &answer.summary.reliability {
-                let r = row.reliability.get(&name).copied().map_or(String::new(), number);
-                let error = row.standard_error.get(&name).copied().map_or(String::new(), number);
-                let range = row.interval_of(&name).map(|range| [range.lower, range.upper].map(number));
-                let [lower, upper] = range.unwrap_or_default();
-                let own = [name.clone(), row.cycles.to_string(), r, error, lower, upper];
-                table.push(values.iter().cloned().chain(own));
-            }
+            curve_cells(&answer.summary, &name)
+                .for_each(|cells| table.push(values.iter().cloned().chain(cells)));
         }
     }
     table.into_text()

@@ -1,6 +1,7 @@
 //! Designs of a made-up response whose reliability is known in closed form, and of a mechanism's scene.
 
 use super::*;
+use crate::analyses::error::AnalysisError;
 use crate::farm::evaluate::Request;
 use crate::farm::evaluate::local::LocalEvaluator;
 use crate::results::journal::InMemoryJournal;
@@ -120,7 +121,7 @@ fn one_study_answers_for_every_design_and_finds_the_best() {
     let outcomes = known(&journal);
     let before = outcomes.len();
     let mut reported = Vec::new();
-    let mut simulate = |learning: &FurtherLearning<'_>| -> Result<_, DesignError> {
+    let mut simulate = |learning: &FurtherLearning<'_>| -> Result<_, AnalysisError> {
         learning.learn(&mut evaluator, &mut journal, &mut Silent)?;
         Ok(known(&journal))
     };

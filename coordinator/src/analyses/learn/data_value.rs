@@ -5,8 +5,7 @@
 //! Raiffa, Schlaifer (1961), Applied Statistical Decision Theory, section 4.5 (preposterior analysis).
 
 use super::population::WeightedPopulation;
-use super::result::DataValue;
-use super::settings::LearnSettings;
+use super::result::{DataValue, LearnSettings};
 use crate::analyses::update::{Observable, ObservedUnit, Quantity};
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::updating::{CurveDraws, ParameterSpace};

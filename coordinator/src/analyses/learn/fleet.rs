@@ -1,25 +1,25 @@
 //! The posterior of the parameters of a population, in passes: points for the parameters that the prior allows, then for those that the
 //! pass before has found.
 
-use super::checks::{check, left, weights_without};
 use super::data_value::{DataSource, values_of};
 use super::population::{WeightedPopulation, model_of};
-use super::result::{LearnReport, LearnedParameter};
-use super::settings::LearnSettings;
+use super::result::{LearnReport, LearnSettings, LearnedParameter, LearnedUnit, LeftVariable};
 use super::space::{default_unknown, proposal, space_of};
-use crate::analyses::update::{FleetData, Moment, ObservedUnit, outputs_of, posterior};
+use crate::analyses::error::RefusedQuestion;
+use crate::analyses::update::{
+    FleetData, Moment, Observation, ObservationRow, ObservedUnit, evidence_of, outputs_of, posterior, warning,
+};
 use crate::results::summary::StudySummary;
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::updating::{
-    CurveDraws, Evidence, Fleet, ParameterSpace, Particles, SequentialMonteCarlo, UncertainVariable,
-    UnitModel, UnitPoints, UnitPosterior, Unsupported,
+    Evidence, Fleet, ParameterSpace, Particles, SequentialMonteCarlo, UncertainVariable, UnitModel,
+    UnitPoints, UnitPosterior, Unsupported,
 };
 use crate::study::LifeModel;
 use common::random::Distribution;
 use common::scene::Scene;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
-use thiserror::Error;
 
 /// Most passes, and the share of the points [1] that the effective size reaches in a pass after which none follows.
 const PASSES: u32 = 4;
@@ -30,56 +30,11 @@ const PROBED: usize = 40;
 /// Points whose weights the value of further data is computed from.
 const VALUED: usize = 3000;
 
-/// Data that no population explains.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum LearnError {
-    /// No point of the model agrees with an observation.
-    #[error(
-        "line {line}: {observation} of unit {unit} agrees with no point of the model, whatever the population: its probability is below \
-         {resolution:.1e} (95 %)"
-    )]
-    Unit {
-        /// Name of the unit.
-        unit: String,
-        /// Line of the observation.
-        line: u64,
-        /// What was observed.
-        observation: String,
-        /// Probability that the points resolve [1].
-        resolution: f64,
-    },
-    /// No population that the earlier units leave agrees with a unit.
-    #[error(
-        "line {line}: no population explains unit {unit} beside the units before it; check its observations, and the priors"
-    )]
-    Population {
-        /// Name of the unit.
-        unit: String,
-        /// Line of its first observation.
-        line: u64,
-    },
-    /// Nothing is unknown.
-    #[error(
-        "nothing is unknown: the observations speak of no variable whose parameters are learned; name parameters in rows of the unit \
-         `population`"
-    )]
-    NothingUnknown,
-}
-
-/// The posterior with what was made on the way.
-#[derive(Debug, Clone)]
-pub struct Learned {
-    /// What is shown and written.
-    pub report: LearnReport,
-    /// Curves and lives of every set.
-    pub curves: CurveDraws,
-}
-
 /// Learns the parameters of the population of `model`, whose variables `designs` are design variables; `fixed` tells which bounds of
 /// each variable stay where they are.
 ///
 /// # Errors
-/// [`LearnError`].
+/// [`RefusedQuestion`].
 pub fn learn(
     scene: &Scene,
     summary: &StudySummary,
@@ -88,12 +43,15 @@ pub fn learn(
     designs: &[usize],
     fixed: &[[bool; 2]],
     settings: &LearnSettings,
-) -> Result<Learned, LearnError> {
+) -> Result<LearnReport, RefusedQuestion> {
     let by_default = data.unknown.is_empty();
     let unknown =
         if by_default { default_unknown(&model, &data.units, designs) } else { data.unknown.clone() };
     if unknown.is_empty() {
-        return Err(LearnError::NothingUnknown);
+        return Err(RefusedQuestion::new(
+            "nothing is unknown",
+            "the observations speak of no variable whose parameters are learned; name parameters in rows of the unit `population`",
+        ));
     }
     let ranges: Vec<(f64, f64)> = model.inputs().variables().iter().map(|law| law.support()).collect();
     let known = model.inputs().variables().to_vec();
@@ -168,7 +126,7 @@ pub fn learn(
     let name = |k: usize| &scene.variables[k];
     let parameter =
         |place: usize| parameter_row(scene, &space, particles, place, settings.confidence, designs);
-    let report = LearnReport {
+    Ok(LearnReport {
         scene: scene.name.clone(),
         evaluations: 0,
         units: data.units.len(),
@@ -192,8 +150,7 @@ pub fn learn(
         stages: found.stages,
         acceptance: found.acceptance,
         passes: pass,
-    };
-    Ok(Learned { report, curves })
+    })
 }
 
 /// The posterior from one population of points, and the median effective number of these under it.
@@ -204,7 +161,7 @@ fn pass_of(
     states: Vec<f64>,
     settings: &LearnSettings,
     pass: u32,
-) -> Result<(UnitPosterior, f64), LearnError> {
+) -> Result<(UnitPosterior, f64), RefusedQuestion> {
     let units = &data.units;
     let indices: Vec<usize> = space.variables.iter().map(|variable| variable.index).collect();
     let count = settings.units.population;
@@ -222,12 +179,12 @@ fn pass_of(
     for (number, found) in updated.into_iter().enumerate() {
         let found = found.map_err(|Unsupported { place, resolution }| {
             let observation = &units[number].observations[place];
-            LearnError::Unit {
-                unit: units[number].name.clone(),
-                line: observation.line,
-                observation: observation.name.clone(),
-                resolution,
-            }
+            let fault = format!(
+                "{} of unit {} agrees with no point of the model, whatever the population: its probability is below \
+                 {resolution:.1e} (95 %)",
+                observation.name, units[number].name
+            );
+            RefusedQuestion::new(format!("line {}", observation.line), fault)
         })?;
         let Particles { states, weights, .. } = found.particles;
         if found.stages == 0 {
@@ -251,9 +208,12 @@ fn pass_of(
     let monte_carlo = SequentialMonteCarlo { particles: settings.sets, least: 0.5 * settings.sets as f64 };
     let mut rng = open_stream(settings.units.seed, Stream::Parameters(pass));
     let found = monte_carlo.update(particles, &evidence, &fleet, &mut rng).map_err(
-        |Unsupported { place, .. }| LearnError::Population {
-            unit: units[place].name.clone(),
-            line: units[place].observations[0].line,
+        |Unsupported { place, .. }| {
+            let ObservedUnit { name, observations } = &units[place];
+            let fault = format!(
+                "no population explains unit {name} beside the units before it; check its observations, and the priors"
+            );
+            RefusedQuestion::new(format!("line {}", observations[0].line), fault)
         },
     )?;
     let mut sizes: Vec<f64> = (0..found.particles.len())
@@ -315,4 +275,63 @@ fn parameter_row(
         prior: [at(-1.644_854), at(1.644_854)],
         is_flat: matches!(prior.law, Distribution::Uniform(_)),
     }
+}
+
+/// Weights of the sets without each unit `(units)(P,)`, of sum 1.
+pub fn weights_without(particles: &Particles, units: usize) -> Vec<Vec<f64>> {
+    let of_unit = |i: usize| {
+        let log = |t: usize| particles.weights[t].ln() - particles.predictions.value(t, i).0;
+        let logs: Vec<f64> = (0..particles.len()).map(log).collect();
+        let largest = logs.iter().copied().filter(|l| l.is_finite()).fold(f64::NEG_INFINITY, f64::max);
+        let weights: Vec<f64> =
+            logs.iter().map(|l| if l.is_finite() { (l - largest).exp() } else { 0.0 }).collect();
+        let sum: f64 = weights.iter().sum();
+        weights.into_iter().map(|w| w / sum).collect()
+    };
+    (0..units).map(of_unit).collect()
+}
+
+/// A unit whose observations are improbable under what the other units say.
+pub fn check(
+    population: &WeightedPopulation<'_>,
+    unit: &ObservedUnit,
+    weights: &[f64],
+    settings: &LearnSettings,
+) -> Option<LearnedUnit> {
+    let prior = &population.prior;
+    let (evidence, predictor) = evidence_of(prior, unit, &settings.units);
+    let predictions = predictor.predictions(&prior.states, &prior.wanted, &prior.responses);
+    let sum: f64 = weights.iter().sum();
+    let weights = weights.iter().map(|w| w / sum).collect();
+    let particles = Particles { dimension: 1, states: vec![], predictions, weights };
+    let resolution = (3.0 / particles.effective_size()).min(1.0);
+    let row = |(e, o): (&Evidence, &Observation)| ObservationRow {
+        line: o.line,
+        cycles: o.cycles,
+        quantity: o.name.clone(),
+        probability: e.probability(&particles),
+        resolution,
+    };
+    let rows: Vec<ObservationRow> = evidence.iter().zip(&unit.observations).map(row).collect();
+    warning(&rows).map(|warning| LearnedUnit { unit: unit.name.clone(), warning })
+}
+
+/// A variable whose population leaves the simulated values more than that of the study.
+pub fn left(
+    population: &WeightedPopulation<'_>,
+    k: usize,
+    known: &Distribution,
+    name: &str,
+    weights: &[f64],
+) -> Option<LeftVariable> {
+    let model = population.prior.model;
+    let (lower, upper) = model.simulated_range(k);
+    let width = model.inputs().dimension() + model.deviations();
+    let law = &model.inputs().variables()[k];
+    let is_outside = |v: &[f64]| !(lower..=upper).contains(&law.from_standard_normal(v[k]));
+    let all = population.prior.states.chunks_exact(width).zip(weights);
+    let outside: f64 =
+        all.filter(|(v, _)| is_outside(v)).map(|(_, w)| w).sum::<f64>() / weights.iter().sum::<f64>();
+    let of_study = known.cdf(lower) + known.survival(upper);
+    (outside > 2.0 * of_study + 0.05).then(|| LeftVariable { name: name.to_owned(), outside, of_study })
 }

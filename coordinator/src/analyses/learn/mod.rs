@@ -9,31 +9,24 @@
 //! |---|---|
 //! | `space` | unknown parameters, their priors, and the distributions of the points |
 //! | `population` | R(n) and lives of many sets of parameters over one weighted population |
-//! | `settings` | sizes, confidence |
-//! | `fleet` | the posterior of the parameters |
-//! | `checks` | units and variables to be checked |
+//! | `fleet` | the posterior of the parameters; units and variables to be checked |
 //! | `data_value` | which further data would narrow the bound most |
-//! | `fitted` | R at a confidence where distributions were fitted to few samples |
-//! | `result`, `text` | the answer |
+//! | `result`, `text` | settings and answer |
 //!
 //! The surrogates' errors count as scatter between units: an error that all units share is not in the bounds. Unknown correlations
 //! are not learned.
 
-mod checks;
 mod data_value;
-mod fitted;
 mod fleet;
 mod population;
 mod result;
-mod settings;
 mod space;
 #[cfg(test)]
 mod tests;
 mod text;
 
-pub use fitted::{fitted_reliability, uncertain_fits};
-pub use fleet::{LearnError, Learned, learn};
-pub use result::{DataValue, LearnReport, LearnedParameter, LearnedUnit, LeftVariable};
-pub use settings::LearnSettings;
+pub use fleet::learn;
+pub use population::{fitted_reliability, uncertain_fits};
+pub use result::LearnSettings;
 pub use space::laws_of;
 pub use text::{answer, confident_figure, confident_tables};

@@ -1,6 +1,7 @@
+use super::result::{LearnReport, LearnedParameter};
 use super::*;
-use crate::analyses::update::FleetData;
-use crate::analyses::update::parse_fleet;
+use crate::analyses::error::RefusedQuestion;
+use crate::analyses::update::{FleetData, parse_fleet};
 use crate::statistics::design::{InputModel, Population};
 use crate::study::{LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
 use common::random::Family;
@@ -60,13 +61,13 @@ fn learned(
     (source, model): (SceneSource, LifeModel),
     text: &str,
     change: impl FnOnce(&mut LearnSettings),
-) -> Result<LearnReport, LearnError> {
+) -> Result<LearnReport, RefusedQuestion> {
     let data: FleetData = parse_fleet(text, "fleet.csv", &source, &model, Some(&[])).unwrap();
     let mut settings = LearnSettings::new(3);
     settings.ranks = false;
     change(&mut settings);
     let summary = crate::test_study::study().summary;
-    learn(source.nominal(), &summary, model, &data, &[], &[], &settings).map(|learned| learned.report)
+    learn(source.nominal(), &summary, model, &data, &[], &[], &settings)
 }
 
 /// Sets of parameters of the closed forms: with 6000 all means agree within 1 %.

@@ -1,14 +1,11 @@
 //! What a fleet says of its population, with tables and figures.
 
 use super::result::{LearnReport, LearnedParameter};
-use crate::presentation::report::answer::{Answer, AnswerPart, Table};
-use crate::presentation::report::format::{count, percent, shortest};
-use crate::presentation::report::palette::Ink;
-use crate::presentation::report::{Axis, Figure, Plot, Series, Shape};
-use crate::results::csv_table::{CsvTable, number};
+use crate::presentation::report::format::{before_unit, count, percent, shortest, unit_scale};
+use crate::presentation::report::{Answer, AnswerPart, Axis, Figure, Ink, Plot, Series, Shape, Table, csv};
+use crate::results::csv_table::number;
 use crate::results::summary::ReliabilityRow;
 use crate::statistics::updating::{ConfidentLife, ConfidentReliability, ConfidentRow};
-use common::scene::expression::read_unit;
 
 /// Most checkpoints in a table.
 const ROWS: usize = 12;
@@ -50,7 +47,7 @@ pub fn answer(report: &LearnReport) -> Answer {
         subtitle: "Reliability with what differs between units and what is not known of them apart; no simulation was made".to_owned(),
         parts,
         figures: vec![confident_figure(confident, &report.study, report.end)],
-        files: vec![("reliability.csv".to_owned(), csv(confident))],
+        files: vec![("reliability.csv".to_owned(), reliability_csv(confident))],
         ..Answer::default()
     }
 }
@@ -117,9 +114,9 @@ fn parameter_row(parameter: &LearnedParameter) -> Vec<String> {
     let LearnedParameter {
         name, unit, median, interval: [low, high], study, prior: [from, to], is_flat, ..
     } = parameter;
-    let scale = read_unit(unit).map_or(1.0, |unit| unit.multiply / unit.divide);
+    let scale = unit_scale(unit);
     let shown = |value: &f64| shortest(value / scale, 4);
-    let with_unit = |text: String| if unit == "1" { text } else { format!("{text} {unit}") };
+    let with_unit = |text: String| before_unit(&text, unit);
     let flat = if *is_flat { ", flat" } else { "" };
     vec![
         name.clone(),
@@ -183,19 +180,17 @@ pub fn confident_figure(confident: &ConfidentReliability, study: &[ReliabilityRo
         Series::new(format!("at least, C = {c}"), Ink::Series(1), Shape::Line(line(&|row| row.at_least))),
     ];
     let x = Axis::linear("life [cycles]", (0.0, end));
-    let y = Axis::linear("reliability R", (0.0, 1.0));
-    Plot { figure: "confident-reliability", x, y, series: &series }.figure(
+    Plot::of_reliability("confident-reliability", x, &series).figure(
         "Reliability at a confidence",
         "Curve: what differs between units. Band: what is not known of their population.",
     )
 }
 
 /// R at the checkpoints: `cycles, median, mean, at_least, lower, upper`.
-fn csv(confident: &ConfidentReliability) -> String {
-    let mut table = CsvTable::new("cycles,median,mean,at_least,lower,upper".split(','));
-    for row in &confident.reliability {
+fn reliability_csv(confident: &ConfidentReliability) -> String {
+    let row = |row: &ConfidentRow| {
         let [lower, upper] = row.interval;
-        table.push([row.cycles, row.median, row.mean, row.at_least, lower, upper].map(number));
-    }
-    table.into_text()
+        [row.cycles, row.median, row.mean, row.at_least, lower, upper].map(number)
+    };
+    csv("cycles,median,mean,at_least,lower,upper".split(','), confident.reliability.iter().map(row))
 }

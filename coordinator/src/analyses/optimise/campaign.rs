@@ -3,8 +3,9 @@
 //! Only the limit states and the checkpoints of the targets are learned: a response over the life becomes its largest value
 //! up to each of these checkpoints, so that simulations serve the targets alone.
 
+use super::Simulate;
 use super::problem::DesignProblem;
-use super::{OptimiseError, Simulate};
+use crate::analyses::error::AnalysisError;
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Mode, SURROGATE_SAFETY, StoppingTargets};
 use crate::study::{
@@ -88,7 +89,7 @@ impl<'a> TargetCampaign<'a> {
         count: usize,
         pf: f64,
         simulate: &mut Simulate<'_>,
-    ) -> Result<CampaignResult, OptimiseError> {
+    ) -> Result<CampaignResult, AnalysisError> {
         let study = self.study;
         let mode = |(output, mode): (usize, &usize)| Mode {
             output,
@@ -125,7 +126,7 @@ impl<'a> TargetCampaign<'a> {
             settings,
         };
         let mut campaign = Campaign::with_results(problem, plan, self.outcomes.iter().cloned());
-        let simulated = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, OptimiseError> {
+        let simulated = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, AnalysisError> {
             let outcomes = simulate(requests)?.into_iter();
             let reduced: Vec<ObservedOutcome> =
                 outcomes.map(|outcome| outcome.map(|observed| self.reduced(&observed))).collect();

@@ -5,7 +5,8 @@ use super::campaign::{StudyBasis, TargetCampaign};
 use super::problem::DesignProblem;
 use super::reliability::{Constraint, DesignReliability, ModeSurrogate, value};
 use super::solve::Solved;
-use super::{OptimiseError, trust};
+use super::trust;
+use crate::analyses::error::AnalysisError;
 use crate::statistics::design::InputModel;
 use crate::study::CampaignResult;
 use common::random::standard_normal_quantile;
@@ -68,7 +69,7 @@ impl<'a> Context<'a> {
     ///
     /// # Errors
     /// The design has a distribution that does not exist.
-    pub fn inputs(&self, values: &[f64]) -> Result<InputModel, OptimiseError> {
+    pub fn inputs(&self, values: &[f64]) -> Result<InputModel, AnalysisError> {
         Ok(self.problem.inputs(&self.reference, values)?)
     }
 

@@ -14,8 +14,6 @@
 
 mod campaign;
 mod context;
-mod design_variables;
-mod finding;
 mod optimum;
 mod problem;
 mod problem_costs;
@@ -23,55 +21,21 @@ mod problem_file;
 mod reliability;
 mod report;
 mod result;
-mod settings;
 mod solve;
 #[cfg(test)]
 mod tests;
 mod trust;
 
 pub use campaign::StudyBasis;
-pub use optimum::{OptimisationProgress, optimise};
-pub use problem::{DesignProblem, DesignQuantity, Grade, QuantityKind, ReliabilityTarget, StudiedDesigns};
+pub use optimum::optimise;
+pub use problem::{DesignProblem, DesignQuantity, QuantityKind, ReliabilityTarget};
 pub use problem_file::read as read_problem;
 pub use report::answer;
-pub use result::{
-    Advice, Bound, FrontPoint, Grades, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations,
-    TargetState,
-};
-pub use settings::design_settings;
+pub use result::OptimisationResult;
 
-use crate::farm::evaluate::EvaluateError;
-use crate::study::{CampaignError, ObservedOutcome, SampleRequest, StudyError};
-use common::random::LawError;
-use thiserror::Error;
+use super::error::AnalysisError;
+use crate::study::{ObservedOutcome, SampleRequest};
 
 /// Simulates samples: outcomes in the order of the requests, complete in the sense of
 /// [`complete_outcomes`](crate::study::complete_outcomes).
-pub type Simulate<'a> = dyn FnMut(&[SampleRequest]) -> Result<Vec<ObservedOutcome>, OptimiseError> + 'a;
-
-/// Reasons why an optimisation fails.
-#[derive(Debug, Error)]
-pub enum OptimiseError {
-    /// A design has a distribution that does not exist.
-    #[error("the distribution of a variable does not exist at a design: {0}")]
-    Law(#[from] LawError),
-    /// A campaign at a design cannot continue.
-    #[error(transparent)]
-    Campaign(#[from] CampaignError),
-    /// The evaluator failed or was interrupted.
-    #[error(transparent)]
-    Evaluate(#[from] EvaluateError),
-    /// An outcome does not fit the scene, or is missing.
-    #[error(transparent)]
-    Study(StudyError),
-}
-
-impl From<StudyError> for OptimiseError {
-    fn from(error: StudyError) -> Self {
-        match error {
-            StudyError::Evaluate(error) => Self::Evaluate(error),
-            StudyError::Campaign(error) => Self::Campaign(error),
-            error => Self::Study(error),
-        }
-    }
-}
+pub type Simulate<'a> = dyn FnMut(&[SampleRequest]) -> Result<Vec<ObservedOutcome>, AnalysisError> + 'a;

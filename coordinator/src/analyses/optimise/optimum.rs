@@ -6,44 +6,36 @@
 
 use super::campaign::{StudyBasis, TargetCampaign};
 use super::context::{Context, values_of};
-use super::finding::Finding;
 use super::problem::DesignProblem;
-use super::reliability::{TargetValue, place};
-use super::result::{OptimisationResult, Simulations};
-use super::solve::{Solved, solve};
-use super::{OptimiseError, Simulate, trust};
+use super::reliability::{TargetValue, place, value};
+use super::result::{
+    Advice, Bound, FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations,
+    TargetState,
+};
+use super::solve::{Solved, solve, solve_relaxed};
+use super::{Simulate, trust};
+use crate::analyses::error::AnalysisError;
 use crate::statistics::design::InputModel;
-use crate::study::StopReason;
+use crate::statistics::reliability::REACH;
+use crate::study::{CampaignResult, StopReason};
+use common::random::{standard_normal_pdf, standard_normal_quantile};
 
 /// Most rounds of the loop.
 const MOST_ROUNDS: usize = 25;
 /// Simulations of a first visit to a design, besides one per variable, and at most.
 const VISIT: (usize, usize) = (4, 16);
 
-/// Progress of an optimisation: an optimum on the surrogates.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OptimisationProgress {
-    /// Round, from 1.
-    pub round: usize,
-    /// Cost of the optimum on the present surrogates.
-    pub cost: f64,
-    /// True if it meets the targets on the present surrogates.
-    pub feasible: bool,
-    /// Simulations added so far.
-    pub added: usize,
-}
-
 /// Finds the cheapest design that meets the targets, with at most `budget` simulations besides those of the study.
 ///
 /// # Errors
-/// [`OptimiseError`].
+/// [`AnalysisError`].
 pub fn optimise(
     study: &StudyBasis,
     problem: &DesignProblem,
     budget: usize,
     simulate: &mut Simulate<'_>,
-    progress: &mut dyn FnMut(OptimisationProgress),
-) -> Result<OptimisationResult, OptimiseError> {
+    progress: &mut dyn FnMut(String),
+) -> Result<OptimisationResult, AnalysisError> {
     let mut campaign = TargetCampaign::new(study, problem);
     let before = campaign.simulations();
     let context = Context::new(study, problem, &campaign);
@@ -68,7 +60,11 @@ pub fn optimise(
             (solve(&mut reliability, &known), reliability.region)
         };
         let added = campaign.simulations() - before;
-        progress(OptimisationProgress { round, cost: solved.cost, feasible: solved.feasible, added });
+        let met = if solved.feasible { "" } else { ", none within the trust region meets the targets" };
+        let cost = solved.cost;
+        progress(format!(
+            "round {round}: cost {cost:.5} on the present surrogates{met}; {added} simulations added"
+        ));
         known = vec![solved.y.clone()];
         let pf = solved.least_probability(problem);
         let values = values_of(problem, &solved.y);
@@ -121,4 +117,177 @@ impl Solved {
         };
         self.values.iter().zip(&problem.targets).map(of).fold(1.0, f64::min)
     }
+}
+
+/// Constraint below which a target is active [1].
+const ACTIVE: f64 = 1e-3;
+/// Place, from a bound, below which a quantity lies on it [1].
+const ON_BOUND: f64 = 1e-3;
+/// Relative change below which a quantity is kept [1].
+const KEPT: f64 = 0.01;
+/// Factors on the failure probabilities of the targets for the front.
+const FRONT: [f64; 4] = [4.0, 2.0, 0.5, 0.25];
+
+/// What the loop has found.
+pub(super) struct Finding {
+    pub solved: Solved,
+    /// Region in which the design was sought `(q,)`.
+    pub region: Vec<(f64, f64)>,
+    pub confirmed: bool,
+    pub stopped_because: String,
+    pub evaluations: Simulations,
+    /// Values of the quantities in the study `(q,)` [SI].
+    pub present: Vec<f64>,
+}
+
+impl Finding {
+    /// The result; `learned` is a campaign at the design found, `at_present` one at the study's.
+    pub fn result(
+        &self,
+        context: &Context<'_>,
+        learned: &CampaignResult,
+        at_present: &CampaignResult,
+    ) -> OptimisationResult {
+        let problem = context.problem;
+        let Finding { solved, present, region, .. } = self;
+        let held = trust::held(region, &solved.y);
+        let values = values_of(problem, &solved.y);
+        let targets = targets(context, solved, learned, at_present);
+        let variance = |target: &OptimisedTarget| {
+            let beta = -standard_normal_quantile(1.0 - target.reliability);
+            (target.multiplier * target.standard_error / standard_normal_pdf(beta).max(1e-300)).powi(2)
+        };
+        let cost_standard_error = targets.iter().map(variance).sum::<f64>().sqrt();
+        let quantity = |k: usize| {
+            let quantity = &problem.quantities[k];
+            let (was, is) = (present[k], values[k]);
+            let si = quantity.unit.si;
+            let at = solved.y[k];
+            let on_bound = match at {
+                at if at < ON_BOUND => Some(Bound::Lower),
+                at if at > 1.0 - ON_BOUND => Some(Bound::Upper),
+                _ => None,
+            };
+            let spread = quantity.kind.is_spread();
+            let scale = if spread { was.abs() } else { (quantity.upper - quantity.lower).abs() };
+            let advice = match is - was {
+                change if change.abs() <= KEPT * scale => Advice::Keep,
+                change if change < 0.0 && spread => Advice::Tighten,
+                _ if spread => Advice::Loosen,
+                change if change < 0.0 => Advice::Lower,
+                _ => Advice::Raise,
+            };
+            let nearest =
+                quantity.grades.iter().min_by(|a, b| (a.width - is).abs().total_cmp(&(b.width - is).abs()));
+            OptimisedQuantity {
+                name: quantity.name.clone(),
+                unit: quantity.unit.symbol.clone(),
+                before: was / si,
+                after: is / si,
+                lower: quantity.lower / si,
+                upper: quantity.upper / si,
+                grade: nearest.map(|grade| grade.name.clone()),
+                on_bound,
+                supported: [region[k].0, region[k].1].map(|y| value(quantity, y) / si),
+                all_supported: region[k] == (0.0, 1.0),
+                held: held.contains(&k),
+                advice,
+                cost_before: quantity.cost_at(was).0,
+                cost_after: quantity.cost_at(is).0,
+            }
+        };
+        OptimisationResult {
+            feasible: solved.feasible,
+            confirmed: self.confirmed,
+            stopped_because: self.stopped_because.clone(),
+            evaluations: self.evaluations,
+            cost_before: problem.cost(present),
+            cost: solved.cost,
+            cost_standard_error,
+            quantities: (0..values.len()).map(quantity).collect(),
+            targets,
+            front: if held.is_empty() { self.front(context, learned) } else { vec![] },
+            grades: solved.grades,
+            values,
+        }
+    }
+
+    /// Least costs for stricter and looser targets, on the last surrogates.
+    fn front(&self, context: &Context<'_>, learned: &CampaignResult) -> Vec<FrontPoint> {
+        let solved = &self.solved;
+        let mut reliability = context.reliability(learned, &solved.y);
+        reliability.region.clone_from(&self.region);
+        let allowed: Vec<f64> =
+            context.problem.targets.iter().map(|target| 1.0 - target.reliability).collect();
+        let mut point = |factor: f64| {
+            let targets: Vec<f64> = allowed.iter().map(|p| 1.0 - factor * p).collect();
+            for (constraint, p) in reliability.constraints.iter_mut().zip(&allowed) {
+                constraint.beta = -standard_normal_quantile(factor * p);
+            }
+            let found = solve_relaxed(&mut reliability, std::slice::from_ref(&solved.y));
+            // What the region holds, or what it may hide, is not known.
+            let inside = trust::held(&reliability.region, &found.y).is_empty();
+            let whole = reliability.region.iter().all(|ends| *ends == (0.0, 1.0));
+            let unsupported = !inside || !(found.feasible || whole);
+            FrontPoint {
+                factor,
+                targets,
+                cost: (found.feasible && inside).then_some(found.cost),
+                unsupported,
+            }
+        };
+        let mut points: Vec<FrontPoint> = FRONT
+            .into_iter()
+            .filter(|factor| allowed.iter().all(|p| factor * p < 1.0))
+            .map(&mut point)
+            .collect();
+        let own = FrontPoint {
+            factor: 1.0,
+            targets: context.problem.targets.iter().map(|target| target.reliability).collect(),
+            cost: solved.feasible.then_some(solved.relaxed_cost),
+            unsupported: false,
+        };
+        let place = points.iter().position(|point| point.factor < 1.0).unwrap_or(points.len());
+        points.insert(place, own);
+        points
+    }
+}
+
+fn targets(
+    context: &Context<'_>,
+    solved: &Solved,
+    learned: &CampaignResult,
+    at_present: &CampaignResult,
+) -> Vec<OptimisedTarget> {
+    let counted = learned.reliability();
+    let counted_before = at_present.reliability();
+    let target = |i: usize| {
+        let target = &context.problem.targets[i];
+        let (curve, column) = context.places[i];
+        let value = &solved.values[i];
+        let surrogate = TargetCampaign::surrogate_error(learned, curve, column);
+        let standard_error = surrogate.hypot(value.estimate.standard_error);
+        let reliability = 1.0 - value.estimate.probability;
+        let point = counted[curve][column];
+        let was = counted_before[curve][column];
+        OptimisedTarget {
+            name: target.name.clone(),
+            limit_state: target.limit_state,
+            cycles: target.cycles,
+            target: target.reliability,
+            before: was.reliability,
+            standard_error_before: was.standard_error,
+            reliability,
+            standard_error,
+            counted: point.reliability,
+            counted_standard_error: point.standard_error,
+            active: value.beta - context.constraints[i].beta < ACTIVE || solved.multipliers[i] > 0.0,
+            met: false,
+            state: TargetState::NotMet,
+            interval: [-REACH, REACH].map(|reach| (reliability + reach * standard_error).clamp(0.0, 1.0)),
+            multiplier: solved.multipliers[i],
+        }
+    };
+    let with_state = |i: usize| target(i).judged(solved.feasible);
+    (0..context.problem.targets.len()).map(with_state).collect()
 }

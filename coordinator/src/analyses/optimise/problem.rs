@@ -2,9 +2,11 @@
 
 use crate::analyses::designs::Follower;
 use crate::analyses::quantity::ShownUnit;
+use crate::analyses::scene_settings::written_value;
 use crate::statistics::design::{InputModel, with_moments};
 use crate::statistics::optimisation::CostModel;
 use common::random::{Distribution, LawError};
+use common::scene::Scene;
 
 /// Parameter of a random variable that a design changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -187,6 +189,25 @@ impl DesignProblem {
     /// Cost of a design `(q,)` [SI].
     pub fn cost(&self, values: &[f64]) -> f64 {
         self.quantities.iter().zip(values).map(|(quantity, value)| quantity.cost_at(*value).0).sum()
+    }
+
+    /// The changes `VARIABLE.mean=VALUE` and `VARIABLE.std=VALUE`, in the form of `what-if --set`, that make the design `values` `(q,)`
+    /// [SI] of a scene.
+    ///
+    /// # Errors
+    /// [`LawError`] if a distribution of the design does not exist.
+    pub fn settings(&self, scene: &Scene, values: &[f64]) -> Result<Vec<String>, LawError> {
+        let laws = self.variables(&InputModel::from_scene(scene), values)?;
+        let settings = self.changed_variables().into_iter().flat_map(|k| {
+            let (variable, law) = (&scene.variables[k], &laws[k]);
+            let setting = |key: &str, value: f64| {
+                format!("{}.{key}={}", variable.name, written_value(value, &variable.unit))
+            };
+            let mean = setting("mean", law.parent_mean());
+            let std = (!law.is_constant()).then(|| setting("std", law.given_std()));
+            std::iter::once(mean).chain(std).collect::<Vec<_>>()
+        });
+        Ok(settings.collect())
     }
 
     /// True if a quantity has grades.

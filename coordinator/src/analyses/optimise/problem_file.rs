@@ -1,17 +1,17 @@
 //! Reader of the file of an optimisation problem, TOML; every fault is reported at once.
 
-use super::design_variables::for_designs;
-use super::problem::{DesignProblem, DesignQuantity, Grade, QuantityKind, ReliabilityTarget};
+use super::problem::{DesignProblem, DesignQuantity, Grade, QuantityKind, ReliabilityTarget, StudiedDesigns};
 use crate::analyses::designs::{DesignSpace, DesignVariable};
 use crate::analyses::quantity::{ShownUnit, checkpoint, limit_state};
-use crate::statistics::design::InputModel;
-use crate::statistics::design::fixed_bounds;
+use crate::statistics::design::{InputModel, fixed_bounds};
 use common::random::Distribution;
 use common::scene::quantity::NUMBER;
 use common::scene::{FaultKind, Faults, InputFile, Range, Scene, SceneSource, Section, nearest};
 
 /// Relative difference below which two variables have the same value.
 const SAME: f64 = 1e-9;
+/// Share of a range by which a bound may lie outside of it, for rounding.
+const ROUNDING: f64 = 1e-9;
 /// Parameters of a random variable that a quantity may be.
 const PARAMETERS: [&str; 3] = ["mean", "std", "tolerance"];
 
@@ -61,6 +61,45 @@ fn changes_same(a: &DesignQuantity, b: &Option<DesignQuantity>) -> bool {
     b.as_ref().is_some_and(|b| {
         a.kind.is_spread() == b.kind.is_spread() && a.variables.iter().any(|k| b.variables.contains(k))
     })
+}
+
+/// The problem, read for the present design of a study with the design variables of `space` and the `augmented` scene.
+///
+/// # Errors
+/// A bound lies outside the range of the study, or a random variable does not follow a design
+/// variable along a straight line.
+fn for_designs(
+    problem: DesignProblem,
+    space: &DesignSpace,
+    augmented: &Scene,
+    file: &InputFile,
+) -> Result<DesignProblem, Faults> {
+    let followers = space.followers()?;
+    let mut faults = Vec::new();
+    for (place, quantity) in problem.quantities.iter().enumerate() {
+        let own = space.quantities().into_iter().filter(|(_, k, _)| quantity.variables.contains(k));
+        for (variable, k, _) in own {
+            let key = format!("quantities[{}]", place + 1);
+            let (lower, upper) = augmented.variables[k].distribution.support();
+            let margin = ROUNDING * (upper - lower);
+            if quantity.lower < lower - margin || quantity.upper > upper + margin {
+                let range = [variable.lower, variable.upper].map(|end| variable.with_unit(end)).join(" to ");
+                let what = format!("the study has designs with {} from {range} only", variable.key);
+                faults.push((key.clone(), what));
+            }
+            if let Some(bent) = followers.iter().find(|f| f.leader == k && !f.is_straight) {
+                let what = format!(
+                    "the distribution of {} does not follow {} along a straight line, which an optimum needs; give the mean \
+                     of {0} as a quantity instead",
+                    augmented.variables[bent.variable].name, variable.key
+                );
+                faults.push((key, what));
+            }
+        }
+    }
+    file.refuse_for(faults)?;
+    let augmented = InputModel::from_scene(augmented);
+    Ok(DesignProblem { designs: Some(StudiedDesigns { augmented, followers }), ..problem })
 }
 
 /// The rows of a file for a scene. After a fault they are read on with values that have no meaning.

@@ -3,11 +3,10 @@
 use super::result::{
     Advice, Bound, FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, TargetState,
 };
-use crate::presentation::report::answer::{Answer, AnswerPart, Table};
-use crate::presentation::report::compare::ComparedStudy;
 use crate::presentation::report::format::{shortest, significant};
-use crate::presentation::report::palette::Ink;
-use crate::presentation::report::{Axis, Figure, Plot, Scale, Series, Shape};
+use crate::presentation::report::{
+    Answer, AnswerPart, Axis, ComparedStudy, Figure, Ink, Plot, Scale, Series, Shape, Table,
+};
 use crate::statistics::reliability::REACH;
 use common::random::{standard_normal_pdf, standard_normal_quantile};
 

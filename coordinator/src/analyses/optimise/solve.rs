@@ -2,6 +2,7 @@
 
 use super::problem::DesignProblem;
 use super::reliability::{DesignReliability, FreeDesign, TargetValue, place};
+use super::result::Grades;
 use crate::statistics::optimisation::{cheapest_choice, minimise, nearest};
 
 /// Constraint that counts as met [1].
@@ -10,15 +11,6 @@ const MET: f64 = -1e-4;
 const MOST_COMBINATIONS: usize = 100_000;
 /// Most combinations examined, without and with continuous quantities besides.
 const MOST_EXAMINED: (usize, usize) = (2000, 40);
-
-/// The search over grades.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct GradeSearch {
-    /// Number of combinations examined.
-    pub examined: usize,
-    /// True if no other combination of the allowed grades is cheaper and meets the targets, by these surrogates.
-    pub proved: bool,
-}
 
 /// The best design found.
 #[derive(Debug, Clone)]
@@ -36,7 +28,7 @@ pub(super) struct Solved {
     /// Cost if every value between the bounds were allowed.
     pub relaxed_cost: f64,
     /// The search over grades, if there are any.
-    pub grades: Option<GradeSearch>,
+    pub grades: Option<Grades>,
 }
 
 /// Finds the cheapest design, from several starts `(q,)`.
@@ -166,16 +158,17 @@ fn solve_grades(reliability: &mut DesignReliability<'_>, relaxed: Solved) -> Sol
         }
         met.then_some(cost)
     });
-    let grades = Some(GradeSearch { examined: search.examined, proved: search.proved && whole });
+    let relaxed_cost = relaxed.cost;
+    let proved = search.proved && whole;
+    let grades = Some(Grades { examined: search.examined, proved, relaxed_cost });
     let (y, feasible) = match best {
         Some((y, _)) => (y, true),
         // The narrowest grades come nearest.
         None => {
-            let mut y = relaxed.y.clone();
+            let mut y = relaxed.y;
             graded.iter().for_each(|k| y[*k] = 0.0);
             (y, false)
         }
     };
-    let relaxed_cost = relaxed.cost;
     Solved { grades, relaxed_cost, ..finished(reliability, y, relaxed.multipliers, feasible) }
 }

@@ -1,6 +1,7 @@
 //! Optima of known truth, from studies that a closure simulates.
 
-use super::TargetState::{Met, MetWithinErrors};
+use super::problem::Grade;
+use super::result::TargetState::{Met, MetWithinErrors};
 use super::*;
 use crate::analyses::designs::DesignSpace;
 use crate::analyses::quantity::ShownUnit;
@@ -63,7 +64,7 @@ fn run(
     budget: usize,
     f: &dyn Fn(&[f64]) -> Vec<f64>,
 ) -> OptimisationResult {
-    let mut simulate = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, OptimiseError> {
+    let mut simulate = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, AnalysisError> {
         let outcome = |request: &SampleRequest| {
             Ok(Observed::exact(f(&request.sample).into_iter().map(|y| vec![y]).collect()))
         };

@@ -1,7 +1,7 @@
 //! Replacement above a measured level: lives and measured outputs of a population by the surrogates of a study, and the level
 //! and the last age with the least cost per cycle for every schedule of inspections.
 
-use super::ReplacementError;
+use crate::analyses::error::RefusedQuestion;
 use crate::statistics::design::{Population, deviation};
 use crate::statistics::replacement::{InspectedSamples, PolicyCosts, PolicyOutcome, best_policy, outcome_of};
 use crate::study::LifeModel;
@@ -39,24 +39,27 @@ pub enum Schedule {
 
 impl Schedule {
     /// Lives of the inspections of `output` within the study [cycles].
-    fn lives(&self, model: &LifeModel, output: usize) -> Result<Vec<f64>, ReplacementError> {
+    fn lives(&self, model: &LifeModel, output: usize) -> Result<Vec<f64>, RefusedQuestion> {
         let (beginning, end) = (model.beginning(output), model.end());
         match self {
             Self::Every(every) => {
                 let least = beginning.max(end / MOST as f64);
                 if !(*every >= least && *every <= end) {
-                    return Err(ReplacementError::Every { every: *every, least, most: end, count: MOST });
+                    let fault = format!(
+                        "allowed: {least} to {end} cycles, at most {MOST} inspections in the life studied"
+                    );
+                    return Err(RefusedQuestion::new(format!("--inspect-every {every}"), fault));
                 }
                 let count = (end / every * (1.0 + 1e-9)).floor() as usize;
                 Ok((1..=count).map(|k| (k as f64 * every).min(end)).collect())
             }
             Self::At(lives) => {
                 let rising = lives.windows(2).all(|pair| pair[0] < pair[1]);
-                match lives.iter().find(|life| !(beginning..=end).contains(life) || !rising || **life == 0.0)
-                {
-                    Some(life) => Err(ReplacementError::At { life: *life, least: beginning, most: end }),
-                    None => Ok(lives.clone()),
-                }
+                let wrong = |life: &&f64| !(beginning..=end).contains(life) || !rising || **life == 0.0;
+                let Some(life) = lives.iter().find(wrong) else { return Ok(lives.clone()) };
+                let fault =
+                    format!("allowed: increasing lives from {beginning} to {end} cycles, the first above 0");
+                Err(RefusedQuestion::new(format!("--inspect-at {life}"), fault))
             }
         }
     }
@@ -76,34 +79,21 @@ pub struct InspectionRow {
     pub lower_level: Option<f64>,
     /// Age at which a unit is replaced in any case [cycles].
     pub age: f64,
-    /// Cost per cycle.
-    pub cost_rate: f64,
-    /// Its standard error by the number of units.
-    pub standard_error: f64,
-    /// Lower 95 % limit of the cost per cycle by the number of units.
-    pub lower: f64,
-    /// Upper 95 % limit, with the failures that no unit may have shown.
-    pub upper: f64,
-    /// Share of the units that fail before they are replaced [1].
-    pub failed: f64,
-    /// Share of the units that are replaced because of the level [1].
-    pub by_level: f64,
-    /// Mean life of a unit until its replacement or failure [cycles].
-    pub mean_life: f64,
-    /// Mean number of inspections of a unit.
-    pub inspections: f64,
+    /// Costs and frequencies of the policy.
+    #[serde(flatten)]
+    pub outcome: PolicyOutcome,
 }
 
 /// The best policy for every schedule, in their order.
 ///
 /// # Errors
-/// [`ReplacementError::Every`], [`ReplacementError::At`].
+/// [`RefusedQuestion`] if a schedule does not fit into the life studied.
 pub fn inspect(
     scene: &Scene,
     model: &LifeModel,
     plan: &InspectionPlan,
     seed: u64,
-) -> Result<Vec<InspectionRow>, ReplacementError> {
+) -> Result<Vec<InspectionRow>, RefusedQuestion> {
     let times = |schedule: &Schedule| schedule.lives(model, plan.output);
     let schedules: Vec<Vec<f64>> = plan.schedules.iter().map(times).collect::<Result<_, _>>()?;
     let population = Population::draw(model.inputs(), UNITS, seed);
@@ -140,7 +130,7 @@ pub fn inspect(
         }
         let samples = InspectedSamples { lives: lives.clone(), times, values, error: plan.error, two_sided };
         let policy = best_policy(&samples, &plan.costs)?;
-        let outcome: PolicyOutcome = outcome_of(&samples, &policy, &plan.costs);
+        let outcome = outcome_of(&samples, &policy, &plan.costs);
         let (level, lower_level) = level_of(policy.level);
         let by_level = outcome.by_level > 0.0;
         Some(InspectionRow {
@@ -149,14 +139,7 @@ pub fn inspect(
             level: by_level.then_some(level),
             lower_level: lower_level.filter(|_| by_level),
             age: samples.times[policy.last],
-            cost_rate: outcome.cost_rate,
-            standard_error: outcome.standard_error,
-            lower: outcome.lower,
-            upper: outcome.upper,
-            failed: outcome.failed,
-            by_level: outcome.by_level,
-            mean_life: outcome.mean_life,
-            inspections: outcome.inspections,
+            outcome,
         })
     };
     Ok(plan.schedules.iter().zip(schedules).filter_map(row).collect())

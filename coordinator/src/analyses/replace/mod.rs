@@ -12,12 +12,12 @@ mod text;
 pub use inspections::{InspectionPlan, InspectionRow, Schedule, inspect};
 pub use text::answer;
 
+use super::error::RefusedQuestion;
 use crate::results::life_summary::{LifeCurveRow, LifeRow};
 use crate::results::summary::{ReliabilityRow, StudySummary};
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::replacement::{AgeReplacement, CurveBand, Interval, ReplacementCosts, SurvivalCurve};
 use serde::Serialize;
-use thiserror::Error;
 
 /// Points of the curve of the cost rate.
 const POINTS: usize = 200;
@@ -27,62 +27,6 @@ const PIECES: usize = 256;
 /// Share of the cost per cycle at the end of the study below which a minimum before it counts as none [1]: the straight pieces of a
 /// curve of constant hazard have such.
 const SHALLOW: f64 = 1e-3;
-
-/// Reasons why there is no answer.
-#[derive(Debug, Error, PartialEq)]
-pub enum ReplacementError {
-    /// The study has no curve of reliability over life.
-    #[error(
-        "this study has no reliability between checkpoints: it has a single checkpoint, or an earlier version made it; run it \
-         with at least two checkpoints"
-    )]
-    NoCurve,
-    /// An unknown curve.
-    #[error("--curve {name}: there is none of that name; allowed: {}", .known.join(", "))]
-    UnknownCurve {
-        /// The name as given.
-        name: String,
-        /// Names of the curves.
-        known: Vec<String>,
-    },
-    /// Costs for which no replacement pays.
-    #[error(
-        "--failure-cost {failure}: allowed: above --planned-cost {planned}; a failure that is no dearer than a planned \
-         replacement never pays for one"
-    )]
-    Costs {
-        /// Cost of a planned replacement.
-        planned: f64,
-        /// Cost of a failure.
-        failure: f64,
-    },
-    /// A distance of inspections that does not fit into the life studied.
-    #[error(
-        "--inspect-every {every}: allowed: {least} to {most} cycles, at most {count} inspections in the life studied"
-    )]
-    Every {
-        /// The distance as given [cycles].
-        every: f64,
-        /// Least distance [cycles].
-        least: f64,
-        /// Largest distance [cycles].
-        most: f64,
-        /// Largest number of inspections.
-        count: usize,
-    },
-    /// A life of an inspection that is not allowed.
-    #[error(
-        "--inspect-at {life}: allowed: increasing lives from {least} to {most} cycles, the first above 0"
-    )]
-    At {
-        /// The life as given [cycles].
-        life: f64,
-        /// Earliest life [cycles].
-        least: f64,
-        /// Latest life [cycles].
-        most: f64,
-    },
-}
 
 /// A number with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -182,23 +126,35 @@ pub struct ReplacementReport {
 /// The curve of a limit state, or of the system as `total`.
 ///
 /// # Errors
-/// [`ReplacementError::NoCurve`], [`ReplacementError::UnknownCurve`].
-pub fn curve_of<'s>(summary: &'s StudySummary, name: &str) -> Result<&'s LifeCurveRow, ReplacementError> {
-    let known = || summary.curves.iter().map(|curve| curve.limit_state.clone()).collect();
-    if summary.curves.is_empty() {
-        return Err(ReplacementError::NoCurve);
+/// [`RefusedQuestion`] if there is none of that name.
+pub fn curve_of<'s>(summary: &'s StudySummary, name: &str) -> Result<&'s LifeCurveRow, RefusedQuestion> {
+    let known: Vec<&str> = summary.curves.iter().map(|curve| curve.limit_state.as_str()).collect();
+    if known.is_empty() {
+        return Err(RefusedQuestion::new(
+            "this study has no reliability between checkpoints",
+            "it has a single checkpoint, or an earlier version made it; run it with at least two checkpoints",
+        ));
     }
     let found = summary.curves.iter().find(|curve| curve.limit_state == name);
-    found.ok_or_else(|| ReplacementError::UnknownCurve { name: name.to_owned(), known: known() })
+    found.ok_or_else(|| {
+        let fault = format!("there is none of that name; allowed: {}", known.join(", "));
+        RefusedQuestion::new(format!("--curve {name}"), fault)
+    })
 }
 
 /// Checks the costs.
 ///
 /// # Errors
-/// [`ReplacementError::Costs`].
-pub fn check_costs(costs: &ReplacementCosts) -> Result<(), ReplacementError> {
+/// [`RefusedQuestion`] if no replacement pays.
+pub fn check_costs(costs: &ReplacementCosts) -> Result<(), RefusedQuestion> {
     let ReplacementCosts { planned, failure } = *costs;
-    if failure > planned { Ok(()) } else { Err(ReplacementError::Costs { planned, failure }) }
+    if failure > planned {
+        return Ok(());
+    }
+    let fault = format!(
+        "allowed: above --planned-cost {planned}; a failure that is no dearer than a planned replacement never pays for one"
+    );
+    Err(RefusedQuestion::new(format!("--failure-cost {failure}"), fault))
 }
 
 /// A curve of R with its 95 % limits `(g,)`.
@@ -231,13 +187,13 @@ impl BoundedCurve {
 /// Age replacement from a curve of a study's summary.
 ///
 /// # Errors
-/// [`ReplacementError`].
+/// [`RefusedQuestion`].
 pub fn replace(
     summary: &StudySummary,
     name: &str,
     costs: &ReplacementCosts,
     demand: Option<DemandedReliability>,
-) -> Result<ReplacementReport, ReplacementError> {
+) -> Result<ReplacementReport, RefusedQuestion> {
     check_costs(costs)?;
     let row = curve_of(summary, name)?;
     let [lower, upper] = row.limits().map(<[f64]>::to_vec);

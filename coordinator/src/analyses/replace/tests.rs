@@ -103,15 +103,19 @@ fn a_weibull_life_is_replaced_at_its_age_and_by_its_level() {
     };
     let rows = inspect(scene, &model, &plan, 1).unwrap();
     // The mean of the last hundred before the life, 949 cycles at cost 1.
-    assert!((rows[0].cost_rate * 949.0 - 1.0).abs() < 0.03, "{rows:?}");
+    assert!((rows[0].outcome.cost_rate * 949.0 - 1.0).abs() < 0.03, "{rows:?}");
     assert!(rows[0].level.is_some_and(|level| (-104.0..-96.0).contains(&level)), "{rows:?}");
-    assert!(rows[1].cost_rate > rows[0].cost_rate && rows[0].cost_rate < report.cost_rate.value, "{rows:?}");
+    assert!(
+        rows[1].outcome.cost_rate > rows[0].outcome.cost_rate
+            && rows[0].outcome.cost_rate < report.cost_rate.value,
+        "{rows:?}"
+    );
     let at = |lives: &[f64]| InspectionPlan { schedules: vec![Schedule::At(lives.to_vec())], ..plan.clone() };
     let lives: Vec<f64> = (4..=12).map(|k| 100.0 * f64::from(k)).collect();
     let given = inspect(scene, &model, &at(&lives), 1).unwrap();
     // 3 % fail before the first of them.
-    assert!(given[0].every.is_none() && given[0].cost_rate > rows[0].cost_rate, "{given:?}");
-    assert!(given[0].cost_rate < report.cost_rate.value, "{given:?}");
+    assert!(given[0].every.is_none() && given[0].outcome.cost_rate > rows[0].outcome.cost_rate, "{given:?}");
+    assert!(given[0].outcome.cost_rate < report.cost_rate.value, "{given:?}");
     assert!(inspect(scene, &model, &at(&[900.0, 800.0]), 1).is_err());
     let beyond = InspectionPlan { schedules: vec![Schedule::Every(5000.0)], ..plan };
     assert!(inspect(scene, &model, &beyond, 1).unwrap_err().to_string().contains("allowed: "));
@@ -129,7 +133,7 @@ fn issue_inspections_counted_the_failures_of_all_limit_states_whatever_the_curve
         let costs = PolicyCosts { planned: 1.0, failure: 10.0, inspection: 0.0 };
         let schedules = vec![Schedule::Every(100.0)];
         let plan = InspectionPlan { limit_state, output: 0, error: 0.0, schedules, costs };
-        inspect(scene, &model, &plan, 1).unwrap()[0].cost_rate
+        inspect(scene, &model, &plan, 1).unwrap()[0].outcome.cost_rate
     };
     let [loud, worn, all] = [Some(0), Some(1), None].map(cost);
     // As if it were the only one.
@@ -156,9 +160,10 @@ fn what_the_study_does_not_know_is_a_bound() {
     let known = replace(&summary, "wear", &COSTS, None).unwrap_err().to_string();
     assert!(known.contains("allowed: total"), "{known}");
     let cheap = ReplacementCosts { planned: 2.0, failure: 2.0 };
-    assert_eq!(check_costs(&cheap), Err(ReplacementError::Costs { planned: 2.0, failure: 2.0 }));
+    assert_eq!(check_costs(&cheap).unwrap_err().option, "--failure-cost 2");
     summary.curves.clear();
-    assert_eq!(replace(&summary, "total", &COSTS, None), Err(ReplacementError::NoCurve));
+    let none = replace(&summary, "total", &COSTS, None).unwrap_err().to_string();
+    assert!(none.starts_with("this study has no reliability between checkpoints"), "{none}");
 }
 
 #[test]

@@ -170,6 +170,7 @@ fn inspections(report: &ReplacementReport, scene: &Scene) -> Vec<AnswerPart> {
                 replaced by level | mean life | inspections of a unit"
         .split(" | ");
     let row = |row: &InspectionRow| {
+        let outcome = row.outcome;
         let shown =
             |level: f64| unit.as_ref().map(|unit| unit.after(&format!("{:.4}", unit.to_shown(level))));
         let levels: Vec<String> = row.lower_level.into_iter().chain(row.level).filter_map(shown).collect();
@@ -177,15 +178,15 @@ fn inspections(report: &ReplacementReport, scene: &Scene) -> Vec<AnswerPart> {
             row.every.map_or("given".to_owned(), |every| every.to_string()),
             if levels.is_empty() { "the age only".to_owned() } else { levels.join(", ") },
             life(row.age, report.end),
-            format!("{:.4e} ({:.4e} to {:.4e})", row.cost_rate, row.lower, row.upper),
-            short_percent(row.failed),
-            format!("{:.1} %", 100.0 * row.by_level),
-            life(row.mean_life, report.end),
-            format!("{:.1}", row.inspections),
+            format!("{:.4e} ({:.4e} to {:.4e})", outcome.cost_rate, outcome.lower, outcome.upper),
+            short_percent(outcome.failed),
+            format!("{:.1} %", 100.0 * outcome.by_level),
+            life(outcome.mean_life, report.end),
+            format!("{:.1}", outcome.inspections),
         ]
     };
     let table = Table::new("", head, report.inspections.iter().map(row)).with_left(&[]);
-    let least = report.inspections.iter().map(|row| row.cost_rate).fold(f64::INFINITY, f64::min);
+    let least = report.inspections.iter().map(|row| row.outcome.cost_rate).fold(f64::INFINITY, f64::min);
     let saved = 100.0 * (1.0 - least / report.cost_rate.value);
     let best = format!(
         "{} costs {:.1} % {} than age replacement without inspections.",

@@ -8,55 +8,25 @@ mod text;
 
 pub use text::answer;
 
-use crate::analyses::replace::{ReplacementError, curve_of};
+use crate::analyses::error::RefusedQuestion;
+use crate::analyses::replace::curve_of;
 use crate::results::summary::StudySummary;
 use crate::statistics::replacement::SurvivalCurve;
 use crate::statistics::test_plan::{
-    BetaPrior, GroupPlan, mean_length, pass_probability, reliability_passed, units,
+    BetaPrior, GroupPlan, PriorRisks, mean_length, pass_probability, reliability_passed, units,
 };
 use serde::Serialize;
-use thiserror::Error;
 
 /// Groups of the plans of sudden death.
 const GROUPS: [u64; 6] = [1, 2, 3, 5, 8, 12];
 /// Probability with which good units shall pass [1].
 const GOOD: f64 = 0.9;
 
-/// Reasons why there is no plan.
-#[derive(Debug, Error, PartialEq)]
-pub enum TestPlanError {
-    /// A plan needs the shape.
-    #[error(
-        "{option}: needs the Weibull shape of the lives, which relates them to --at; give --shape, or a study with lives at R = 0.99 and 0.5"
-    )]
-    NoShape {
-        /// The option that needs it.
-        option: &'static str,
-    },
-    /// The study does not reach the life.
-    #[error("--at {at}: the study ends at {end} cycles; allowed: up to there")]
-    Beyond {
-        /// The life as given [cycles].
-        at: f64,
-        /// Last checkpoint of the study [cycles].
-        end: f64,
-    },
-    /// No number of units is enough.
-    #[error(
-        "no plan: more than ten million units; allowed: a lower reliability or confidence, or longer tests"
-    )]
-    TooMany,
-    /// Allowed failures leave no units.
-    #[error("--units {units}: allowed: above the number of allowed failures, {allowed}")]
-    TooFew {
-        /// Number of units.
-        units: u64,
-        /// Number of failures with which it is passed.
-        allowed: u64,
-    },
-    /// The study has no such curve.
-    #[error(transparent)]
-    Curve(#[from] ReplacementError),
+/// The refusal of an option that needs the shape.
+fn no_shape(option: &str) -> RefusedQuestion {
+    let fault = "needs the Weibull shape of the lives, which relates them to --at; give --shape, or a study with lives at R = 0.99 \
+                 and 0.5";
+    RefusedQuestion::new(option, fault)
 }
 
 /// What is to be demonstrated, and how.
@@ -106,12 +76,9 @@ pub struct PlanRow {
 pub struct PriorPlan {
     /// Number of units.
     pub units: u64,
-    /// Probability of passing, over the prior [1].
-    pub passed: f64,
-    /// P(R < R0 | passed), over the prior: the error of the first kind [1].
-    pub wrongly_passed: f64,
-    /// P(failed and R >= R0), over the prior: the error of the second kind [1].
-    pub wrongly_failed: f64,
+    /// Probabilities over the prior.
+    #[serde(flatten)]
+    pub risks: PriorRisks,
     /// Probability of passing with R = R0, whatever the prior says [1].
     pub passed_at_limit: f64,
 }
@@ -175,11 +142,11 @@ fn shape_of(curve: &SurvivalCurve) -> Option<f64> {
 /// The plans, with the curve `name` of a study as prior.
 ///
 /// # Errors
-/// [`TestPlanError`].
+/// [`RefusedQuestion`].
 pub fn plan(
     question: &TestPlanQuestion,
     study: Option<(&StudySummary, &str)>,
-) -> Result<TestPlanReport, TestPlanError> {
+) -> Result<TestPlanReport, RefusedQuestion> {
     let TestPlanQuestion { reliability, at, confidence, .. } = *question;
     let (mut shape, mut prior) = (question.shape, None);
     if let Some((summary, name)) = study {
@@ -187,7 +154,8 @@ pub fn plan(
         let of = |values: &[f64]| SurvivalCurve::new(&row.cycles, values);
         let best = of(&row.reliability);
         if at > best.end() {
-            return Err(TestPlanError::Beyond { at, end: best.end() });
+            let fault = format!("the study ends at {} cycles; allowed: up to there", best.end());
+            return Err(RefusedQuestion::new(format!("--at {at}"), fault));
         }
         shape = shape.or_else(|| shape_of(&best));
         let [lower, upper] = row.limits().map(|limit| of(limit).at(at));
@@ -202,7 +170,12 @@ pub fn plan(
         };
         prior = Some((law, row));
     }
-    let need = |option| shape.ok_or(TestPlanError::NoShape { option });
+    let need = |option| shape.ok_or_else(|| no_shape(option));
+    let too_many = || {
+        let fault =
+            "more than ten million units; allowed: a lower reliability or confidence, or longer tests";
+        RefusedQuestion::new("no plan", fault)
+    };
     let lengths = match (question.lengths.as_slice(), shape) {
         ([], Some(_)) if question.units.is_none() => [0.5, 1.0, 1.5, 2.0].map(|length| length * at).to_vec(),
         ([], _) => vec![at],
@@ -213,7 +186,10 @@ pub fn plan(
         // With given units the length follows from them.
         let lengths = match question.units {
             None => lengths.clone(),
-            Some(units) if units <= allowed => return Err(TestPlanError::TooFew { units, allowed }),
+            Some(units) if units <= allowed => {
+                let fault = format!("allowed: above the number of allowed failures, {allowed}");
+                return Err(RefusedQuestion::new(format!("--units {units}"), fault));
+            }
             Some(units) => {
                 let seen = reliability_passed(units, allowed, 1.0 - confidence);
                 vec![at * (seen.ln() / reliability.ln()).powf(1.0 / need("--units")?)]
@@ -228,34 +204,25 @@ pub fn plan(
             let is_extra = question.lengths.is_empty() && power.to_bits() != 1.0_f64.to_bits();
             let units = match found {
                 None if is_extra => continue,
-                found => found.ok_or(TestPlanError::TooMany)?,
+                found => found.ok_or_else(too_many)?,
             };
-            let mean_cycles = match question.inspect_every {
-                None => None,
-                Some(every) => {
-                    let shape = need("--inspect-every")?;
-                    let inspections =
-                        (1..).map(|k| f64::from(k) * every / at).take_while(|life| *life < length);
-                    let lives: Vec<f64> = inspections.chain([length]).collect();
-                    Some(at * mean_length(units, allowed, reliability, shape, &lives))
-                }
-            };
+            let mean_cycles = question.inspect_every.map(|every| {
+                let shape = need("--inspect-every")?;
+                let inspections = (1..).map(|k| f64::from(k) * every / at).take_while(|life| *life < length);
+                let lives: Vec<f64> = inspections.chain([length]).collect();
+                Ok(at * mean_length(units, allowed, reliability, shape, &lives))
+            });
+            let mean_cycles = mean_cycles.transpose()?;
             let with_prior = match &prior {
                 None => None,
                 Some((law, _)) => {
                     let units = law.units_for(reliability, allowed, confidence, power);
                     let units = match units {
                         None if is_extra => continue,
-                        units => units.ok_or(TestPlanError::TooMany)?,
+                        units => units.ok_or_else(too_many)?,
                     };
                     let risks = law.risks(reliability, (units, allowed), power);
-                    Some(PriorPlan {
-                        units,
-                        passed: risks.passed,
-                        wrongly_passed: risks.wrongly_passed,
-                        wrongly_failed: risks.wrongly_failed,
-                        passed_at_limit: pass_probability(units, allowed, seen),
-                    })
+                    Some(PriorPlan { units, risks, passed_at_limit: pass_probability(units, allowed, seen) })
                 }
             };
             let passes = reliability_passed(units, allowed, GOOD).powf(1.0 / power);

@@ -1,6 +1,6 @@
 //! The answer of `coordinator test-plan` with its tables.
 
-use super::{PlanRow, PriorRow, TestPlanReport};
+use super::{PlanRow, PriorPlan, PriorRow, TestPlanReport};
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::{count, percent, significant, three_digits, whole};
 
@@ -28,9 +28,9 @@ pub fn answer(report: &TestPlanReport) -> Answer {
             significant(plan.passes, 6),
         ];
         cells.extend(plan.mean_cycles.map(whole));
-        if let Some(prior) = plan.with_prior {
-            cells.push(count(prior.units));
-            let shares = [prior.passed, prior.wrongly_passed, prior.wrongly_failed, prior.passed_at_limit];
+        if let Some(PriorPlan { units, risks, passed_at_limit }) = plan.with_prior {
+            cells.push(count(units));
+            let shares = [risks.passed, risks.wrongly_passed, risks.wrongly_failed, passed_at_limit];
             cells.extend(shares.map(percent));
         }
         cells

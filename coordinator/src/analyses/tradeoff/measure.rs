@@ -1,19 +1,7 @@
 //! Evaluations of several settings at several points by any evaluator.
 
-use super::settings::REFERENCE;
 use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
-use common::accuracy::NamedAccuracy;
-use common::failure::SimulationFailure;
-use common::outputs::Evaluation;
-
-/// Evaluation of one setting at one point.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Measured {
-    /// Time on one core, as the worker measured it [s].
-    pub seconds: f64,
-    /// Result of the evaluation.
-    pub outcome: Result<Evaluation, SimulationFailure>,
-}
+use common::accuracy::{AccuracyNameError, NamedAccuracy};
 
 /// Settings and points to be measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,24 +18,9 @@ pub struct Measurement {
     /// Number of points with complete evaluations: the first ones of the plan.
     pub points: usize,
     /// Evaluations of `reference` at these points `(points,)`.
-    pub reference: Vec<Measured>,
+    pub reference: Vec<Finished>,
     /// Evaluations of every setting of the plan at these points `(settings)(points,)`.
-    pub settings: Vec<Vec<Measured>>,
-}
-
-/// Progress of a measurement: one evaluation has ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TradeoffProgress<'a> {
-    /// Number of evaluations ended.
-    pub done: usize,
-    /// Evaluations in all.
-    pub all: usize,
-    /// Name of its setting.
-    pub setting: &'a str,
-    /// Index of its point, from 0.
-    pub point: usize,
-    /// Time of this evaluation on one core [s].
-    pub seconds: f64,
+    pub settings: Vec<Vec<Finished>>,
 }
 
 impl TradeoffPlan {
@@ -64,7 +37,7 @@ impl TradeoffPlan {
     pub fn measure(
         &self,
         evaluator: &mut dyn Evaluator,
-        progress: &mut dyn FnMut(TradeoffProgress<'_>),
+        progress: &mut dyn FnMut(String),
     ) -> (Measurement, Result<(), EvaluateError>) {
         let requests = self.requests();
         let per_point = 1 + self.settings.len();
@@ -74,11 +47,11 @@ impl TradeoffPlan {
             done += 1;
             let setting = (k % per_point).checked_sub(1).map_or(REFERENCE, |s| &self.settings[s].name);
             let (point, seconds) = (k / per_point, finished.wall);
-            progress(TradeoffProgress { done, all: requests.len(), setting, point, seconds });
+            let all = requests.len();
+            progress(format!("{done}/{all} evaluations: {setting} at point {point}, {seconds:.2} s"));
         });
-        let mut points: Vec<Vec<Measured>> = Vec::new();
-        let measured = |Finished { wall, outcome, .. }| Measured { seconds: wall, outcome };
-        let mut rest = finished.into_iter().map(|finished| finished.map(measured));
+        let mut points: Vec<Vec<Finished>> = Vec::new();
+        let mut rest = finished.into_iter();
         while let Some(point) = rest.by_ref().take(per_point).collect::<Option<Vec<_>>>() {
             if point.is_empty() {
                 break;
@@ -95,10 +68,72 @@ impl TradeoffPlan {
     }
 }
 
+/// The setting that all others are compared with.
+pub const REFERENCE: &str = "reference";
+
+/// The presets and the combinations that have been on a Pareto front: enough to characterise a scene.
+pub const QUICK: [&str; 10] = [
+    "draft",
+    "balanced",
+    "draft+step-x1.41",
+    "draft+step-x1.1",
+    "draft+step-x0.71",
+    "step-x1.41",
+    "step-x0.71",
+    "step-x0.71+jump-2000",
+    "jump-8000",
+    "jump-2000",
+];
+
+/// Single parameters, then combinations, in addition to [`QUICK`]; a new parameter needs a word in [`NamedAccuracy`] and a line here.
+const MORE: [&str; 24] = [
+    "step-x2",
+    "step-x0.5",
+    "jump-100",
+    "jump-250",
+    "jump-500",
+    "jump-1000",
+    "wear-tolerance-5e-3",
+    "wear-tolerance-1e-2",
+    "wear-tolerance-5e-2",
+    "samples-50",
+    "samples-100",
+    "samples-400",
+    "samples-1000",
+    "warm-up-0.02",
+    "warm-up-0.2",
+    "warm-up-1",
+    "dynamic",
+    "draft+step-x2",
+    "draft+step-x0.84",
+    "draft+samples-50",
+    "draft+wear-tolerance-5e-2",
+    "step-x0.84",
+    "step-x0.71+jump-1000",
+    "step-x0.5+jump-500+wear-tolerance-5e-3",
+];
+
+/// The settings of these names.
+///
+/// # Errors
+/// [`AccuracyNameError`] for a name without meaning.
+pub fn settings<'n>(
+    names: impl IntoIterator<Item = &'n str>,
+) -> Result<Vec<NamedAccuracy>, AccuracyNameError> {
+    names.into_iter().map(str::parse).collect()
+}
+
+/// Names of the whole grid.
+pub fn full() -> impl Iterator<Item = &'static str> {
+    QUICK.into_iter().chain(MORE)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::farm::evaluate::local::LocalEvaluator;
+    use common::failure::SimulationFailure;
+    use common::outputs::Evaluation;
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -113,16 +148,17 @@ mod tests {
         Err(SimulationFailure::NotModelled { what: format!("{jump} at {}", request.sample[0]) })
     }
 
-    fn said(measured: &[Measured]) -> Vec<String> {
+    fn said(measured: &[Finished]) -> Vec<String> {
         measured.iter().map(|m| m.outcome.as_ref().unwrap_err().to_string()).collect()
     }
 
     #[test]
     fn every_setting_meets_every_point() {
         let mut seen = Vec::new();
-        let (found, end) = plan().measure(&mut LocalEvaluator::new(2, echo), &mut |p| {
-            seen.push((p.setting.to_owned(), p.point));
-            assert_eq!((p.done, p.all), (seen.len(), 9));
+        let (found, end) = plan().measure(&mut LocalEvaluator::new(2, echo), &mut |text| {
+            let (count, what) = text.split_once(" evaluations: ").expect("a count");
+            seen.push(what.split(',').next().expect("setting and point").to_owned());
+            assert_eq!(count, format!("{}/9", seen.len()));
         });
         assert!(end.is_ok());
         assert_eq!(found.points, 3);
@@ -145,10 +181,21 @@ mod tests {
         let interrupted = Arc::new(AtomicBool::new(false));
         let mut evaluator = LocalEvaluator::new(1, echo).interrupted_by(Arc::clone(&interrupted));
         // Five of nine evaluations: one point, and a part of the second.
-        let (found, end) = plan().measure(&mut evaluator, &mut |p| {
-            interrupted.store(p.done == 5, Ordering::Relaxed);
+        let (found, end) = plan().measure(&mut evaluator, &mut |text| {
+            interrupted.store(text.starts_with("5/9 "), Ordering::Relaxed);
         });
         assert!(matches!(end, Err(EvaluateError::Interrupted)));
         assert_eq!((found.points, found.reference.len(), found.settings[1].len()), (1, 1, 1));
+    }
+
+    #[test]
+    fn every_setting_is_another_one_and_two_are_presets() {
+        let all = settings(full()).expect("every name has a meaning");
+        for (k, one) in all.iter().enumerate() {
+            let twin = all[..k].iter().find(|other| other.accuracy == one.accuracy);
+            assert!(twin.is_none(), "{} is {}", one.name, twin.map_or("", |t| &t.name));
+        }
+        assert_eq!(all.iter().filter(|s| s.is_preset()).count(), 2);
+        assert!(settings(["draft", "drfat"]).is_err());
     }
 }

@@ -5,19 +5,13 @@
 //! names -> [`settings`] -> [`TradeoffPlan::measure`] -> [`compare`] -> [`answer`], [`values_csv`]
 
 mod compare;
-mod csv;
 mod lives;
 mod measure;
 mod page;
-mod settings;
-mod stated;
 #[cfg(test)]
 mod tests;
 
-pub use compare::{OutputError, SettingComparison, compare, reference_row};
-pub use csv::values_csv;
-pub use lives::{LifeChange, PairedReliability, life_changes};
-pub use measure::{Measured, Measurement, TradeoffPlan, TradeoffProgress};
-pub use page::answer;
-pub use settings::{QUICK, full, settings};
-pub use stated::{StatedErrorCheck, StatedValue};
+pub use compare::{compare, reference_row};
+pub use measure::TradeoffPlan;
+pub use measure::{QUICK, full, settings};
+pub use page::{answer, values_csv};

@@ -1,12 +1,18 @@
 //! Comparison and pages of made-up histories.
 
+use super::measure::Measurement;
 use super::*;
+use crate::farm::evaluate::Finished;
 use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use common::scene::{Scene, SceneSource};
 
-fn measured(seconds: f64, history: &[f64], stated: f64) -> Measured {
+fn finished(wall: f64, outcome: Result<Evaluation, SimulationFailure>) -> Finished {
+    Finished { id: 0, outcome, worker: String::new(), wall }
+}
+
+fn measured(seconds: f64, history: &[f64], stated: f64) -> Finished {
     let evaluation = Evaluation {
         cycles: (1..=history.len() as u32).map(|k| 1000 * k).collect(),
         histories: vec![history.to_vec(); 2],
@@ -17,7 +23,7 @@ fn measured(seconds: f64, history: &[f64], stated: f64) -> Measured {
         start: vec![],
         diagnostics: Diagnostics { steps: 100, ..Diagnostics::default() },
     };
-    Measured { seconds, outcome: Ok(evaluation) }
+    finished(seconds, Ok(evaluation))
 }
 
 /// Two outputs, one of them with a limit that nothing reaches.
@@ -101,10 +107,7 @@ fn table_and_csv_contain_all_results() {
 fn a_setting_that_fails_everywhere_has_no_errors_and_is_on_no_front() {
     let scene = scene();
     let failure = SimulationFailure::NotModelled { what: "this".into() };
-    let measurement = Measurement {
-        settings: vec![vec![Measured { seconds: 0.1, outcome: Err(failure) }; 2]],
-        ..measurement()
-    };
+    let measurement = Measurement { settings: vec![vec![finished(0.1, Err(failure)); 2]], ..measurement() };
     let rows = compare(&scene, &three()[..1], &measurement);
     assert_eq!((rows[0].failures, rows[0].outputs.len(), rows[0].efficient), (2, 0, false));
     assert!(rows[0].lives.is_empty());

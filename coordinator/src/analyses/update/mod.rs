@@ -21,8 +21,8 @@ pub use fleet::{FleetSettings, update};
 pub(in crate::analyses) use fleet::{evidence_of, outputs_of, posterior, warning};
 pub use observation::{FleetData, Moment, Observable, Observation, ObservedUnit, Quantity, UnknownParameter};
 pub(in crate::analyses) use predictor::Prior;
-pub use result::{FleetReport, ObservationRow, RemainingLife, UnitReport, UpdatedVariable};
+pub use result::{ObservationRow, UnitReport};
 pub use text::answer;
 #[cfg(test)]
-pub(in crate::analyses) use unit_file::parse_fleet;
-pub use unit_file::{read as read_units, read_fleet};
+pub(in crate::analyses) use unit_file::parse as parse_fleet;
+pub use unit_file::read as read_fleet;

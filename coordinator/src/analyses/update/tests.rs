@@ -1,3 +1,4 @@
+use super::result::FleetReport;
 use super::*;
 use crate::statistics::design::Population;
 use crate::study::{LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
@@ -45,7 +46,7 @@ fn study() -> (SceneSource, Settings, LifeModel) {
 
 fn updated(text: &str, particles: usize) -> FleetReport {
     let (source, settings, model) = study();
-    let units = unit_file::parse(text, "units.csv", &source, &model).unwrap();
+    let units = unit_file::parse(text, "units.csv", &source, &model, None).unwrap().units;
     let summary = crate::test_study::study().summary;
     let mut fleet = FleetSettings::new(settings.seed);
     fleet.population = 40_000;
@@ -126,7 +127,7 @@ fn survival_lengthens_and_an_improbable_value_is_warned_of() {
 fn every_fault_of_a_file_is_named_with_line_and_column() {
     let (source, _, model) = study();
     let faults = |text: &str| {
-        let Faults(faults) = unit_file::parse(text, "units.csv", &source, &model).unwrap_err();
+        let Faults(faults) = unit_file::parse(text, "units.csv", &source, &model, None).unwrap_err();
         let said = |fault: &Fault| {
             format!("line {}, column {}: {}", fault.location.as_ref().unwrap().line, fault.key, fault.kind)
         };

@@ -1,10 +1,10 @@
 //! Updated units with their tables and figures, and as CSV.
 
 use super::result::{FleetReport, RemainingLife, UnitReport, UpdatedVariable};
-use crate::presentation::report::answer::{Answer, AnswerPart, Table};
-use crate::presentation::report::palette::{Ink, SERIES};
-use crate::presentation::report::{Axis, Figure, Plot, Points, Series, Shape};
-use crate::results::csv_table::{CsvTable, number};
+use crate::presentation::report::{
+    Answer, AnswerPart, Axis, Figure, Ink, Plot, Points, SERIES, Series, Shape, Table, csv,
+};
+use crate::results::csv_table::number;
 use crate::results::summary::ReliabilityRow;
 
 /// Units whose variables are listed: with more, only the table of units is.
@@ -46,7 +46,7 @@ pub fn answer(report: &FleetReport) -> Answer {
             .to_owned(),
         parts,
         figures: figures(report),
-        files: vec![("units.csv".to_owned(), csv(report))],
+        files: vec![("units.csv".to_owned(), units_csv(report))],
         ..Answer::default()
     }
 }
@@ -109,17 +109,15 @@ fn variables(unit: &UnitReport) -> AnswerPart {
 /// One row per unit: `unit, observed_until, R, R_standard_error, remaining_5, remaining_50, remaining_95, effective_size,
 /// stages, least_probability, warning`; lives beyond the study are empty. The least probability is at least what the number of
 /// points resolves.
-fn csv(report: &FleetReport) -> String {
-    let mut table = CsvTable::new(
-        "unit,observed_until,R,R_standard_error,remaining_5,remaining_50,remaining_95,effective_size,stages,least_probability,warning"
-            .split(','),
-    );
-    for unit in &report.units {
-        let or_empty = |value: Option<f64>| value.map_or(String::new(), number);
+fn units_csv(report: &FleetReport) -> String {
+    let head = "unit,observed_until,R,R_standard_error,remaining_5,remaining_50,remaining_95,effective_size,stages,least_probability,\
+                warning";
+    let or_empty = |value: Option<f64>| value.map_or(String::new(), number);
+    let row = |unit: &UnitReport| {
         let there = unit.reliability.first();
         let least =
             unit.observations.iter().map(|o| o.probability.max(o.resolution)).fold(f64::INFINITY, f64::min);
-        table.push([
+        [
             unit.unit.clone(),
             number(unit.observed_until),
             or_empty(there.map(|row| row.reliability["total"])),
@@ -131,9 +129,9 @@ fn csv(report: &FleetReport) -> String {
             unit.stages.to_string(),
             number(least),
             unit.warning.clone().unwrap_or_default(),
-        ]);
-    }
-    table.into_text()
+        ]
+    };
+    csv(head.split(','), report.units.iter().map(row))
 }
 
 /// The remaining lives, and of as many units as there are colours the curves.
@@ -177,8 +175,7 @@ fn curves(fleet: &FleetReport) -> Figure {
         series.push(Series::new(&unit.unit, Ink::Series(k), Shape::Line(points(&unit.reliability))));
     }
     let x = Axis::linear("life [cycles]", (0.0, fleet.end));
-    let y = Axis::linear("reliability R", (0.0, 1.0));
-    Plot { figure: "updated-reliability", x, y, series: &series }.figure(
+    Plot::of_reliability("updated-reliability", x, &series).figure(
         "Reliability",
         "Probability of no failure up to this life, given what was observed of each unit.",
     )

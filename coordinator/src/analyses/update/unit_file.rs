@@ -22,39 +22,18 @@ const COLUMNS: [&str; 5] = ["unit", "cycles", "quantity", "value", "error"];
 /// Differences of two values of one quantity at one life that contradict each other [standard deviations].
 const CONTRADICTION: f64 = 4.0;
 
-/// Reads a file of units for a study.
+/// Reads a file of the units of a fleet. With `designs`, the indices of the random variables that stand for design variables, rows of the
+/// unit `population` name what is not known of their population.
 ///
 /// # Errors
 /// All faults.
-pub fn read(path: &Path, source: &SceneSource, model: &LifeModel) -> Result<Vec<ObservedUnit>, Faults> {
-    parse(&read_text(path)?, &path.display().to_string(), source, model)
-}
-
-/// Reads a file of the units of a fleet and of what is not known of their population; `designs` are the indices of the random
-/// variables that stand for design variables.
-///
-/// # Errors
-/// All faults.
-pub fn read_fleet(
+pub fn read(
     path: &Path,
     source: &SceneSource,
     model: &LifeModel,
-    designs: &[usize],
+    designs: Option<&[usize]>,
 ) -> Result<FleetData, Faults> {
-    parse_fleet(&read_text(path)?, &path.display().to_string(), source, model, Some(designs))
-}
-
-/// Reads the text of a file of units.
-///
-/// # Errors
-/// All faults.
-pub fn parse(
-    text: &str,
-    file: &str,
-    source: &SceneSource,
-    model: &LifeModel,
-) -> Result<Vec<ObservedUnit>, Faults> {
-    parse_fleet(text, file, source, model, None).map(|data| data.units)
+    parse(&read_text(path)?, &path.display().to_string(), source, model, designs)
 }
 
 /// The unit whose rows name what is not known of all.
@@ -64,7 +43,7 @@ const POPULATION: &str = "population";
 ///
 /// # Errors
 /// All faults.
-pub fn parse_fleet(
+pub fn parse(
     text: &str,
     file: &str,
     source: &SceneSource,

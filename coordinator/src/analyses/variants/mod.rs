@@ -3,7 +3,7 @@
 
 mod variants_file;
 
-pub use variants_file::{ModelVariant, StoredVariant, read};
+pub use variants_file::{ModelVariant, read};
 
 use crate::analyses::paired_results::PairedResults;
 use crate::results::summary::StudySummary;
@@ -20,7 +20,7 @@ pub const VARIANTS_DOCUMENT: &str = "variants";
 pub fn row(
     scene: &Scene,
     settings: &Settings,
-    variant: &StoredVariant,
+    variant: &ModelVariant,
     base: &CampaignResult,
     found: &LearnedVariant,
 ) -> VariantRow {

@@ -20,22 +20,9 @@ use toml::Table;
 /// Most variants that a study may have had.
 const MOST: usize = 200;
 
-/// A variant as its file names it.
-#[derive(Debug, Clone)]
-pub struct ModelVariant {
-    /// Name of the variant.
-    pub name: String,
-    /// What it changes, `key = value`.
-    pub changes: Vec<String>,
-    /// The changed scene.
-    pub source: SceneSource,
-    /// Its accuracy; `None` for that of the study.
-    pub accuracy: Option<NamedAccuracy>,
-}
-
-/// A variant as a campaign file stores it.
+/// A variant of the model of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct StoredVariant {
+pub struct ModelVariant {
     /// Name of the variant.
     pub name: String,
     /// What it changes, `key = value`.
@@ -44,32 +31,26 @@ pub struct StoredVariant {
     pub scene: String,
     /// Its accuracy; `None` for that of the study.
     pub accuracy: Option<NamedAccuracy>,
-    /// Level of its evaluations.
+    /// Level of its evaluations, given when it is stored.
     pub level: u8,
     /// False for one of an earlier file, whose evaluations remain.
     pub is_asked: bool,
 }
 
-impl StoredVariant {
+impl ModelVariant {
     /// These variants, after those that the campaign file has `known`: one that is the same keeps its evaluations.
-    pub fn merged(mut known: Vec<Self>, asked: &[ModelVariant]) -> Vec<Self> {
+    pub fn merged(mut known: Vec<Self>, asked: &[Self]) -> Vec<Self> {
         known.iter_mut().for_each(|variant| variant.is_asked = false);
-        for ModelVariant { name, changes, source, accuracy } in asked {
-            let is_same = |old: &&mut Self| old.scene == source.text() && old.accuracy == *accuracy;
+        for variant in asked {
+            let is_same =
+                |old: &&mut Self| (&old.scene, &old.accuracy) == (&variant.scene, &variant.accuracy);
             if let Some(old) = known.iter_mut().find(is_same) {
-                (old.name, old.changes, old.is_asked) = (name.clone(), changes.clone(), true);
+                *old = Self { level: old.level, ..variant.clone() };
                 continue;
             }
             let level =
                 FIRST_VARIANT + u8::try_from(known.len().min(MOST)).unwrap_or(u8::MAX - FIRST_VARIANT);
-            known.push(Self {
-                name: name.clone(),
-                changes: changes.clone(),
-                scene: source.text().to_owned(),
-                accuracy: accuracy.clone(),
-                level,
-                is_asked: true,
-            });
+            known.push(Self { level, ..variant.clone() });
         }
         known
     }
@@ -127,8 +108,10 @@ fn variant(name: &str, row: &mut Section, base: &SceneSource) -> Option<ModelVar
     (row.fault_count() == before).then_some(ModelVariant {
         name: name.to_owned(),
         changes,
-        source,
+        scene: source.text().to_owned(),
         accuracy: accuracy.ok()?,
+        level: 0,
+        is_asked: true,
     })
 }
 
@@ -172,15 +155,15 @@ mod tests {
              [[variants]]\nname = \"film\"\nset = { \"parameters.film_damping\" = \"120 N s/m\" }\naccuracy = \"draft+points-x2\"\n",
         )
         .unwrap();
-        assert_eq!(found[0].source.text().matches("contact_law = \"foundation\"").count(), 3);
+        assert_eq!(found[0].scene.matches("contact_law = \"foundation\"").count(), 3);
         assert_eq!(found[0].changes, ["joints.*.contact_law = \"foundation\""]);
         assert_eq!(found[1].accuracy.as_ref().unwrap().accuracy.points, 2);
-        assert!(found[1].source.text().contains("film_damping = \"120 N s/m\""));
-        let stored = StoredVariant::merged(vec![], &found);
+        assert!(found[1].scene.contains("film_damping = \"120 N s/m\""));
+        let stored = ModelVariant::merged(vec![], &found);
         assert_eq!([stored[0].level, stored[1].level], [FIRST_VARIANT, FIRST_VARIANT + 1]);
         // Another file: what is the same keeps its level, whatever its name.
         let renamed = ModelVariant { name: "thicker film".to_owned(), ..found[1].clone() };
-        let merged = StoredVariant::merged(stored, &[renamed]);
+        let merged = ModelVariant::merged(stored, &[renamed]);
         assert_eq!((merged.len(), merged[0].is_asked, merged[1].is_asked), (2, false, true));
         assert_eq!((merged[1].name.as_str(), merged[1].level), ("thicker film", FIRST_VARIANT + 1));
     }

@@ -15,7 +15,8 @@ mod text;
 pub use data_file::{LifeQuestion, read as read_lives};
 pub use text::{answer, json};
 
-use crate::analyses::replace::{ReplacementError, curve_of};
+use crate::analyses::error::RefusedQuestion;
+use crate::analyses::replace::curve_of;
 use crate::results::summary::StudySummary;
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::goodness_of_fit::{GoodnessOfFit, anderson_darling};
@@ -90,8 +91,8 @@ impl WeibullReport {
     /// Adds the comparison with a curve of a study, which reaches beyond all lives.
     ///
     /// # Errors
-    /// [`ReplacementError`] if there is no such curve.
-    pub fn compare(&mut self, summary: &StudySummary, curve: &str) -> Result<(), ReplacementError> {
+    /// [`RefusedQuestion`] if there is no such curve.
+    pub fn compare(&mut self, summary: &StudySummary, curve: &str) -> Result<(), RefusedQuestion> {
         let row = curve_of(summary, curve)?;
         let points = summary.population;
         let limits = row.limits();

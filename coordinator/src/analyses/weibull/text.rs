@@ -1,10 +1,8 @@
 //! The answer of `coordinator weibull` with its tables and its figure.
 
 use super::{StudyEvidence, WeibullReport};
-use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::{significant, three_digits};
-use crate::presentation::report::palette::Ink;
-use crate::presentation::report::{Axis, Figure, Plot, Series, Shape};
+use crate::presentation::report::{Answer, AnswerPart, Axis, Figure, Ink, Plot, Series, Shape, Table};
 use crate::statistics::life_data::{FitBounds, UnitLife};
 use serde_json::{Value, json};
 
@@ -139,13 +137,8 @@ fn figure(report: &WeibullReport) -> Figure {
     series.push(Series::new("data", Ink::Ink, Shape::Cloud(kaplan_meier(lives))));
     let caption = "Weibull distribution with Fisher bounds; data: estimate of Kaplan and Meier after each failure, one within an interval \
                    at its end.";
-    Plot {
-        figure: "weibull",
-        x: Axis::linear("life [cycles]", (0.0, end)),
-        y: Axis::linear("reliability R", (0.0, 1.0)),
-        series: &series,
-    }
-    .figure("Reliability by the data", caption)
+    let x = Axis::linear("life [cycles]", (0.0, end));
+    Plot::of_reliability("weibull", x, &series).figure("Reliability by the data", caption)
 }
 
 /// R after each failure (t, R), one within an interval at its end.

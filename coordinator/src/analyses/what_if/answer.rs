@@ -2,8 +2,7 @@
 //! simulations and over populations of common random numbers, and their changes with intervals.
 
 use super::changes::Changes;
-use super::outside::widen;
-use super::region::Region;
+use super::region::{Region, widen};
 use crate::analyses::paired_results::{ChangeOfLife, PairedResults, ReliabilityChange};
 use crate::results::summary::StudySummary;
 use crate::statistics::reliability::paired::OtherErrors;
@@ -116,22 +115,15 @@ pub fn ask(study: &FinishedStudy<'_>, changed: &Scene) -> Result<WhatIf, StudyEr
 
 /// The largest difference of the R(n) of two results of the same scene, with what `study` states there.
 fn agreement(study: &StudySummary, again: &StudySummary) -> Agreement {
-    let mut found =
-        Agreement { largest_difference: 0.0, limit_state: "total".to_owned(), cycles: 0, stated: 0.0 };
-    for (own, row) in study.reliability.iter().zip(&again.reliability) {
-        for (name, r) in &own.reliability {
-            let difference = row.reliability.get(name).map_or(0.0, |again| (r - again).abs());
-            if difference > found.largest_difference || found.cycles == 0 {
-                let range = own.interval_of(name);
-                let stated = range.map_or(0.0, |range| 0.5 * (range.upper - range.lower));
-                found = Agreement {
-                    largest_difference: difference,
-                    limit_state: name.clone(),
-                    cycles: own.cycles,
-                    stated,
-                };
-            }
-        }
-    }
-    found
+    let rows = study.reliability.iter().zip(&again.reliability);
+    let all = rows.flat_map(|(own, row)| {
+        own.reliability.iter().map(|(name, r)| Agreement {
+            largest_difference: row.reliability.get(name).map_or(0.0, |again| (r - again).abs()),
+            limit_state: name.clone(),
+            cycles: own.cycles,
+            stated: own.interval_of(name).map_or(0.0, |range| 0.5 * (range.upper - range.lower)),
+        })
+    });
+    let larger = |a: Agreement, b: Agreement| if b.largest_difference > a.largest_difference { b } else { a };
+    all.reduce(larger).expect("a study has a checkpoint, and a curve of the system")
 }

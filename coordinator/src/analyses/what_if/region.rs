@@ -4,6 +4,9 @@
 //! The surrogates' stated errors grow outside of the region as their model says. The model holds there only if the response
 //! goes on as it does inside, which no simulation has shown.
 
+use crate::analyses::paired_results::reached;
+use crate::results::life_summary::{CyclesRange, LifeCurveRow};
+use crate::results::summary::{ReliabilityRange, StudySummary};
 use crate::study::CampaignResult;
 use common::scene::Scene;
 use serde::Serialize;
@@ -142,4 +145,45 @@ fn uncertain(before: &CampaignResult, after: &CampaignResult) -> f64 {
     let n = bounds.first().map_or(0, |(_, factors)| factors.len());
     let exceeds = |j: &usize| bounds.iter().any(|(bound, factors)| factors[*j] > *bound);
     (0..n).filter(exceeds).count() as f64 / n.max(1) as f64
+}
+
+/// Widens the 95 % intervals of R and of the lives of `summary` by a share s of unknown units [1].
+///
+/// A surrogate states its own error, which supposes that the response goes on as inside. If the share of the population outside is large,
+/// that supposition decides R. Then nothing is taken as known there: all or none of these units may fail,
+///
+///   R - s <= R(n) <= R + s, within 0 and 1,
+///
+/// and a life lies where these limits fall to its level. The same convention bounds a share that cannot be simulated.
+pub(super) fn widen(summary: &mut StudySummary, share: f64) {
+    let down = |r: &mut f64| *r = (*r - share).max(0.0);
+    let up = |r: &mut f64| *r = (*r + share).min(1.0);
+    for row in &mut summary.reliability {
+        let names: Vec<String> = row.reliability.keys().cloned().collect();
+        for name in names {
+            let Some(ReliabilityRange { mut lower, mut upper }) = row.interval_of(&name) else { continue };
+            down(&mut lower);
+            up(&mut upper);
+            row.numerical.remove(&name);
+            row.interval.insert(name, ReliabilityRange { lower, upper });
+        }
+    }
+    for curve in &mut summary.curves {
+        curve.lower.iter_mut().chain(&mut curve.numerical_lower).for_each(down);
+        curve.upper.iter_mut().chain(&mut curve.numerical_upper).for_each(up);
+    }
+    for life in &mut summary.lives {
+        let of_life = |curve: &&LifeCurveRow| curve.limit_state == life.limit_state;
+        let Some(curve) = summary.curves.iter().find(of_life) else { continue };
+        let range = |lower: &[f64], upper: &[f64], end: f64| CyclesRange {
+            lower: reached(&curve.cycles, lower, life.reliability).unwrap_or(end),
+            upper: reached(&curve.cycles, upper, life.reliability),
+        };
+        life.interval = range(&curve.lower, &curve.upper, life.interval.lower);
+        if let Some(with) = &mut life.with_numerical_error
+            && !curve.numerical_lower.is_empty()
+        {
+            *with = range(&curve.numerical_lower, &curve.numerical_upper, with.lower);
+        }
+    }
 }

@@ -3,17 +3,17 @@
 use super::answer::{Agreement, WhatIf};
 use super::changes::{ChangedVariable, LawParameters};
 use crate::analyses::paired_results::{ChangeOfLife, curve_names};
-use crate::presentation::report::answer::{Answer, AnswerPart, Table};
-use crate::presentation::report::compare::ComparedStudy;
-use crate::presentation::report::format::{count, percent, shortest, signed_with_width, three_digits};
+use crate::presentation::report::format::{
+    before_unit, count, percent, shortest, signed_with_width, three_digits, unit_scale,
+};
 use crate::presentation::report::life::{
-    LEVELS, life_and_limits, life_at, reliability, rows_that_matter, unresolved_fall,
+    LEVELS, life_at, life_with_limits, reliability, rows_that_matter, unresolved_fall,
 };
 use crate::presentation::report::life_change::change_of_life;
+use crate::presentation::report::{Answer, AnswerPart, ComparedStudy, Table};
 use crate::results::summary::{FirstFailureRow, StudySummary};
 use crate::statistics::reliability::paired::Change;
 use common::scene::Scene;
-use common::scene::expression::read_unit;
 use serde_json::{Value, json};
 
 /// Most checkpoints in a table of the text.
@@ -109,7 +109,7 @@ fn changes(answer: &WhatIf, scene: &Scene) -> Vec<Vec<String>> {
 
 fn in_words(law: &LawParameters, unit: &str) -> String {
     // The unit was read when the scene was checked; "1" denotes a plain number.
-    let scale = read_unit(unit).map_or(1.0, |unit| unit.multiply / unit.divide);
+    let scale = unit_scale(unit);
     let shown = |value: f64| shortest(value / scale, 6);
     let mut text = format!("{}, mean {}, std {}", law.distribution, shown(law.mean), shown(law.std));
     match (law.lower, law.upper) {
@@ -118,7 +118,7 @@ fn in_words(law: &LawParameters, unit: &str) -> String {
         (None, Some(upper)) => text += &format!(", to {}", shown(upper)),
         (None, None) => {}
     }
-    if unit == "1" { text } else { format!("{text} {unit}") }
+    before_unit(&text, unit)
 }
 
 /// A change with the half-width of its interval and its sign.
@@ -162,10 +162,8 @@ fn lives_table(answer: &WhatIf) -> Option<Table> {
     if answer.before.lives.is_empty() || answer.after.lives.is_empty() {
         return None;
     }
-    let cell = |summary: &StudySummary, name: &str, level: f64| {
-        let (life, limits) = life_and_limits(life_at(summary, name, level));
-        if limits.is_empty() { life } else { format!("{life} ({limits})") }
-    };
+    let cell =
+        |summary: &StudySummary, name: &str, level: f64| life_with_limits(life_at(summary, name, level));
     let change = |name: &str, level: f64| {
         let is_asked =
             |row: &&ChangeOfLife| row.limit_state == name && row.reliability.to_bits() == level.to_bits();

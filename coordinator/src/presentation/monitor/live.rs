@@ -6,7 +6,9 @@ use super::study_section::{STYLE, StatusSource, study_section};
 use crate::farm::dispatch::StatusBoard;
 use crate::presentation::progress::{record, state_of_study};
 use crate::presentation::report::nominal_page::NominalView;
-use crate::presentation::report::{self, Figure, LiveStatus, Page, ReportInput, SUMMARY_DOCUMENT};
+use crate::presentation::report::{
+    self, Figure, FigureFiles, LiveStatus, Page, ReportInput, SUMMARY_DOCUMENT,
+};
 use crate::results::progress::{Observer, Progress};
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::{EvaluationCounts, ReliabilityRow, Round, StudySummary};
@@ -38,15 +40,6 @@ const LAST_ANSWERS: Duration = Duration::from_secs(1);
 const LINE_STYLE: &str = "#live{position:sticky;top:0;margin:0;padding:.4em 1em;text-align:center;\
                           background:#234;color:#fff;font:14px sans-serif}";
 
-/// A rendered page.
-#[derive(Debug, Clone)]
-pub struct PageView {
-    /// Number of progress records it includes.
-    pub revision: u64,
-    /// Text of the page.
-    pub html: String,
-}
-
 /// Answer to the script of a page that asks for a newer one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub(super) struct PageUpdate {
@@ -69,9 +62,10 @@ struct ObservedProgress {
     ended: bool,
 }
 
-/// The last page and the time until which it is reused.
+/// The last page, the number of progress records it includes, and the time until which it is reused.
 struct CachedPage {
-    view: PageView,
+    html: String,
+    revision: u64,
     until: Instant,
     holds_report: bool,
 }
@@ -146,22 +140,22 @@ impl LivePage {
     }
 
     /// The current page, or the last one if it is only a few seconds old.
-    pub fn view(&self) -> PageView {
+    pub fn view(&self) -> String {
         let mut cached = self.cached.lock().unwrap_or_else(PoisonError::into_inner);
         let revision = *self.revision.borrow();
         let ended = self.observed().ended;
-        if let Some(CachedPage { view, until, holds_report }) = &*cached
-            && ((view.revision == revision && *holds_report) || (!ended && Instant::now() < *until))
+        if let Some(page) = &*cached
+            && ((page.revision == revision && page.holds_report) || (!ended && Instant::now() < page.until))
         {
-            return view.clone();
+            return page.html.clone();
         }
         let begun = Instant::now();
         let (html, holds_report) = self.page(revision);
         let interval = SHORTEST_INTERVAL.max(begun.elapsed() * INTERVAL_FACTOR);
         let reused = if holds_report { interval } else { PAGE_INTERVAL };
-        let view = PageView { revision, html };
-        *cached = Some(CachedPage { view: view.clone(), until: Instant::now() + reused, holds_report });
-        view
+        let until = Instant::now() + reused;
+        *cached = Some(CachedPage { html: html.clone(), revision, until, holds_report });
+        html
     }
 
     /// The update after revision `after`, as soon as a newer page can be rendered or [`LONGEST_WAIT`] has passed.
@@ -302,7 +296,7 @@ impl LivePage {
         }
         let missing = || StoreError::NoCampaign { dir: self.dir.clone() };
         let input = ReportInput::from_campaign(&copy, &self.scene)?.ok_or_else(missing)?;
-        Ok(report::render_alone(&input))
+        Ok(report::render(&input, FigureFiles::Absent))
     }
 }
 

@@ -12,6 +12,6 @@ mod live;
 mod server;
 mod study_section;
 
-pub use live::{LivePage, PageView, ProgressRelay};
+pub use live::{LivePage, ProgressRelay};
 pub use server::{MonitorError, MonitorServer, listen_address};
 pub use study_section::{StatusSource, status_text};

@@ -101,7 +101,7 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
                       img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 async fn page(State(live): State<Arc<LivePage>>) -> Result<Response, StatusCode> {
-    Ok(html(compute(move || live.view()).await?.html, POLICY))
+    Ok(html(compute(move || live.view()).await?, POLICY))
 }
 
 /// Content security policy of the report of a finished study: the script of its animation is part of it.

@@ -1,9 +1,8 @@
 //! The answer of a command: texts, tables and figures in their order, on a terminal, in Markdown and as a page.
 
-use super::figure::Figure;
-use super::figures::{ComparedStudy, compared};
+use super::figures::compared;
 use super::page::{self, wrapped};
-use super::tables::table;
+use super::{ComparedStudy, Figure, table};
 use super::{ReportError, write_figures};
 use crate::presentation::format::in_columns;
 use crate::results::result_files::{create_folder, write_text};

@@ -1,8 +1,7 @@
 //! A chart of pairs of horizontal bars with their errors, one pair per variable.
 
-use super::figure::{Drawing, Figure, csv};
-use super::palette::Ink;
-use super::plot::{DrawError, LETTERS, Series, Shape, draw, legend, letters, px, stroke, tick_label};
+use super::plot::{DrawError, LETTERS, draw, legend, letters, px, stroke};
+use super::{Drawing, Figure, Ink, Series, Shape, csv, tick_label};
 use crate::results::csv_table::number;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;

@@ -1,83 +1,54 @@
 //! Comparison of finished studies on one page: overlaid reliability curves, lives, and computing effort; and the curves
 //! as CSV.
 
-use super::answer::{Answer, AnswerPart, Table};
 use super::figures::capital;
 use super::format::{UNKNOWN, count, duration};
-use super::life::{LEVELS, LifeAt, failure_probability, life_and_limits, life_at, unresolved_fall};
+use super::life::{LEVELS, failure_probability, life_at, life_with_limits, unresolved_fall};
 use super::life_change::change_between;
-use super::palette::SERIES;
 use super::words;
+use super::{Answer, AnswerPart, SERIES, Table};
 use crate::results::csv_table::{CsvTable, number};
-use crate::results::summary::PerLimitState;
-use crate::statistics::reliability::paired::Change;
+use crate::results::summary::{PerLimitState, StudySummary};
 use std::collections::BTreeSet;
 use thiserror::Error;
 
 pub use super::figures::ComparedStudy;
 
-/// Largest number of studies that one figure can distinguish.
-pub const MOST: usize = SERIES;
-
-/// Studies that cannot be compared.
+/// Why studies cannot be compared, in words.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-pub enum Incomparable {
-    /// Fewer studies than a comparison needs, or more than there are distinct colours.
-    #[error("{given} studies: a comparison takes 2 to {MOST}")]
-    Number {
-        /// Number of studies given.
-        given: usize,
-    },
-    /// The limit states of the studies differ.
-    #[error(
-        "{} and {} have different limit states: {} against {}; studies are compared by limit states of the same \
-         names",
-        .names[0], .names[1], .limit_states[0].join(", "), .limit_states[1].join(", ")
-    )]
-    LimitStates {
-        /// Names of the first study and of another.
-        names: [String; 2],
-        /// Their limit states.
-        limit_states: [Vec<String>; 2],
-    },
-    /// The checkpoints of the studies differ.
-    #[error(
-        "{} and {} have different checkpoints: every {} cycles up to {} against every {} up to {}; give the scenes \
-         the same life",
-        .names[0], .names[1], .ends[0][0], .ends[0][1], .ends[1][0], .ends[1][1]
-    )]
-    Checkpoints {
-        /// Names of the first study and of another.
-        names: [String; 2],
-        /// Their first and last checkpoints [cycles].
-        ends: [[u32; 2]; 2],
-    },
-}
+#[error("{0}")]
+pub struct Incomparable(String);
 
 /// Checks that the studies can be compared: at least two, with the same limit states (in any order) and checkpoints.
 ///
 /// # Errors
 /// [`Incomparable`].
 pub fn check(studies: &[ComparedStudy]) -> Result<(), Incomparable> {
-    if !(2..=MOST).contains(&studies.len()) {
-        return Err(Incomparable::Number { given: studies.len() });
+    if !(2..=SERIES).contains(&studies.len()) {
+        return Err(Incomparable(format!("{} studies: a comparison takes 2 to {SERIES}", studies.len())));
     }
     let states = |study: &ComparedStudy| study.summary.limit_states.iter().cloned().collect::<BTreeSet<_>>();
     let cycles =
         |study: &ComparedStudy| study.summary.reliability.iter().map(|row| row.cycles).collect::<Vec<_>>();
     for other in &studies[1..] {
         let both = [&studies[0], other];
-        let names = both.map(|study| study.name.clone());
+        let [first, second] = both.map(|study| &study.name);
         let [of_first, of_other] = both.map(states);
         if of_first != of_other {
-            let limit_states = both.map(|study| study.summary.limit_states.clone());
-            return Err(Incomparable::LimitStates { names, limit_states });
+            let [a, b] = both.map(|study| study.summary.limit_states.join(", "));
+            return Err(Incomparable(format!(
+                "{first} and {second} have different limit states: {a} against {b}; studies are compared by limit states of the \
+                 same names"
+            )));
         }
         let both = both.map(cycles);
         if both[0] != both[1] {
             let end = |cycles: Option<&u32>| cycles.copied().unwrap_or(0);
-            let ends = both.map(|cycles| [end(cycles.first()), end(cycles.last())]);
-            return Err(Incomparable::Checkpoints { names, ends });
+            let [[a, b], [c, d]] = both.map(|cycles| [end(cycles.first()), end(cycles.last())]);
+            return Err(Incomparable(format!(
+                "{first} and {second} have different checkpoints: every {a} cycles up to {b} against every {c} up to {d}; give the \
+                 scenes the same life"
+            )));
         }
     }
     Ok(())
@@ -142,27 +113,16 @@ fn lives(studies: &[ComparedStudy], name: &str) -> Table {
     }
     let levels = LEVELS.map(|level| format!("at R = {level} (95 % interval)"));
     let rows = studies.iter().map(|study| {
-        let lives = LEVELS.map(|level| life_in_words(life_at(&study.summary, name, level)));
+        let lives = LEVELS.map(|level| life_with_limits(life_at(&study.summary, name, level)));
         [vec![study.name.clone()], lives.to_vec()].concat()
     });
-    let gains = studies.iter().enumerate().skip(1).map(|(k, study)| {
-        let gains = LEVELS.map(|level| gain(studies, k, (name, level)).1);
+    let gains = studies.iter().skip(1).map(|study| {
+        let both = [&studies[0].summary, &study.summary];
+        let gains = LEVELS.map(|level| change_between(both, (name, level)).1);
         [vec![format!("{} minus {}", study.name, studies[0].name)], gains.to_vec()].concat()
     });
     let head = std::iter::once("life [cycles]".to_owned()).chain(levels);
     Table::new(capital(name), head, rows.chain(gains))
-}
-
-fn life_in_words(life: LifeAt) -> String {
-    match life_and_limits(life) {
-        (life, limits) if limits.is_empty() => life,
-        (life, limits) => format!("{life} ({limits})"),
-    }
-}
-
-/// Change of a life, of a curve at a level, from the first study to study `k`, and in words.
-pub fn gain(studies: &[ComparedStudy], k: usize, life: (&str, f64)) -> (Option<Change>, String) {
-    change_between([&studies[0].summary, &studies[k].summary], life)
 }
 
 /// The keys in which the scenes differ, with their values.
@@ -197,20 +157,27 @@ fn effort(studies: &[ComparedStudy]) -> Table {
 /// Every curve of every study: `study`, `limit_state`, `cycles`, `R`, `standard_error`, and the 95 % interval `lower`, `upper`,
 /// one row per checkpoint.
 pub fn csv(studies: &[ComparedStudy]) -> String {
-    let mut table =
-        CsvTable::new(["study", "limit_state", "cycles", "R", "standard_error", "lower", "upper"]);
+    let mut table = CsvTable::new(["study"].into_iter().chain(CURVE_COLUMNS));
     for ComparedStudy { name: study, summary } in studies {
         for name in studies[0].summary.curve_names() {
-            let value = |values: &PerLimitState| values.get(name).copied().map_or(String::new(), number);
-            for row in &summary.reliability {
-                let [r, error] = [&row.reliability, &row.standard_error].map(value);
-                let range = row.interval_of(name).map(|range| [range.lower, range.upper].map(number));
-                let [lower, upper] = range.unwrap_or_default();
-                table.push([study, name, &row.cycles.to_string(), &r, &error, &lower, &upper]);
-            }
+            curve_cells(summary, name).for_each(|cells| table.push([study.clone()].into_iter().chain(cells)));
         }
     }
     table.into_text()
+}
+
+/// Columns of the rows of [`curve_cells`].
+pub const CURVE_COLUMNS: [&str; 6] = ["limit_state", "cycles", "R", "standard_error", "lower", "upper"];
+
+/// R of a curve at every checkpoint with its standard error and its 95 % interval.
+pub fn curve_cells<'s>(summary: &'s StudySummary, name: &'s str) -> impl Iterator<Item = [String; 6]> + 's {
+    let value = move |values: &PerLimitState| values.get(name).copied().map_or(String::new(), number);
+    summary.reliability.iter().map(move |row| {
+        let [r, error] = [&row.reliability, &row.standard_error].map(value);
+        let range = row.interval_of(name).map(|range| [range.lower, range.upper].map(number));
+        let [lower, upper] = range.unwrap_or_default();
+        [name.to_owned(), row.cycles.to_string(), r, error, lower, upper]
+    })
 }
 
 #[cfg(test)]
@@ -263,7 +230,8 @@ mod tests {
     fn issue_a_gain_between_two_accuracies_contains_the_numerical_errors_of_both() {
         let mut studies = two();
         studies[1].summary = studies[0].summary.clone();
-        let change = gain(&studies, 1, ("total", 0.5)).0.unwrap();
+        let both = [&studies[0].summary, &studies[1].summary];
+        let change = change_between(both, ("total", 0.5)).0.unwrap();
         let lives = &studies[0].summary.lives;
         let life = lives.iter().find(|l| (&*l.limit_state, l.reliability) == ("total", 0.5)).unwrap();
         let (value, range) = (life.cycles.unwrap(), life.whole_interval());
@@ -275,7 +243,10 @@ mod tests {
     #[test]
     fn what_cannot_be_laid_over_each_other_is_refused() {
         let [a, mut b] = two();
-        assert_eq!(check(std::slice::from_ref(&a)), Err(Incomparable::Number { given: 1 }));
+        assert_eq!(
+            check(std::slice::from_ref(&a)).unwrap_err().to_string(),
+            "1 studies: a comparison takes 2 to 6"
+        );
         b.summary.reliability.truncate(60);
         let said = check(&[a.clone(), b.clone()]).unwrap_err().to_string();
         assert!(said.contains("every 1000 cycles up to 72000 against every 1000 up to 60000"), "{said}");

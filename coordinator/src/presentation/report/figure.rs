@@ -45,8 +45,11 @@ pub struct Figure {
 }
 
 /// CSV text with these columns and rows.
-pub(super) fn csv(columns: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+pub fn csv<C: AsRef<str>, R: AsRef<str>>(
+    columns: impl IntoIterator<Item = C>,
+    rows: impl IntoIterator<Item: IntoIterator<Item = R>>,
+) -> String {
     let mut table = CsvTable::new(columns);
-    rows.for_each(|row| table.push(&row));
+    rows.into_iter().for_each(|row| table.push(row));
     table.into_text()
 }

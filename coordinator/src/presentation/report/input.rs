@@ -2,11 +2,11 @@
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
 use super::format::words;
-use super::stated_errors::{StatedAt, StatedErrorCollector};
+use super::stated_errors::StatedErrorCollector;
 use super::untested::{no_simulated_failure, steps_and_noise};
-use super::written::WrittenScene;
+use super::{StatedAt, WrittenScene};
 use crate::presentation::motion_cautions::{control_points_notes, motion_cautions};
-use crate::results::store::{CampaignFile, StoreError};
+use crate::results::store::{CampaignFile, CampaignMeta, StoreError};
 use crate::results::summary::StudySummary;
 use crate::study::ExplicitModel;
 use common::outputs::{COUNTERS, Diagnostics, Evaluation, NarrowGroove};
@@ -85,16 +85,10 @@ pub struct ReportInput {
     pub work: WorkTotals,
     /// Cautions: limits of this study that a reader must know.
     pub notes: Vec<String>,
-    /// Source text of the scene.
-    pub scene_source: String,
+    /// Scene, settings, command and program of the study as its file states them.
+    pub meta: CampaignMeta,
     /// The scene as it was written.
     pub written: WrittenScene,
-    /// Settings of the study, JSON.
-    pub settings: serde_json::Value,
-    /// Command line that started the study.
-    pub command: String,
-    /// Version and build of the program that started it.
-    pub program: String,
     /// The scene with every variable at its mean.
     pub scene: Scene,
 }
@@ -114,11 +108,8 @@ impl ReportInput {
         let mut input = Self::new(scene, summary, distributions);
         input.notes.splice(0..0, go_on);
         input.explicit = campaign.document::<Option<ExplicitModel>>(EXPLICIT_DOCUMENT)?.flatten();
-        input.scene_source = campaign.meta().scene_source.clone();
-        input.written = WrittenScene::new(&input.scene_source);
-        input.settings = campaign.meta().settings.clone();
-        input.command = campaign.meta().command.clone();
-        input.program = campaign.meta().version.clone();
+        input.meta = campaign.meta().clone();
+        input.written = WrittenScene::new(&input.meta.scene_source);
         let mut stated = StatedErrorCollector::default();
         campaign.for_each(|stored| {
             if stored.level > 0 {
@@ -171,11 +162,8 @@ impl ReportInput {
             samples: vec![],
             failures: vec![],
             work: WorkTotals::default(),
-            scene_source: String::new(),
+            meta: CampaignMeta::default(),
             written: WrittenScene::default(),
-            settings: serde_json::Value::Null,
-            command: String::new(),
-            program: String::new(),
             scene: scene.clone(),
         }
     }

@@ -1,9 +1,8 @@
 //! Parts of the interval of R and the levels of accuracy that correct it, in words and as tables; the stated numerical errors in words.
 
 use super::format::{count, fixed, percent};
-use super::input::ReportInput;
 use super::life::governing;
-use super::tables::{table, table_of};
+use super::{ReportInput, table, table_of};
 use crate::results::level_summary::DifferenceRow;
 use crate::results::reliability_summary::ErrorParts;
 use crate::results::summary::StudySummary;

@@ -111,6 +111,14 @@ pub fn life_and_limits(life: LifeAt) -> (String, String) {
     }
 }
 
+/// A life in one cell: with its limits in brackets, where it has some.
+pub fn life_with_limits(life: LifeAt) -> String {
+    match life_and_limits(life) {
+        (life, limits) if limits.is_empty() => life,
+        (life, limits) => format!("{life} ({limits})"),
+    }
+}
+
 /// The interval between two checkpoints that contains too much of the fall of R, in words with what resolves it.
 pub fn unresolved_fall(summary: &StudySummary) -> Option<String> {
     let fall = summary.unresolved_fall?;

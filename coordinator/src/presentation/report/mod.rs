@@ -31,23 +31,28 @@ mod words;
 mod written;
 
 pub use super::format;
-pub use figure::{Drawing, Figure};
-pub use figures::{VaryingLoads, reliability as reliability_figure};
+pub use answer::{Answer, AnswerPart, Table};
+pub use chapters::page as render;
+pub use figure::{Drawing, Figure, csv};
+pub use figures::{ComparedStudy, LifeAxis, VaryingLoads, reliability as reliability_figure};
 pub use input::{
     CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, EXPLICIT_DOCUMENT, ReportInput, SUMMARY_DOCUMENT,
     SimulatedSample, WorkTotals,
 };
 pub use life::{failure_probability, reliability};
-pub use page::{FigureFiles, LiveStatus, Page, standalone, wrapped};
-pub use plot::{Axis, Plot, Points, Scale, Series, Shape};
+pub use page::{FigureFiles, LiveStatus, Page, captioned, standalone, wrapped};
+pub use palette::{Ink, SERIES};
+pub use plot::{Axis, Band, Plot, Points, Scale, Series, Shape, tick_label};
 pub use stated_errors::StatedAt;
-pub use tables::table;
+pub use tables::{table, table_of, table_of_text};
+pub use written::WrittenScene;
 
 use crate::results::result_files::{
     ResultFileError, create_folder, reliability_csv, summary_json, write_samples_csv, write_text,
 };
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
+use bars::{BarPair, Bars};
 use common::scene::Scene;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -74,23 +79,13 @@ impl ReportError {
     }
 }
 
-/// The page of the report; a function of its input alone.
-pub fn render(input: &ReportInput) -> Page {
-    chapters::page(input, FigureFiles::NextToPage)
-}
-
-/// The page of the report without links to files; a function of its input alone.
-pub fn render_alone(input: &ReportInput) -> Page {
-    chapters::page(input, FigureFiles::Absent)
-}
-
 /// Writes `report.html`, and every figure of it as `figures/*.svg` with its numbers as `figures/*.csv`, into `dir`;
 /// returns the path of the page.
 ///
 /// # Errors
 /// [`ReportError`].
 pub fn write(dir: &Path, input: &ReportInput) -> Result<PathBuf, ReportError> {
-    let page = render(input);
+    let page = render(input, FigureFiles::NextToPage);
     write_figures(dir, page.figures())?;
     let path = dir.join("report.html");
     write_text(&path, &page.html(None))?;
@@ -145,6 +140,6 @@ pub fn write_all(
     write_text(&dir.join("summary.json"), &summary_json(&input.summary)?)?;
     write_text(&dir.join("reliability.csv"), &reliability_csv(&input.summary))?;
     write_samples_csv(&dir.join("samples.csv"), campaign, scene)?;
-    write_text(&dir.join("scene.toml"), &input.scene_source)?;
+    write_text(&dir.join("scene.toml"), &input.meta.scene_source)?;
     write(dir, &input).map(Some)
 }

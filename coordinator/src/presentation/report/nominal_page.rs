@@ -1,11 +1,9 @@
 //! The page of one mechanism without a study: what it is, its outputs over life against the limits, its motion, bores and cycles. The page of
 //! `simulate --report`, and the beginning of the live page.
 
-use super::figure::Figure;
 use super::figures;
 use super::format::{UNKNOWN, count, whole, with_unit};
-use super::input::ReportInput;
-use super::page::{FigureFiles, Page, captioned};
+use super::{Figure, FigureFiles, Page, ReportInput, captioned};
 use super::{chapters, studied, tables};
 use crate::presentation::nominal_life::{NominalLife, nominal_lives};
 use crate::results::summary::StudySummary;

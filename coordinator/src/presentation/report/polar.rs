@@ -4,9 +4,7 @@
 //! # Source
 //! Catmull, Rom (1974), A class of local interpolating splines: the spline of closed curves.
 
-use super::figure::Drawing;
-use super::palette::Ink;
-use super::plot::tick_label;
+use super::{Drawing, Ink, tick_label};
 use maud::{Markup, html};
 use std::f64::consts::TAU;
 use std::fmt::Write;

@@ -5,10 +5,8 @@
 //! and five standard deviations, between which it interpolates by polynomials. So all distributions of a scene have sliders whose
 //! moments `what-if` takes, and move as it moves them.
 
-use super::figures::{LifeAxis, curve, ink_of, span, words};
-use super::input::ReportInput;
-use super::page::Page;
-use super::plot::{Axis, Plot, Series, Shape};
+use super::figures::{curve, ink_of, span, words};
+use super::{Axis, LifeAxis, Page, Plot, ReportInput, Series, Shape};
 use crate::results::life_summary::LifeCurveRow;
 use crate::statistics::design::{InputModel, fixed_bounds, with_moments};
 use crate::study::{ExplicitLimitState, LEVELS};
@@ -35,7 +33,7 @@ const STEPS_PER_NORMAL: f64 = 4.0;
 /// end of the page.
 pub fn chapter(page: &mut Page, input: &ReportInput) -> Markup {
     let summary = &input.summary;
-    let source = SceneSource::parse(&input.scene_source, "scene.toml").ok();
+    let source = SceneSource::parse(&input.meta.scene_source, "scene.toml").ok();
     let Some((source, explicit)) = source.zip(input.explicit.as_ref()) else { return html! {} };
     if summary.curves.is_empty() || !summary.designs.is_empty() {
         return html! {};
@@ -76,9 +74,8 @@ pub fn chapter(page: &mut Page, input: &ReportInput) -> Markup {
         Series::new(&row.limit_state, ink_of(summary, &row.limit_state), shape)
     };
     let series: Vec<Series> = summary.curves.iter().filter(is_drawn).map(line).collect();
-    let (x, y) =
-        (Axis::linear(axis.label, (first, axis.place(end))), Axis::linear("reliability R", (0.0, 1.0)));
-    let drawing = Plot { figure: "sliders", x, y, series: &series }.drawing();
+use super::figures::{curve, ink_of, span, words};
+use super::{Axis, LifeAxis, Page, Plot, ReportInput, Series, Shape};
     page.begin("What if");
     page.add(html! {
         p.asks {

@@ -81,7 +81,7 @@ fn names(report: &Page) -> Vec<&str> {
 #[test]
 fn a_whole_study_has_every_figure_and_its_lives() {
     let input = test_study::report_input();
-    let report = render(&input);
+    let report = render(&input, FigureFiles::NextToPage);
     assert_sound(&report);
     let mut expected = vec!["reliability", "drawing", "first-failure", "history-wear", "history-asymmetry"];
     expected.extend(["sensitivity-wear", "sensitivity-asymmetry", "sobol-wear", "sobol-asymmetry"]);
@@ -154,7 +154,7 @@ fn issue_a_caution_began_in_lower_case_and_had_no_full_stop() {
     let written = ReportInput::of_one(&input.scene, input.summary.clone(), input.nominal.clone());
     input.notes = written.notes;
     input.notes.push("ends with one already.".into());
-    let html = render(&input).html(None);
+    let html = render(&input, FigureFiles::NextToPage).html(None);
     let cautions: Vec<&str> = html.split("<strong>Caution:</strong> ").skip(1).collect();
     assert!(cautions.len() >= 3, "{}", cautions.len());
     for caution in cautions {
@@ -183,17 +183,22 @@ fn the_sentences_carry_the_numbers_of_the_curves() {
 #[test]
 fn issue_the_report_said_nothing_of_the_jobs_asked_for() {
     let mut input = test_study::report_input();
-    let said = |input: &ReportInput| render(input).html(None).contains("at most 4 at a time");
+    let said = |input: &ReportInput| {
+        render(input, FigureFiles::NextToPage).html(None).contains("at most 4 at a time")
+    };
     assert!(!said(&input));
     let system = "Slurm".to_owned();
     input.summary.scale = Some(crate::results::summary::ScaleRow { system, most: 4, asked: 9, failed: 2 });
-    assert!(said(&input) && render(&input).html(None).contains("Slurm was asked for 9 jobs"));
+    assert!(
+        said(&input)
+            && render(&input, FigureFiles::NextToPage).html(None).contains("Slurm was asked for 9 jobs")
+    );
 }
 
 /// A page that is sent by mail and opened at once.
 #[test]
 fn a_report_of_thirty_variables_and_two_hundred_samples_is_small() {
-    let report = render(&test_study::report_with_samples());
+    let report = render(&test_study::report_with_samples(), FigureFiles::NextToPage);
     assert_sound(&report);
     let size = report.html(None).len();
     assert!(size < 1_500_000, "{size} bytes");
@@ -206,7 +211,7 @@ fn a_report_of_thirty_variables_and_two_hundred_samples_is_small() {
 #[test]
 fn the_same_input_gives_the_same_text() {
     let input = test_study::report_input();
-    let text = || render(&input).html(None);
+    let text = || render(&input, FigureFiles::NextToPage).html(None);
     assert_eq!(text(), text());
 }
 
@@ -231,12 +236,12 @@ fn a_study_without_optional_results_is_reported() {
     input.samples.clear();
     input.summary.predictions.clear();
     input.summary.failure_points.clear();
-    input.settings = serde_json::Value::Null;
-    input.command.clear();
-    let report = render(&input);
+    input.meta.settings = serde_json::Value::Null;
+    input.meta.command.clear();
+    let report = render(&input, FigureFiles::NextToPage);
     assert_sound(&report);
     assert_eq!(names(&report), ["reliability"]);
-    assert!(!render_alone(&input).html(None).contains("figures/"));
+    assert!(!render(&input, FigureFiles::Absent).html(None).contains("figures/"));
     assert!(report.html(None).contains("The nominal evaluation has no first cycle."));
     assert!(report.html(None).contains("The simulations state no numerical errors."));
     for said in [
@@ -247,7 +252,7 @@ fn a_study_without_optional_results_is_reported() {
         assert!(report.html(None).contains(said), "{said}");
     }
     input.summary.method = "monte-carlo".into();
-    assert!(render(&input).html(None).contains("there are no surrogates."));
+    assert!(render(&input, FigureFiles::NextToPage).html(None).contains("there are no surrogates."));
 }
 
 /// Old campaigns, whose evaluations lack the bores over life and the last cycle, are reported as well.
@@ -257,7 +262,7 @@ fn the_report_of_an_old_campaign_names_what_is_missing() {
     let nominal = input.nominal.as_mut().unwrap();
     nominal.worn = None;
     nominal.first_cycle.as_mut().unwrap().motion.clear();
-    let report = render(&input);
+    let report = render(&input, FigureFiles::NextToPage);
     assert_sound(&report);
     let found = names(&report);
     assert!(found.contains(&"bore-6") && found.contains(&"joint-forces"));
@@ -286,7 +291,7 @@ fn one_limit_state_needs_no_total() {
         let wear = row.reliability["wear"];
         row.reliability.insert("total".into(), wear);
     }
-    let report = render(&input);
+    let report = render(&input, FigureFiles::NextToPage);
     assert_sound(&report);
     assert!(report.html(None).contains("The mechanism fails by wear"));
     assert!(!report.html(None).contains("asymmetry-"));
@@ -311,7 +316,7 @@ fn values_that_are_not_numbers_become_dashes() {
     nominal.joints[0].wear_depth.fill(f64::NAN);
     nominal.histories[0].fill(f64::NAN);
     nominal.first_cycle.as_mut().unwrap().bodies[0].angle.fill(f64::NAN);
-    assert_sound(&render(&input));
+    assert_sound(&render(&input, FigureFiles::NextToPage));
 }
 
 #[test]
@@ -322,13 +327,13 @@ fn nothing_fails_and_nothing_at_all() {
     }
     input.summary.lives.clear();
     input.summary.curves.clear();
-    let report = render(&input);
+    let report = render(&input, FigureFiles::NextToPage);
     assert_sound(&report);
     assert!(report.html(None).contains("No limit state is reached within the life studied."));
     // Neither "1.0000 ± 0.0000" nor any other certainty.
     assert!(!report.html(None).contains("± 0.0000") && !report.html(None).contains("± 0<"), "a certainty");
     input.summary.reliability.clear();
-    assert_sound(&render(&input));
+    assert_sound(&render(&input, FigureFiles::NextToPage));
 }
 
 /// Writes the report; if `HINGEWISE_REPORT_SAMPLE` names a folder, it is kept there for inspection.
@@ -343,7 +348,7 @@ fn page_and_figures_are_written_from_the_campaign_file_alone() {
     let input = ReportInput::from_campaign(&campaign, &test_study::scene()).unwrap().unwrap();
     assert_eq!((input.work.evaluations, input.failures.len()), (11, 1));
     let path = write(dir, &input).unwrap();
-    let report = render(&input);
+    let report = render(&input, FigureFiles::NextToPage);
     assert_eq!(std::fs::read_to_string(path).unwrap(), report.html(None));
     for figure in report.figures() {
         let text = std::fs::read_to_string(dir.join("figures").join(format!("{}.svg", figure.name))).unwrap();

@@ -1,13 +1,9 @@
 //! Variants of the model in a study: the range of the lives in words, the envelope of R, the changes of the lives, and both as a table.
 
-use super::bars::{BarPair, Bars};
-use super::figure::Figure;
-use super::figures::{LifeAxis, span};
+use super::figures::span;
 use super::format::{fixed, signed_with_width, whole};
 use super::life::{LEVELS, LifeAt, life_and_limits, life_at};
-use super::palette::Ink;
-use super::plot::{Axis, Plot, Points, Series, Shape};
-use super::tables::table;
+use super::{Axis, BarPair, Bars, Figure, Ink, LifeAxis, Plot, Points, Series, Shape, table};
 use crate::results::summary::{ReliabilityRow, StudySummary, VariantRow};
 use crate::statistics::reliability::REACH;
 use maud::{Markup, Render, html};
@@ -75,10 +71,9 @@ pub fn figures(summary: &StudySummary) -> Vec<Figure> {
         lines.map(|(k, (variant, points))| Series::new(&variant.name, Ink::Series(k), Shape::Dashed(points))),
     );
     series.push(Series::new("study", Ink::Ink, Shape::Line(own)));
-    let (x, y) = (Axis::linear(axis.label, span(summary, &axis)), Axis::linear("reliability R", (0.0, 1.0)));
+    let x = Axis::linear(axis.label, span(summary, &axis));
     let caption = "Reliability of the whole system by the study and by each variant; area: between the least and the largest.";
-    let plot = Plot { figure: "variants", x, y, series: &series };
-    let envelope = plot.figure("R by variants of the model", caption);
+    let envelope = Plot::of_reliability("variants", x, &series).figure("R by variants of the model", caption);
     let pair = |variant: &&VariantRow| {
         let of = |level: f64| {
             let place = variant.lives.iter().position(|life| life.reliability.to_bits() == level.to_bits());

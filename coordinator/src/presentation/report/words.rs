@@ -2,12 +2,11 @@
 
 use super::figures::shares_of_failures;
 use super::format::{count, duration, number_of_cycles, percent, short_percent};
-use super::input::ReportInput;
 use super::life::{
     LifeAt, failure_probability, governing, leaders, life_and_limits, life_at, unresolved_fall,
 };
-use super::plot::tick_label;
 use super::variants;
+use super::{ReportInput, tick_label};
 use crate::results::summary::StudySummary;
 use common::scene::Fails;
 

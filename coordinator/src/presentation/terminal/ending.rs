@@ -2,13 +2,12 @@
 
 use crate::presentation::format::{duration, in_columns};
 use crate::presentation::motion_cautions::control_points_notes;
-use crate::presentation::report::failure_probability;
 use crate::presentation::report::levels::parts_and_levels;
 use crate::presentation::report::life::{
     LEVELS, LifeAt, life_and_limits, life_at, reliability_table, rows_that_matter, unresolved_fall,
 };
 use crate::presentation::report::untested::{no_simulated_failure, steps_and_noise};
-use crate::presentation::report::variants;
+use crate::presentation::report::{failure_probability, variants};
 use crate::results::summary::StudySummary;
 use std::path::Path;
 

@@ -44,7 +44,7 @@ use std::time::Instant;
 const LOCK_NAME: &str = "campaign.lock";
 
 /// Scene and settings of a campaign; enough to repeat it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CampaignMeta {
     /// Name of the scene.
     pub scene: String,

@@ -23,6 +23,7 @@
 
 use crate::statistics::reliability::REACH;
 use rayon::prelude::*;
+use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Gamma};
 use statrs::function::erf::erfc;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -72,7 +73,7 @@ pub struct InspectionPolicy {
 }
 
 /// Costs and frequencies of a policy.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PolicyOutcome {
     /// Long-run cost of a cycle [currency/cycle].
     pub cost_rate: f64,

@@ -14,6 +14,7 @@
 //! Martz, Waller (1982), Bayesian Reliability Analysis, Wiley, chapter 10.
 
 use super::plan::{least, pass_probability};
+use serde::Serialize;
 use statrs::function::beta::{beta_reg, ln_beta};
 
 /// Points of the sums over ln(R / (1 - R)) on each side of R0.
@@ -31,7 +32,7 @@ pub struct BetaPrior {
 }
 
 /// Probabilities of what may happen to a test, over the prior.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PriorRisks {
     /// That it is passed [1].
     pub passed: f64,

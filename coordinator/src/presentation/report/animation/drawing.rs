@@ -2,9 +2,8 @@
 
 use crate::presentation::report::drawing::labels::LabelArea;
 use crate::presentation::report::drawing::symbols::{block, coordinate, ground, link, rail, rail_ends};
-use crate::presentation::report::figure::Drawing;
 use crate::presentation::report::mechanism::{self, Pose, eccentricity, of_body, place};
-use crate::presentation::report::palette::Ink;
+use crate::presentation::report::{Drawing, Ink};
 use common::outputs::CycleHistory;
 use common::scene::{GuideClearance, Joint, JointKind, Motion, Scene};
 use maud::{Markup, html};

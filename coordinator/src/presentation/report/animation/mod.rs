@@ -3,10 +3,9 @@
 
 mod drawing;
 
-use super::figure::{Figure, csv};
 use super::format::count;
-use super::input::ReportInput;
 use super::mechanism::{self, Pose, eccentricity, place};
+use super::{Figure, ReportInput, csv};
 use crate::results::csv_table::number;
 use common::outputs::WornLife;
 use common::scene::{Motion, Scene};

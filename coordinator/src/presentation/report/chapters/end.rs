@@ -1,9 +1,8 @@
 //! The end of the page: computing effort, failed simulations, and what is needed to repeat the study.
 
 use crate::presentation::report::format::{UNKNOWN, count, percent};
-use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::page::{Page, captioned, details, numbered};
-use crate::presentation::report::tables;
+use crate::presentation::report::page::{details, numbered};
+use crate::presentation::report::{Page, ReportInput, captioned, tables};
 use maud::{Markup, html};
 
 /// Failed evaluations listed one by one.
@@ -86,8 +85,8 @@ fn failures(input: &ReportInput) -> Markup {
 /// What is needed to repeat the study.
 pub fn repeat(input: &ReportInput) -> Markup {
     let or_unknown = |text: &str| if text.is_empty() { UNKNOWN.to_string() } else { text.to_string() };
-    let settings = (!input.settings.is_null())
-        .then(|| serde_json::to_string_pretty(&input.settings).unwrap_or_default());
+    let settings = (!input.meta.settings.is_null())
+        .then(|| serde_json::to_string_pretty(&input.meta.settings).unwrap_or_default());
     html! {
         h3 { "Reproducibility" }
         p {
@@ -96,6 +95,6 @@ pub fn repeat(input: &ReportInput) -> Markup {
              and seed give bit-identical results for any number of workers."
         }
         @if let Some(settings) = settings { (details("Settings", html! { pre { (settings) } })) }
-        (details("Scene", html! { pre { (or_unknown(&input.scene_source)) } }))
+        (details("Scene", html! { pre { (or_unknown(&input.meta.scene_source)) } }))
     }
 }

@@ -6,13 +6,12 @@ mod points;
 mod signed;
 
 use super::animation::{SCRIPT, animation};
-use super::figure::Figure;
 use super::figures::{self, file_name};
 use super::format::{count, fixed, sentence};
-use super::input::ReportInput;
 use super::life::{FAILED_UNWORN, LEVELS, failure_probability, rows_that_matter};
-use super::page::{FigureFiles, Page, captioned, numbered};
-use super::tables::{self, table_of};
+use super::page::numbered;
+use super::tables::{self};
+use super::{Figure, FigureFiles, Page, ReportInput, captioned, table_of};
 use super::{levels, sliders, studied, variants, words};
 use common::outputs::JointSummary;
 use common::scene::JointKind;

@@ -2,14 +2,11 @@
 
 use crate::presentation::report::figures::{capital, parallel_coordinates};
 use crate::presentation::report::format::{
-    UNKNOWN, fixed, number_of_cycles, percent, seven_digits, three_digits,
+    UNKNOWN, fixed, number_of_cycles, percent, seven_digits, three_digits, unit_scale,
 };
-use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::page::{Page, captioned};
-use crate::presentation::report::tables::table;
+use crate::presentation::report::{Page, ReportInput, captioned, table};
 use crate::results::point_summary::{CoordinateRow, FailurePointRow};
 use common::random::RandomVariable;
-use common::scene::expression::read_unit;
 use maud::{Markup, html};
 
 /// Adds the chapter of combinations that fail and of most probable failures.
@@ -62,7 +59,7 @@ fn sentence(input: &ReportInput, point: &FailurePointRow) -> String {
 }
 
 fn cells_of(point: &FailurePointRow, variable: &RandomVariable) -> [String; 2] {
-    let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
+    let scale = unit_scale(&variable.unit);
     let own = point.variables.iter().find(|row| row.variable == variable.name);
     let cell = |text: &dyn Fn(&CoordinateRow) -> String| own.map_or(UNKNOWN.to_owned(), text);
     [cell(&|row| seven_digits(row.value / scale)), cell(&|row| fixed(row.normal, 2))]

@@ -1,12 +1,9 @@
 //! The chapter by which a report is signed: what identifies the study, where it answers each element of a reliability prediction, and the
 //! signatures.
 
-use crate::presentation::report::drawing;
 use crate::presentation::report::format::{UNKNOWN, count};
-use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::page::{Page, captioned, numbered};
-use crate::presentation::report::tables::{table, table_of_text};
-use crate::presentation::report::words;
+use crate::presentation::report::page::numbered;
+use crate::presentation::report::{Page, ReportInput, captioned, drawing, table, table_of_text, words};
 use maud::{Markup, Render, html};
 
 /// Adds the chapter.
@@ -23,8 +20,8 @@ fn facts(input: &ReportInput) -> Markup {
     let stated = |key: &'static str| Some((key, input.written.name(&format!("report.{key}"))?.render()));
     let rows = ["project", "revision"].into_iter().filter_map(stated).chain([
         ("begun", html! { (or_unknown(&moment(&summary.created))) }),
-        ("command", html! { code { (or_unknown(&input.command)) } }),
-        ("version", html! { "Hingewise " (or_unknown(&summary.version)) "; simulations: " (or_unknown(&input.program)) }),
+        ("command", html! { code { (or_unknown(&input.meta.command)) } }),
+        ("version", html! { "Hingewise " (or_unknown(&summary.version)) "; simulations: " (or_unknown(&input.meta.version)) }),
         (
             "scene",
             html! { (summary.scene) ", SHA-256 of " code { "scene.toml" } " " code { (or_unknown(&summary.scene_sha256)) } },
@@ -128,7 +125,7 @@ fn signatures(input: &ReportInput) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::{page, render};
+    use crate::presentation::report::{FigureFiles, page, render};
     use crate::test_study;
 
     #[test]
@@ -142,7 +139,7 @@ mod tests {
         input.written = crate::presentation::report::written::WrittenScene::new(include_str!(
             "../../../../../common/tests/scenes/everything.toml"
         ));
-        let text = render(&input).html(None);
+        let text = render(&input, FigureFiles::NextToPage).html(None);
         let (head, rest) = text.split_once("<nav").unwrap();
         assert!(head.contains("Project of every word, revision B, by A. Author"), "{head}");
         assert!(head.contains("A note to the reader."));
@@ -151,7 +148,7 @@ mod tests {
             assert!(body.contains(said) && !appendix.contains(said), "{said}");
         }
         input.sign(&[("report.author", "E. Editor"), ("scene.title", "Another title")]);
-        let text = render(&input).html(None);
+        let text = render(&input, FigureFiles::NextToPage).html(None);
         assert!(text.contains("<td>E. Editor</td>") && text.contains("<h1>Another title</h1>"));
         assert!(!text.contains("A. Author"));
     }
@@ -161,7 +158,7 @@ mod tests {
     fn every_element_of_a_prediction_is_answered_where_the_list_says() {
         let input = test_study::report_input();
         let listed = page::numbered::resolve(&elements(&input).0, page::FigureFiles::Absent);
-        let text = render(&input).html(None);
+        let text = render(&input, FigureFiles::NextToPage).html(None);
         let (_, list) = text.split_once("id=\"table-elements\"").unwrap();
         let list = list.split("</table>").next().unwrap();
         assert_eq!(list.matches("<tr>").count(), listed.matches("<tr>").count());

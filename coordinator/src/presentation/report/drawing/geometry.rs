@@ -27,6 +27,22 @@ pub struct DrawnMechanism {
 /// Motion of a body that does not move.
 pub const FIXED: &str = "fixed";
 
+/// Kinds of joints with their symbol in the drawing, their sign in a sketch, and what they are; without a sign, the lines of the joint show it.
+pub const SYMBOLS: [(&str, &str, Option<char>, &str); 12] = [
+    ("clearance", "circle with a dot", Some('●'), "hinge with clearance"),
+    ("revolute", "circle", Some('o'), "ideal hinge"),
+    ("prismatic", "block on a rail", Some('■'), "slider"),
+    ("guide", "block on a rail", Some('■'), "slider in a guide with clearance"),
+    ("fixed", "square", Some('+'), "rigid connection"),
+    ("slot", "block on a line", Some('o'), "pin in a slot"),
+    ("gear", "dashed circles", None, "pitch circles of gears"),
+    ("internal-gear", "dashed circles", None, "pitch circles of an internal gear"),
+    ("belt", "dashed circles and lines", None, "belt"),
+    ("rack", "dashed circle and line", None, "wheel and rack"),
+    ("cam", "dashed outline", None, "cam"),
+    ("linear-drive", "dashed cylinder", None, "linear drive"),
+];
+
 /// A body in its place.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DrawnBody {

@@ -59,30 +59,17 @@ pub fn figure(drawn: &DrawnMechanism, scene: &Scene) -> Figure {
 
 /// The meaning of the symbols that appear.
 fn caption(drawn: &DrawnMechanism, scene: &Scene) -> String {
-    let symbols = [
-        ("clearance", "circle with a dot: hinge with clearance"),
-        ("revolute", "circle: ideal hinge"),
-        ("prismatic", "block on a rail: slider"),
-        ("guide", "block on a rail: slider in a guide with clearance"),
-        ("fixed", "square: rigid connection"),
-        ("slot", "block on a line: pin in a slot"),
-        ("gear", "dashed circles: pitch circles of gears"),
-        ("internal-gear", "dashed circles: pitch circles of an internal gear"),
-        ("belt", "dashed circles and lines: belt"),
-        ("rack", "dashed circle and line: wheel and rack"),
-        ("cam", "dashed outline: cam"),
-        ("linear-drive", "dashed cylinder: linear drive"),
-    ];
-    let shown = symbols.into_iter().filter(|(kind, _)| drawn.has(kind));
-    let mut parts: Vec<&str> = shown.map(|(_, meaning)| meaning).collect();
+    let shown = geometry::SYMBOLS.into_iter().filter(|(kind, ..)| drawn.has(kind));
+    let mut parts: Vec<String> =
+        shown.map(|(_, symbol, _, meaning)| format!("{symbol}: {meaning}")).collect();
     if drawn.has_supports() || drawn.joints.iter().any(|j| j.on_ground) {
-        parts.push("hatched: frame");
+        parts.push("hatched: frame".to_owned());
     }
     if !drawn.loads.is_empty() {
-        parts.push("red: loads, with their size");
+        parts.push("red: loads, with their size".to_owned());
     }
     if !drawn.drives.is_empty() {
-        parts.push("curved arrow at a pivot: drive, with its angle in this position");
+        parts.push("curved arrow at a pivot: drive, with its angle in this position".to_owned());
     }
     let clearances = scene.joints.iter().any(|joint| joint.kind.has_clearance());
     let proportions =

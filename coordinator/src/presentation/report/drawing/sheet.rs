@@ -5,10 +5,9 @@ use super::geometry::{
 };
 use super::labels::{Label, LabelArea, LetterSize, PlacedLabel, place_labels};
 use super::symbols::{self, arrow, coordinate, path_along};
-use crate::presentation::report::figure::Drawing;
 use crate::presentation::report::format::three_digits;
 use crate::presentation::report::mechanism::extent;
-use crate::presentation::report::palette::Ink;
+use crate::presentation::report::{Drawing, Ink};
 use maud::{Markup, html};
 
 /// Largest width and height of the mechanism [drawing units].

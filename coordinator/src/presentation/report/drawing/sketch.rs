@@ -1,6 +1,6 @@
 //! The drawing of a mechanism in letters: lines of Braille dots, joints and loads as signs, names beside them.
 
-use super::geometry::{DrawnMechanism, FIXED, LoadSymbol, middle_of};
+use super::geometry::{DrawnMechanism, FIXED, LoadSymbol, SYMBOLS, middle_of};
 use super::labels::{Label, LetterSize, place_labels};
 use super::symbols::around;
 use std::collections::BTreeMap;
@@ -166,29 +166,14 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
 }
 
 fn sign_of(kind: &str) -> char {
-    match kind {
-        "clearance" => '●',
-        "prismatic" | "guide" => '■',
-        "fixed" => '+',
-        _ => 'o',
-    }
+    SYMBOLS.iter().find(|(known, ..)| *known == kind).and_then(|(_, _, sign, _)| *sign).unwrap_or('o')
 }
 
 /// The meaning of the signs that appear.
 fn legend(drawn: &DrawnMechanism) -> String {
-    let kinds = [
-        ("clearance", "hinge with clearance"),
-        ("revolute", "ideal hinge"),
-        ("prismatic", "slider"),
-        ("guide", "slider in a guide with clearance"),
-        ("fixed", "rigid connection"),
-        ("slot", "pin in a slot"),
-    ];
-    let mut parts: Vec<String> = kinds
-        .into_iter()
-        .filter(|(kind, _)| drawn.has(kind))
-        .map(|(kind, meaning)| format!("{} {meaning}", sign_of(kind)))
-        .collect();
+    let shown = SYMBOLS.iter().filter(|(kind, ..)| drawn.has(kind));
+    let mut parts: Vec<String> =
+        shown.filter_map(|(_, _, sign, meaning)| Some(format!("{} {meaning}", (*sign)?))).collect();
     if drawn.has_supports() {
         parts.push("▲ frame".to_owned());
     }

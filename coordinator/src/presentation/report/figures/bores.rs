@@ -2,12 +2,10 @@
 //! the journals in them.
 
 use super::file_name;
-use crate::presentation::report::figure::{Figure, csv};
 use crate::presentation::report::format::{count, fixed};
-use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::mechanism::{Pose, eccentricity, poses};
-use crate::presentation::report::palette::Ink;
 use crate::presentation::report::polar::{Polar, Stroke, freest, full_scale};
+use crate::presentation::report::{Figure, Ink, ReportInput, csv};
 use crate::results::csv_table::number;
 use common::outputs::CycleHistory;
 use common::scene::{Joint, JointKind};

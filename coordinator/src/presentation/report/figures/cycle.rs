@@ -1,11 +1,8 @@
 //! Figures of the nominal mechanism over a cycle: forces and motion, on the unworn and on the worn bores.
 
 use super::{file_name, range, words};
-use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::fixed;
-use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, Points, Series, Shape};
+use crate::presentation::report::{Axis, Figure, Ink, Plot, Points, ReportInput, Series, Shape};
 use common::outputs::{BodyTrace, CycleHistory};
 use common::scene::{Output, OutputKind, OutputUnit};
 

@@ -2,10 +2,8 @@
 //! of the outputs.
 
 use super::{file_name, governing_cycles, words};
-use crate::presentation::report::bars::{BarPair, Bars};
-use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::number_of_cycles;
-use crate::presentation::report::input::ReportInput;
+use crate::presentation::report::{BarPair, Bars, Figure, ReportInput};
 use crate::results::summary::{SensitivityRow, SobolRow};
 
 /// Bars shown per figure.

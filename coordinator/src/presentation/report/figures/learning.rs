@@ -1,13 +1,11 @@
 //! Figures of the rounds of learning, of the predictions of the surrogates, and of the numerical error.
 
 use super::{LifeAxis, capital, file_name, ink_of, range, rows_that_matter, span, stacked};
-use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{count, fixed, percent};
-use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::levels::{PARTS, half_widths};
-use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, Points, Scale, Series, Shape, tick_label};
-use crate::presentation::report::stated_errors::StatedAt;
+use crate::presentation::report::{
+    Axis, Figure, Ink, Plot, Points, ReportInput, Scale, Series, Shape, StatedAt, tick_label,
+};
 use crate::results::point_summary::PredictionRow;
 use crate::results::summary::{Round, StudySummary};
 use crate::statistics::reliability::REACH;

@@ -1,11 +1,9 @@
 //! Loads that vary by curves over the angle of the crank, before anything is simulated: a table that acts at the wrong angle is seen.
 
 use super::range;
-use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{fixed, three_digits};
 use crate::presentation::report::mechanism::Pose;
-use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, Points, Series, Shape};
+use crate::presentation::report::{Axis, Figure, Ink, Plot, Points, Series, Shape};
 use common::scene::monotone::monotone_value;
 use common::scene::{Load, Motion, Over, Scene};
 

@@ -6,7 +6,6 @@ mod influences;
 mod learning;
 mod loads;
 mod outputs;
-mod papers;
 mod parallel;
 mod rates;
 mod reliability;
@@ -25,10 +24,8 @@ pub use reliability::{
 
 pub use super::format::{capital, file_name, words};
 
-use super::input::ReportInput;
 use super::life::{governing, rows_that_matter};
-use super::palette::Ink;
-use super::plot::{Series, Shape};
+use super::{Ink, ReportInput, Series, Shape};
 use crate::results::summary::StudySummary;
 
 /// Layers with label, ink and heights at `places`, each on top of those before.
@@ -51,6 +48,7 @@ fn stacked(places: &[f64], layers: impl IntoIterator<Item = (String, Ink, Vec<f6
 /// Scale of the life axes: cycles, or thousands of cycles.
 pub struct LifeAxis {
     divisor: f64,
+    /// Label of the axis, with its unit.
     pub label: &'static str,
 }
 

@@ -1,12 +1,11 @@
 //! Figures of the outputs: their distributions late in life, and their course over life.
 
 use super::{LifeAxis, capital, file_name, ink_of, range};
-use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{count, fixed, number_of_cycles, three_digits};
-use crate::presentation::report::input::{CheckpointDistribution, ReportInput};
 use crate::presentation::report::life::governing;
-use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Band, Plot, Points, Series, Shape, tick_label};
+use crate::presentation::report::{
+    Axis, Band, CheckpointDistribution, Figure, Ink, Plot, Points, ReportInput, Series, Shape, tick_label,
+};
 use crate::results::summary::StudySummary;
 use common::scene::{Fails, LimitState, OutputUnit};
 

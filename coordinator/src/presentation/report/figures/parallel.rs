@@ -4,11 +4,9 @@
 use super::influences::by_influence;
 use super::{governing_cycles, ink_of, words};
 use crate::presentation::report::bars::{NamedRows, shortened};
-use crate::presentation::report::figure::{Drawing, Figure, csv};
 use crate::presentation::report::format::count;
-use crate::presentation::report::input::{ReportInput, SimulatedSample};
-use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Series, Shape, px};
+use crate::presentation::report::plot::px;
+use crate::presentation::report::{Drawing, Figure, Ink, ReportInput, Series, Shape, SimulatedSample, csv};
 use crate::results::csv_table::number;
 use plotters::prelude::*;
 

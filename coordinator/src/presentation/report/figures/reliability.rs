@@ -1,12 +1,9 @@
 //! Figures of the failures over life: R with its bands, the shares of first failures, and R of several studies.
 
 use super::{LifeAxis, file_name, ink_of, span, stacked};
-use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{number_of_cycles, percent};
-use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::{governing, rows_that_matter};
-use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Band, Plot, Points, Series, Shape};
+use crate::presentation::report::{Axis, Band, Figure, Ink, Plot, Points, ReportInput, Series, Shape};
 use crate::results::life_summary::LifeCurveRow;
 use crate::results::summary::{ReliabilityRow, StudySummary};
 
@@ -96,7 +93,6 @@ pub fn reliability(summary: &StudySummary) -> Option<Figure> {
         series.push(Series::unlisted(label, ink, Shape::Measured(measured)));
     }
     let x = Axis::linear(axis.label, span(summary, &axis));
-    let y = Axis::linear("reliability R", (0.0, 1.0));
     let caption = format!(
         "Probability of no failure up to this life, per limit state and for the whole {}, which fails with its first limit \
          state. Dots: checkpoints; lines between them: crossing times interpolated for every {}. Bands and bars: 95 % interval \
@@ -104,7 +100,7 @@ pub fn reliability(summary: &StudySummary) -> Option<Figure> {
         summary.subject(),
         summary.subject()
     );
-    Some(Plot { figure: "reliability", x, y, series: &series }.figure("Reliability over life", &caption))
+    Some(Plot::of_reliability("reliability", x, &series).figure("Reliability over life", &caption))
 }
 
 /// Stacked shares of the population that have failed, by the limit state that failed first.
@@ -199,7 +195,7 @@ pub fn compared(studies: &[ComparedStudy]) -> Vec<Figure> {
         let caption = "Bands: 95 % interval of sampling, surrogate and interpolation between the checkpoints, without numerical errors.";
         let (figure, series) = (&format!("reliability-{}", file_name(name)), &[bands, lines].concat());
         let x = Axis::linear(axis.label, (axis.place(from), axis.place(to)));
-        Plot { figure, x, y: Axis::linear("reliability R", (0.0, 1.0)), series }.figure(title, caption)
+        Plot::of_reliability(figure, x, series).figure(title, caption)
     };
     studies[0].summary.curve_names().map(figure).collect()
 }

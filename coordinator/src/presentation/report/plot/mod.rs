@@ -7,14 +7,12 @@ mod shapes;
 
 pub use axis::{Axis, Scale, tick_label};
 pub use series::{Band, Points, Series, Shape};
-pub use shapes::{Area, DrawError, LETTERS, draw, letters, px, stroke};
+pub use shapes::{Area, DrawError, LETTERS, Legend, draw, legend, letters, px, stroke};
 
-use super::figure::{Drawing, Figure};
-use super::palette::Ink;
+use super::{Drawing, Figure, Ink};
 use axis::{TickedAxis, ticks};
 use plotters::prelude::*;
-use shapes::{Frame, draw_series};
-pub use shapes::{Legend, legend};
+use shapes::{Frame, SeriesPainter};
 use std::ops::Range;
 
 /// Height of what is above and below the plot, without the legend [CSS pixels].
@@ -33,6 +31,13 @@ pub struct Plot<'a> {
     pub y: Axis<'a>,
     /// Series from back to front.
     pub series: &'a [Series],
+}
+
+impl<'a> Plot<'a> {
+    /// A plot of reliabilities.
+    pub fn of_reliability(figure: &'a str, x: Axis<'a>, series: &'a [Series]) -> Self {
+        Self { figure, x, y: Axis::linear("reliability R", (0.0, 1.0)), series }
+    }
 }
 
 impl Plot<'_> {
@@ -110,7 +115,7 @@ impl Plot<'_> {
             .y_desc(self.y.label)
             .draw()?;
         for series in self.series {
-            draw_series(&mut chart, &frame, series)?;
+            SeriesPainter { chart: &mut chart, frame: &frame, series }.draw()?;
         }
         legend.draw_on(root)?;
         Ok(chart.plotting_area().get_pixel_range())

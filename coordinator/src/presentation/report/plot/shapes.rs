@@ -1,9 +1,8 @@
 //! Draws series and their legend into a chart: sizes, pens and lettering in CSS pixels for plotters' SVG backend.
 
 use super::axis::TickedAxis;
-use super::series::{Band, Points, Series, Shape};
-use crate::presentation::report::figure::Drawing;
-use crate::presentation::report::palette::Ink;
+use super::series::{Points, Series, Shape};
+use crate::presentation::report::{Drawing, Ink};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
@@ -37,129 +36,98 @@ impl Frame {
     }
 }
 
-/// Draws one series.
-pub(super) fn draw_series(
-    chart: &mut Chart<'_, '_>,
-    frame: &Frame,
-    series: &Series,
-) -> Result<(), DrawError> {
-    let ink = series.ink;
-    match &series.shape {
-        Shape::Line(points) => line(chart, frame.inside(points), stroke(ink, 2.0)),
-        Shape::Dashed(points) => dashed(chart, frame.inside(points), CURVE_DASH, stroke(ink, 2.0)),
-        Shape::Dotted(points) => {
-            let points = frame.inside(points);
-            line(chart, points.clone(), stroke(ink, 1.5))?;
-            dots(chart, points, ink)
-        }
-        Shape::Marked(marks) => marked(chart, frame, marks, ink),
-        Shape::Measured(points) => measured(chart, frame, points, ink),
-        Shape::Cloud(points) => {
-            let dot = |centre| Circle::new(centre, px(1.8), ink.rgb().filled());
-            chart.draw_series(frame.inside(points).into_iter().map(dot)).map(|_| ())
-        }
-        Shape::Band(band) => filled_band(chart, frame, band, ink, series.fill),
-        Shape::Steps(bars) => steps(chart, frame, bars, ink, series.fill),
-        Shape::Level(y) => {
-            let ends = frame.inside(&[(frame.x.0, *y), (frame.x.1, *y)]);
-            dashed(chart, ends, THRESHOLD_DASH, stroke(ink, 1.5))
-        }
-        Shape::Upright(x) => {
-            let ends = frame.inside(&[(*x, frame.y.0), (*x, frame.y.1)]);
-            dashed(chart, ends, THRESHOLD_DASH, stroke(ink, 1.5))
+/// Draws one series into a chart.
+pub(super) struct SeriesPainter<'c, 'a, 'b> {
+    pub chart: &'c mut Chart<'a, 'b>,
+    pub frame: &'c Frame,
+    pub series: &'c Series,
+}
+
+impl SeriesPainter<'_, '_, '_> {
+    /// Draws the shape of the series.
+    pub fn draw(&mut self) -> Result<(), DrawError> {
+        let (frame, ink) = (self.frame, self.series.ink);
+        match &self.series.shape {
+            Shape::Line(points) => self.line(frame.inside(points), 2.0),
+            Shape::Dashed(points) => self.dashed(points, CURVE_DASH, 2.0),
+            Shape::Dotted(points) => {
+                self.line(frame.inside(points), 1.5)?;
+                self.dots(frame.inside(points), 3.0)
+            }
+            Shape::Marked(marks) => self.marks(marks, ink),
+            Shape::Measured(points) => self.measured(points),
+            Shape::Cloud(points) => self.dots(frame.inside(points), 1.8),
+            Shape::Band(band) => {
+                let lower: Points = band.iter().map(|(x, low, _)| (*x, *low)).collect();
+                let upper: Points = band.iter().map(|(x, _, high)| (*x, *high)).collect();
+                let mut outline = frame.inside(&lower);
+                outline.extend(frame.inside(&upper).into_iter().rev());
+                self.area(outline)
+            }
+            Shape::Steps(bars) => self.steps(bars),
+            Shape::Level(y) => self.dashed(&[(frame.x.0, *y), (frame.x.1, *y)], THRESHOLD_DASH, 1.5),
+            Shape::Upright(x) => self.dashed(&[(*x, frame.y.0), (*x, frame.y.1)], THRESHOLD_DASH, 1.5),
         }
     }
-}
 
-fn line(chart: &mut Chart<'_, '_>, points: Points, pen: ShapeStyle) -> Result<(), DrawError> {
-    chart.draw_series(LineSeries::new(points, pen)).map(|_| ())
-}
-
-fn dashed(
-    chart: &mut Chart<'_, '_>,
-    points: Points,
-    (dash, gap): (f64, f64),
-    pen: ShapeStyle,
-) -> Result<(), DrawError> {
-    chart.draw_series(DashedLineSeries::new(points, px(dash), px(gap), pen)).map(|_| ())
-}
-
-fn dots(chart: &mut Chart<'_, '_>, points: Points, ink: Ink) -> Result<(), DrawError> {
-    let dot = |centre| Circle::new(centre, px(3.0), ink.rgb().filled());
-    chart.draw_series(points.into_iter().map(dot)).map(|_| ())
-}
-
-/// Dots with a word next to each.
-fn marked(
-    chart: &mut Chart<'_, '_>,
-    frame: &Frame,
-    marks: &[((f64, f64), String)],
-    ink: Ink,
-) -> Result<(), DrawError> {
-    let points: Points = marks.iter().map(|(point, _)| *point).collect();
-    dots(chart, frame.inside(&points), ink)?;
-    let words = marks.iter().filter(|(_, word)| !word.is_empty());
-    let labels = words.flat_map(|(point, word)| {
-        let offset = (px(6.0), -px(LETTERS));
-        frame.inside(&[*point]).into_iter().map(move |place| {
-            EmptyElement::at(place) + Text::new(word.clone(), offset, letters(LETTERS, ink))
-        })
-    });
-    chart.draw_series(labels).map(|_| ())
-}
-
-/// Dots with vertical error bars, smaller the more there are.
-fn measured(
-    chart: &mut Chart<'_, '_>,
-    frame: &Frame,
-    points: &[[f64; 4]],
-    ink: Ink,
-) -> Result<(), DrawError> {
-    for [x, _, lower, upper] in points {
-        line(chart, frame.inside(&[(*x, *lower), (*x, *upper)]), stroke(ink, 1.2))?;
+    fn line(&mut self, points: Points, width: f64) -> Result<(), DrawError> {
+        self.chart.draw_series(LineSeries::new(points, stroke(self.series.ink, width))).map(|_| ())
     }
-    let centres: Points = points.iter().map(|[x, y, _, _]| (*x, *y)).collect();
-    let centres = frame.inside(&centres);
-    let radius = if centres.len() > 30 { 1.8 } else { 2.8 };
-    let dot = |centre| Circle::new(centre, px(radius), ink.rgb().filled());
-    chart.draw_series(centres.into_iter().map(dot)).map(|_| ())
-}
 
-fn filled_band(
-    chart: &mut Chart<'_, '_>,
-    frame: &Frame,
-    band: &Band,
-    ink: Ink,
-    fill: f64,
-) -> Result<(), DrawError> {
-    let lower: Points = band.iter().map(|(x, low, _)| (*x, *low)).collect();
-    let upper: Points = band.iter().map(|(x, _, high)| (*x, *high)).collect();
-    let mut outline = frame.inside(&lower);
-    outline.extend(frame.inside(&upper).into_iter().rev());
-    if outline.len() > 2 {
-        chart.draw_series([Polygon::new(outline, ink.rgb().mix(fill))])?;
+    fn dashed(&mut self, points: &[(f64, f64)], dash: (f64, f64), width: f64) -> Result<(), DrawError> {
+        let (points, pen) = (self.frame.inside(points), stroke(self.series.ink, width));
+        self.chart.draw_series(DashedLineSeries::new(points, px(dash.0), px(dash.1), pen)).map(|_| ())
     }
-    Ok(())
-}
 
-/// The outline of bars side by side from zero, filled.
-fn steps(
-    chart: &mut Chart<'_, '_>,
-    frame: &Frame,
-    bars: &[(f64, f64, f64)],
-    ink: Ink,
-    fill: f64,
-) -> Result<(), DrawError> {
-    let (Some(first), Some(last)) = (bars.first(), bars.last()) else { return Ok(()) };
-    let mut outline = vec![(first.0, 0.0)];
-    outline.extend(bars.iter().flat_map(|(left, right, height)| [(*left, *height), (*right, *height)]));
-    outline.push((last.1, 0.0));
-    let outline = frame.inside(&outline);
-    if outline.len() > 2 {
-        chart.draw_series([Polygon::new(outline.clone(), ink.rgb().mix(fill))])?;
-        line(chart, outline, stroke(ink, 1.5))?;
+    fn dots(&mut self, points: Points, radius: f64) -> Result<(), DrawError> {
+        let dot = |centre| Circle::new(centre, px(radius), self.series.ink.rgb().filled());
+        self.chart.draw_series(points.into_iter().map(dot)).map(|_| ())
     }
-    Ok(())
+
+    /// Dots with a word next to each.
+    fn marks(&mut self, marks: &[((f64, f64), String)], ink: Ink) -> Result<(), DrawError> {
+        let frame = self.frame;
+        let points: Points = marks.iter().map(|(point, _)| *point).collect();
+        self.dots(frame.inside(&points), 3.0)?;
+        let words = marks.iter().filter(|(_, word)| !word.is_empty());
+        let labels = words.flat_map(|(point, word)| {
+            let offset = (px(6.0), -px(LETTERS));
+            frame.inside(&[*point]).into_iter().map(move |place| {
+                EmptyElement::at(place) + Text::new(word.clone(), offset, letters(LETTERS, ink))
+            })
+        });
+        self.chart.draw_series(labels).map(|_| ())
+    }
+
+    /// Dots with vertical error bars, smaller the more there are.
+    fn measured(&mut self, points: &[[f64; 4]]) -> Result<(), DrawError> {
+        for [x, _, lower, upper] in points {
+            self.line(self.frame.inside(&[(*x, *lower), (*x, *upper)]), 1.2)?;
+        }
+        let centres: Points = points.iter().map(|[x, y, _, _]| (*x, *y)).collect();
+        let centres = self.frame.inside(&centres);
+        let radius = if centres.len() > 30 { 1.8 } else { 2.8 };
+        self.dots(centres, radius)
+    }
+
+    /// The area within an outline.
+    fn area(&mut self, outline: Points) -> Result<(), DrawError> {
+        if outline.len() > 2 {
+            self.chart.draw_series([Polygon::new(outline, self.series.ink.rgb().mix(self.series.fill))])?;
+        }
+        Ok(())
+    }
+
+    /// The outline of bars side by side from zero, filled.
+    fn steps(&mut self, bars: &[(f64, f64, f64)]) -> Result<(), DrawError> {
+        let (Some(first), Some(last)) = (bars.first(), bars.last()) else { return Ok(()) };
+        let mut outline = vec![(first.0, 0.0)];
+        outline.extend(bars.iter().flat_map(|(left, right, height)| [(*left, *height), (*right, *height)]));
+        outline.push((last.1, 0.0));
+        let outline = self.frame.inside(&outline);
+        self.area(outline.clone())?;
+        if outline.len() > 2 { self.line(outline, 1.5) } else { Ok(()) }
+    }
 }
 
 /// Entries above the plot, in as many rows as they need.

@@ -3,9 +3,7 @@
 use super::exact::ExactTexts;
 use super::mechanism_tables::stated;
 use crate::presentation::report::format::{UNKNOWN, seven_digits};
-use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::table;
-use crate::presentation::report::written::WrittenScene;
+use crate::presentation::report::{WrittenScene, captioned, table};
 use common::scene::{
     Clearance, ContactDamping, ControlPoints, GuideClearance, Joint, JointKind, Material, Scene,
     WearingSurfaces,

@@ -1,6 +1,6 @@
 //! Values of a scene as its language reads them: as few digits as give the same number, with a unit.
 
-use crate::presentation::report::format::seven_digits;
+use crate::presentation::report::format::{seven_digits, unit_scale};
 use crate::presentation::report::written::WrittenScene;
 use common::scene::expression::{ExpressionError, evaluate, read_unit};
 
@@ -62,7 +62,7 @@ impl ExactTexts<'_> {
         if !self.0.has_formula(key) {
             return exact(value, unit);
         }
-        let scale = read_unit(unit).map_or(1.0, |unit| unit.multiply / unit.divide);
+        let scale = unit_scale(unit);
         format!("{}\u{a0}{}", seven_digits(value / scale), unit.replace("^2", "²"))
     }
 

@@ -2,9 +2,7 @@
 
 use super::exact::{ExactTexts, exact, exact_number};
 use super::mechanism_tables::subject;
-use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::table_of_text;
-use crate::presentation::report::written::WrittenScene;
+use crate::presentation::report::{WrittenScene, captioned, table_of_text};
 use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, Kind, LENGTH, NUMBER};
 use common::scene::{
     Curve, Drive, Form, JointKind, Key, Load, Motion, OutputUnit, Over, Scene, Table, Value,

@@ -3,9 +3,7 @@
 
 use super::exact::ExactTexts;
 use crate::presentation::report::format::UNKNOWN;
-use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::table_of_text;
-use crate::presentation::report::written::WrittenScene;
+use crate::presentation::report::{WrittenScene, captioned, table_of_text};
 use common::scene::{Attachment, Drive, JointKind, Motion, Scene, Value};
 use maud::{Markup, html};
 

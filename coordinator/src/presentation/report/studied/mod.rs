@@ -16,13 +16,10 @@ mod mechanism_tables;
 mod variable_tables;
 
 use super::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
-use super::figure::Figure;
-use super::figures::VaryingLoads;
-use super::input::ReportInput;
 use super::mechanism::poses;
-use super::page::{Page, captioned, numbered};
+use super::page::numbered;
 use super::tables;
-use super::written::WrittenScene;
+use super::{Figure, Page, ReportInput, VaryingLoads, WrittenScene, captioned};
 use crate::results::scene_summary::limit_rows;
 use common::scene::{ContactLaw, Joint, JointKind, Scene, SimulatorKind, WearingSurfaces};
 use maud::{Markup, Render, html};
@@ -77,7 +74,7 @@ pub fn chapter(input: &ReportInput, drawn: &Markup) -> Markup {
             (variable_tables::variables(scene, &input.summary))
         }
         (variable_tables::limits(scene, &input.summary.limits, &input.written))
-        (variable_tables::study_settings(scene, &input.summary, &input.settings))
+        (variable_tables::study_settings(scene, &input.summary, &input.meta.settings))
         h3 { "Assumptions and limits of the model" }
         ul { @for sentence in assumptions(input) { li { (sentence) } } }
     }

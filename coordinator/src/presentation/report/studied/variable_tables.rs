@@ -3,9 +3,7 @@
 use super::exact::{ExactTexts, exact, exact_number};
 use super::mechanism_tables::{stated, subject};
 use crate::presentation::report::format::{UNKNOWN, count, seven_digits};
-use crate::presentation::report::page::captioned;
-use crate::presentation::report::tables::table;
-use crate::presentation::report::written::WrittenScene;
+use crate::presentation::report::{WrittenScene, captioned, table};
 use crate::results::scene_summary::{LimitRow, VariableRow};
 use crate::results::summary::StudySummary;
 use crate::study::Settings;
