@@ -105,7 +105,7 @@ impl<'s> Context<'s> {
 
     /// Evaluates every parameter, and records names that no parameter can have.
     pub(super) fn read_parameters(&self, table: &'s Table) {
-        self.parameters.borrow_mut().define(table);
+        self.parameters.borrow_mut().definitions = Some(table);
         for name in table.keys() {
             match why_not_a_name(name) {
                 Some(reason) => {

@@ -18,7 +18,7 @@ pub struct Section<'s> {
     pub(super) path: String,
     table: &'s Table,
     /// Table with the values of keys that this one does not have.
-    defaults: Option<&'s Table>,
+    pub(super) defaults: Option<&'s Table>,
     /// Keys that this table may have, as far as they were read.
     known: Vec<&'static str>,
     /// True if the type of the table is unknown, and with it the keys that it may have.
@@ -68,7 +68,7 @@ impl<'s> Section<'s> {
 
     /// Records that a key is missing.
     pub fn missing(&self, key: &str, expected: impl Into<String>) {
-        self.fault(key, FaultKind::Missing { expected: expected.into() });
+        self.fault(key, FaultKind::Missing(expected.into()));
     }
 
     /// Records that a value has another type of TOML value.
@@ -125,11 +125,6 @@ impl<'s> Section<'s> {
         let other =
             EITHER.iter().find(|pair| pair.contains(&key)).map(|pair| pair[usize::from(pair[0] == key)]);
         other.is_some_and(|other| self.table.contains_key(other))
-    }
-
-    /// Takes the values of keys that this table does not have from another one.
-    pub(super) fn with_defaults(&mut self, defaults: Option<&'s Table>) {
-        self.defaults = defaults;
     }
 
     /// Keys that this table may have, as far as they were read.

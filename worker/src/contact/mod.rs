@@ -44,15 +44,12 @@ mod foundation_slopes;
 #[cfg(test)]
 mod foundation_tests;
 mod free_region;
-mod guide_reaction;
 mod integrals;
 mod joint_force;
-mod journal;
 mod journal_lanes;
 mod journal_table;
 #[cfg(test)]
 mod journal_tests;
-mod law;
 mod law_lanes;
 mod local_hertz;
 mod modulus;
@@ -76,12 +73,12 @@ pub use foundation::Foundation;
 pub(crate) use foundation::FoundationWithJournal;
 pub(crate) use foundation_slopes::FoundationLoad;
 pub(crate) use free_region::FreeRegion;
-pub use guide_reaction::{GuideReaction, PADS};
+pub(crate) use joint_force::Pressure;
 pub use joint_force::{ForceSlopes, JointForce, JointMotion};
-pub use journal::{Journal, Surfaces};
-pub(crate) use law::Pressure;
+pub use journal_table::{Journal, Surfaces};
 pub use law_lanes::LawLanes;
 pub use local_hertz::{LocalHertz, PolarEccentricity, Walls};
+pub use pad::{GuideReaction, PADS};
 pub(crate) use pad::{PadForce, pad_force};
 pub(crate) use rotated_arc::SegmentParts;
 pub use surface::{Surface, hertz_stiffness};
@@ -89,7 +86,7 @@ pub(crate) use surface::{coulomb, equivalent_penetration};
 
 use crate::bore::Profile;
 use common::scene::{Clearance, ContactLaw};
-use law::Elastic;
+use joint_force::Elastic;
 
 /// The contact law of one joint.
 #[derive(Debug, Clone, PartialEq)]

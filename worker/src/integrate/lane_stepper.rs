@@ -255,10 +255,10 @@ impl<R: Real> LaneStepper<R> {
         let time = self.progress.time.lane(lane);
         let missing = |exists: &Option<R>| exists.is_some_and(|exists| exists.lane(lane) != 1.0);
         if missing(&self.at.independent) || missing(&self.at.balanced) {
-            return Err(IntegrationError::Singular { time });
+            return Err(IntegrationError::Singular(time));
         }
         if self.force.lane(lane) != 0.0 {
-            return Err(IntegrationError::NotFinite { time });
+            return Err(IntegrationError::NotFinite(time));
         }
         for (guide, now) in self.at.guides.iter().enumerate() {
             let distance = now.beyond.lane(lane);

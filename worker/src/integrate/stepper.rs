@@ -105,10 +105,9 @@ impl Stepper {
     fn named<D: Stepped>(&self, system: &D, error: IntegrationError) -> IntegrationError {
         match (error, system.dependent_joint()) {
             // No length of the step passes the position.
-            (
-                IntegrationError::StepTooSmall { time, .. } | IntegrationError::Singular { time },
-                Some(joint),
-            ) => IntegrationError::Branching { time, joint },
+            (IntegrationError::StepTooSmall { time, .. } | IntegrationError::Singular(time), Some(joint)) => {
+                IntegrationError::Branching { time, joint }
+            }
             (error, _) => error.with_joint(self.responsible_joint(system)),
         }
     }
@@ -158,7 +157,7 @@ impl Stepper {
         system.linearise(time, q, v, &mut self.at);
         progress.forces += 1.0;
         if self.at.independent == Some(0.0) {
-            return Err(IntegrationError::Singular { time });
+            return Err(IntegrationError::Singular(time));
         }
         if self.at.balanced == Some(0.0)
             && let Some(joint) = system.locked_joint()
@@ -166,7 +165,7 @@ impl Stepper {
             return Err(IntegrationError::SelfLocking { time, joint });
         }
         if !self.at.f.iter().all(|f| f.is_finite()) {
-            return Err(IntegrationError::NotFinite { time });
+            return Err(IntegrationError::NotFinite(time));
         }
         self.at.in_guides().map_err(|(guide, distance)| IntegrationError::LeftGuide {
             time,

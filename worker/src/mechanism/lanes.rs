@@ -4,14 +4,13 @@
 use super::closing::{IdealJoints, close};
 use super::elimination::{Elimination, Existence};
 use super::forces::{Acting, JointSpace};
-use super::frame::{End, Frame};
+use super::frame::{End, Frame, Placed};
 use super::guide::Guide;
 use super::guide_onset::begun;
 use super::island::Island;
 use super::joint::Touching;
 use super::load::IslandLoad;
 use super::piecewise_cubic::Jet;
-use super::placed::Placed;
 use super::prescribed::Prescribed;
 use super::wearing_joint::WearingJoint;
 use crate::contact::{GuideReaction, LawLanes};

@@ -87,7 +87,7 @@ impl QuasiStaticStepper {
         let found = self.solver.solve_rest(system, &self.ideal, t, start);
         counts.iterations += self.solver.iterations - before;
         (self.time, self.step) = (t, FIRST_STEP * self.bounds.largest);
-        found.map_err(|_| Unsuitable::NoRest { time: t })
+        found.map_err(|_| Unsuitable::NoRest(t))
     }
 
     /// Integrates the gaps to time `end` [s]; `observer` receives every accepted state, both ends included.
@@ -136,7 +136,7 @@ impl QuasiStaticStepper {
             system.on_accepted(&self.solver.q, &self.solver.v, &self.solver.at);
             observer.observe(system, self.time, &self.solver.q, &self.solver.v, &self.solver.at);
             if taken >= self.bounds.most && self.time < end {
-                return Err(Unsuitable::TooManySteps { time: self.time });
+                return Err(Unsuitable::TooManySteps(self.time));
             }
         }
         Ok(())

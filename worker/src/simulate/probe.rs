@@ -7,9 +7,9 @@
 //! # Source
 //! Error estimation with two step lengths: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4.
 
+use super::failures::wear_failure;
 use super::island_state::{CycleTools, IslandState};
 use super::run::Run;
-use super::wall::wear_failure;
 use crate::wear::WearLaw;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;

@@ -36,29 +36,20 @@ use common::scene::{CycleTier, Scene};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::Range;
+use thiserror::Error;
 
 /// Change of the depths between two requests, as a share of the clearance, from which on equal replies show a program that ignores them [1].
 const NOTICED: f64 = 1e-3;
 
 /// Why a life has no result.
-#[derive(Debug)]
+#[derive(Debug, Error)]
 pub enum CycleError {
     /// A failure of the sample.
-    Failed(SimulationFailure),
+    #[error(transparent)]
+    Failed(#[from] SimulationFailure),
     /// The program cannot be used, or the life was stopped.
-    Slot(SlotError),
-}
-
-impl From<SimulationFailure> for CycleError {
-    fn from(failure: SimulationFailure) -> Self {
-        CycleError::Failed(failure)
-    }
-}
-
-impl From<SlotError> for CycleError {
-    fn from(error: SlotError) -> Self {
-        CycleError::Slot(error)
-    }
+    #[error(transparent)]
+    Slot(#[from] SlotError),
 }
 
 /// The life of the sample that gives `scene`, with the cycles of a program of this tier.

@@ -4,8 +4,8 @@
 //! Outputs of the motion come from dynamic cycles at a few lives, on the bores worn so far, where the wear rates are compared too.
 //! That needs a contact law that conserves energy: under another one vibrations may grow as the bores wear, from one cycle to the next.
 
+use super::blocks::LifeHistory;
 use super::island_state::CycleSpan;
-use super::life_history::LifeHistory;
 use super::life_in_blocks::simulate_life;
 use super::motion_estimate::{MeasuredLives, MotionEstimate, largest_bend};
 use super::partial_life::CycleModel;
@@ -113,30 +113,20 @@ impl CycleModel for QuasiStaticCycles {
                 return Err(Unsuitable::Curved { output: output.name.clone(), share: off / largest });
             }
         }
-        estimate.set_quasi_static(run.largest_tier_difference());
+        estimate.quasi_static = Some(run.largest_tier_difference());
         Ok(())
     }
 }
 
 impl Run<'_> {
     /// Starts the quasi-static model and compares it with the settled first cycle just measured, on the unworn bores.
-    fn start_quasi_static(&mut self) -> Result<(), Unsuitable> {
+    pub(crate) fn start_quasi_static(&mut self) -> Result<(), Unsuitable> {
         if self.accuracy.tier == Tier::Dynamic {
             return Err(Unsuitable::Unwanted);
         }
         self.assemble_quasi_static()?;
         self.quasi_static_cycle()?;
         self.check_against_dynamics()
-    }
-
-    /// A copy of this run under the quasi-static model, from the settled first cycle just measured.
-    ///
-    /// # Errors
-    /// [`Unsuitable`] if the dynamics has to drive the wear.
-    pub(crate) fn quasi_static_copy(&self) -> Result<Self, Unsuitable> {
-        let mut copy = self.clone();
-        copy.start_quasi_static()?;
-        Ok(copy)
     }
 
     /// Largest relative difference of the quasi-static wear rates from those of the dynamics found so far [1].
@@ -158,7 +148,7 @@ impl Run<'_> {
     /// Puts every island on its ideal motion, with closed joints.
     fn assemble_quasi_static(&mut self) -> Result<(), Unsuitable> {
         if let Some(output) = self.first_motion_output().filter(|_| !self.conserves_energy()) {
-            return Err(Unsuitable::Output { output: output.name.clone() });
+            return Err(Unsuitable::Output(output.name.clone()));
         }
         let poses = ideal_cycle(self.scene, IDEAL_INTERVALS + 1, &mut self.newton)?;
         if poses.len() < 2 {
@@ -206,7 +196,7 @@ impl Run<'_> {
                     state.rates[k].freeze(&recorder.histories[k]);
                     state.rates[k]
                         .rate(&state.depth[k], &mut rate)
-                        .map_err(|_| Unsuitable::Disagrees { share: f64::INFINITY })?;
+                        .map_err(|_| Unsuitable::Disagrees(f64::INFINITY))?;
                     let second = rate.split_off(pair.first_depths());
                     rates[SURFACES * pair.scene_joint()] = rate;
                     rates[SURFACES * pair.scene_joint() + 1] = second;
@@ -219,7 +209,7 @@ impl Run<'_> {
                     joints.iter().flat_map(|joint| [0, 1].map(|k| SURFACES * joint + k)).collect();
                 let share = wear_rate_difference(&quasi_static, &dynamic, &surfaces);
                 if share > self.accuracy.wear_tolerance {
-                    return Err(Unsuitable::Disagrees { share });
+                    return Err(Unsuitable::Disagrees(share));
                 }
                 *largest = largest.max(share);
             }

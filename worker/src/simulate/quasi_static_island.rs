@@ -1,6 +1,6 @@
 //! One island on its ideal motion: the gaps of its joints through a cycle, recorded for the wear.
 
-use super::island_state::{CycleSpan, IslandState};
+use super::island_state::{CycleSpan, IslandState, StateSnapshot};
 use crate::mechanism::Island;
 use crate::outputs::{Recorder, RecordingRequest};
 use crate::quasi_static::{IdealMotion, QuasiStaticCounts, QuasiStaticStepper, StepBounds, Unsuitable};
@@ -63,7 +63,7 @@ impl QuasiStaticIsland {
         stepper.run(&mut state.island, cycle.kept, recorder, counts)?;
         start.copy_from_slice(stepper.gaps());
         let (q, v) = stepper.state();
-        state.warm_up_start.update(&state.island, cycle.kept, q, v);
+        state.warm_up_start = StateSnapshot::new(&state.island, cycle.kept, q, v);
         stepper.run(&mut state.island, cycle.period, recorder, counts)?;
         recorder.finish();
         Ok(())

@@ -26,7 +26,7 @@
 use super::amounts::{BoreSizes, SurfaceSizes};
 use super::conformal::ConformalContacts;
 use super::equilibrium::NoEquilibrium;
-use super::history::ContactHistory;
+use super::interval::ContactHistory;
 use super::local_arcs::LocalArcs;
 use super::wear_law::WearLaw;
 use crate::bore::Profile;
