@@ -73,7 +73,9 @@ pub(super) fn resolve(
     file.finish();
     // After another fault, a key may be unread only because of it.
     if cx.fault_count() == 0 {
-        cx.check_overrides(&seen);
+        for key in overrides.keys() {
+            file.reference(key, "quantity", key, seen.keys().map(String::as_str));
+        }
     }
     match parts.scene() {
         Some(scene) if cx.fault_count() == 0 => {
@@ -175,10 +177,7 @@ impl Parts {
             study,
             accuracy,
             levels,
-            simulator: match self.simulator {
-                Some(read) => Some(read?),
-                None => None,
-            },
+            simulator: self.simulator.map_or(Some(None), |read| read.map(Some))?,
         })
     }
 }

@@ -90,7 +90,11 @@ impl<'s> Section<'s> {
         name: &str,
         known: impl Iterator<Item = &'n str> + Clone,
     ) -> Option<usize> {
-        self.cx.reference(&self.key(key), what, name, known)
+        let found = known.clone().position(|candidate| candidate == name);
+        if found.is_none() {
+            self.fault(key, FaultKind::unknown_reference(what, name, known));
+        }
+        found
     }
 
     /// [`Section::reference`]; after a fault the index of the nearest name, with which what depends on it is read on.
@@ -175,10 +179,7 @@ impl<'s> Section<'s> {
 
     /// A quantity with a default.
     pub fn quantity_or(&mut self, key: &'static str, kind: Kind, range: Range, default: f64) -> Option<f64> {
-        match self.get(key) {
-            Some(value) => self.cx.quantity(&self.key(key), value, kind, range),
-            None => Some(default),
-        }
+        Some(self.quantity_if_any(key, kind, range)?.unwrap_or(default))
     }
 
     /// What `read` makes of an optional key; the outer `None` if it is faulty.
@@ -219,10 +220,7 @@ impl<'s> Section<'s> {
 
     /// A pair with a default.
     pub(super) fn pair_or(&mut self, key: &'static str, kind: Kind, default: [f64; 2]) -> Option<[f64; 2]> {
-        match self.get(key) {
-            Some(value) => self.as_pair(key, value, kind),
-            None => Some(default),
-        }
+        Some(self.if_any(key, |section, key| section.pair(key, kind))?.unwrap_or(default))
     }
 
     /// The value of any key as a pair `[x, y]`.
