@@ -84,9 +84,8 @@ pub use load::Load;
 pub use location::Location;
 pub use mesh::{Mesh, MeshForm};
 pub use model::{
-    Body, Condition, CycleProgram, CycleTier, DrivenInertia, Exchange, ExternalSimulator, Fails,
-    FileExchange, Gives, Life, LimitState, Motion, Point, Program, Scene, SimulatorKind, StudySettings,
-    UmBridgeModel,
+    Body, Condition, CycleProgram, CycleTier, Exchange, ExternalSimulator, Fails, FileExchange, Gives, Life,
+    LimitState, MassProperties, Motion, Point, Program, Scene, SimulatorKind, StudySettings, UmBridgeModel,
 };
 pub use output::{Output, OutputKind};
 pub use output_unit::OutputUnit;
