@@ -209,7 +209,7 @@ impl<R: Real> LaneStepper<R> {
         let tried = R::select(steps.below(control.bound), under_way, zero);
         self.progress.forces = self.progress.forces.plus_product(tried, one + one) + entered * self.fresh;
         let StepDecisions { accepted, too_small } =
-            self.progress.decide_lanes(tried, self.tried, self.error, self.ratio);
+            self.progress.decide(tried, self.tried, self.error, self.ratio);
         let is_accepted = zero.below(accepted);
         for i in 0..self.q.len() {
             self.q[i] = R::select(is_accepted, self.scheme.new_q[i], self.q[i]);

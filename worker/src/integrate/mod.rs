@@ -26,8 +26,7 @@ pub use layout::{Band, Layout};
 pub(crate) use linear::{Pivoted, add_product, factor, solve};
 pub use progress::{IntegrationError, StepControl, StepCounts};
 pub(crate) use progress::{
-    SpanProgress, StepDecision, StepDecisions, nan_as_infinite, projected_step_ratio, step_ratio,
-    within_remaining, worst_coordinate,
+    SpanProgress, StepDecisions, nan_as_infinite, projected_step_ratio, step_ratio, worst_coordinate,
 };
 pub(crate) use projected::ProjectedStep;
 pub(crate) use rosenbrock::Rosenbrock;

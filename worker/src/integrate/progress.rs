@@ -149,15 +149,6 @@ pub struct SpanProgress<R = f64> {
 
 lanewise!(numbers SpanProgress { time, end, control, steps, rejected, forces, drift });
 
-/// Decision about a step just tried.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StepDecision {
-    /// The state at the end of the step is the new state.
-    Accepted,
-    /// The step is tried again from the same state with a shorter length.
-    Refused,
-}
-
 /// Decisions about the steps just tried, lane by lane: one where it applies, else zero.
 #[derive(Debug, Clone, Copy)]
 pub struct StepDecisions<R> {
@@ -203,24 +194,6 @@ impl SpanProgress {
         Err(IntegrationError::TooManySteps { time: self.time, bound: bound as u64, joint: None })
     }
 
-    /// Accepts or refuses a step of length `h` [s] as [`Self::decide_lanes`] does.
-    ///
-    /// # Errors
-    /// [`IntegrationError::StepTooSmall`] without a joint, if the step is refused and the next one would be below its bound.
-    #[inline(always)]
-    pub(crate) fn decide(
-        &mut self,
-        h: f64,
-        error: f64,
-        ratio: f64,
-    ) -> Result<StepDecision, IntegrationError> {
-        let StepDecisions { accepted, too_small } = self.decide_lanes(1.0, h, error, ratio);
-        if too_small > 0.0 {
-            return Err(self.too_small(error));
-        }
-        Ok(if accepted > 0.0 { StepDecision::Accepted } else { StepDecision::Refused })
-    }
-
     /// The next step would be below its bound, after one refused with this error over its tolerance [1].
     pub(crate) fn too_small(&self, error: f64) -> IntegrationError {
         let (error, step) = (error.min(f64::MAX), self.control.step);
@@ -239,7 +212,7 @@ impl<R: Real> SpanProgress<R> {
     /// step has no finite one), and adapts the length of the next step; `ratio` is the [`step_ratio`](super::step_ratio) of this error.
     /// Only lanes where `tried` is one change.
     #[inline(always)]
-    pub(crate) fn decide_lanes(&mut self, tried: R, h: R, error: R, ratio: R) -> StepDecisions<R> {
+    pub(crate) fn decide(&mut self, tried: R, h: R, error: R, ratio: R) -> StepDecisions<R> {
         let (zero, one) = (h.zero(), h.like(1.0));
         let accepted = R::select(one.below(error), zero, tried);
         let refused = tried - accepted;
@@ -307,10 +280,12 @@ impl StepControl {
 }
 
 impl<R: Real> StepControl<R> {
-    /// The step to try [s] if the time `left` [s] remains in the span.
+    /// The step to try, or what the time `left` in the span allows [s]: the last two steps of a span share it equally, so that no sliver
+    /// remains.
     #[inline(always)]
     pub(crate) fn next(&self, left: R) -> R {
-        within_remaining(self.step, left)
+        let shared = R::select(left.below(self.step * 2.0), left * 0.5, self.step);
+        R::select(self.step.below(left), shared, left)
     }
 
     /// The next step after an accepted one of length `h` [s] with this [`step_ratio`]. A step cut short by the end of a span does
@@ -342,11 +317,4 @@ pub(crate) fn step_ratio<R: Real>(error: R) -> R {
 #[inline]
 pub(crate) fn projected_step_ratio(error: f64) -> f64 {
     0.9 * libm::pow(error.max(1e-6), -0.2)
-}
-
-/// `step`, or what the time `left` allows [s]: the last two steps of a span share it equally, so that no sliver remains.
-#[inline(always)]
-pub(crate) fn within_remaining<R: Real>(step: R, left: R) -> R {
-    let shared = R::select(left.below(step * 2.0), left * 0.5, step);
-    R::select(step.below(left), shared, left)
 }

@@ -7,7 +7,7 @@
 use super::progress::{nan_as_infinite, worst_coordinate};
 use super::{
     IntegrationError, Linearised, Passing, ProjectedStep, Rosenbrock, SpanProgress, State, StepControl,
-    StepCounts, StepDecision, Stepped, projected_step_ratio, step_ratio,
+    StepCounts, StepDecisions, Stepped, projected_step_ratio, step_ratio,
 };
 use crate::lanes::{Vectorised, fused};
 use std::ops::Range;
@@ -135,7 +135,11 @@ impl Stepper {
                 let (h, error) = self.try_any_step(system, progress, is_first, (q, v))?;
                 let ratio =
                     if system.is_projected() { projected_step_ratio(error) } else { step_ratio(error) };
-                if progress.decide(h, error, ratio)? == StepDecision::Accepted {
+                let StepDecisions { accepted, too_small } = progress.decide(1.0, h, error, ratio);
+                if too_small > 0.0 {
+                    return Err(progress.too_small(error));
+                }
+                if accepted > 0.0 {
                     break;
                 }
             }

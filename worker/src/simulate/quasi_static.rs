@@ -13,8 +13,9 @@ use super::probe::{Probe, SURFACES, contains_one_of, is_probed};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::run::Run;
 use crate::contact::Pressure;
+use crate::integrate::StepCounts;
 use crate::mechanism::ideal_cycle;
-use crate::quasi_static::{QuasiStaticCounts, Unsuitable, ideal_motions, wear_rate_difference};
+use crate::quasi_static::{Unsuitable, ideal_motions, wear_rate_difference};
 use crate::wear::WearLaw;
 use common::accuracy::Tier;
 use common::scene::{Life, Output};
@@ -168,13 +169,12 @@ impl Run<'_> {
     /// [`Unsuitable`] if the gaps cannot be integrated.
     pub(crate) fn quasi_static_cycle(&mut self) -> Result<(), Unsuitable> {
         let cycle = CycleSpan::new(self.scene, self.accuracy);
-        let mut counts = QuasiStaticCounts::default();
+        let mut counts = StepCounts::default();
         let mut islands = self.islands.iter_mut().zip(&mut self.quasi_static);
         let done = islands.try_for_each(|(state, island)| island.run_cycle(state, &cycle, &mut counts));
-        self.counts.steps += counts.steps;
-        self.counts.rejected += counts.refused;
-        self.counts.forces += counts.iterations;
-        self.newton += counts.iterations;
+        self.counts.add(&counts);
+        // Each evaluation of the force is one iteration of Newton's method.
+        self.newton += counts.forces;
         self.simulated += 1;
         done
     }
