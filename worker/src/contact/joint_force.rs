@@ -77,15 +77,6 @@ impl<R: Real> ForceSlopes<R> {
     }
 }
 
-/// Distribution of the contact pressure along the bore, for wear.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Pressure {
-    /// Uniform along the contact arc AB between journal circle and bore.
-    UniformOverArc,
-    /// That of an elastic foundation.
-    Foundation,
-}
-
 /// The elastic part of a contact; all zero in free flight.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Elastic {

@@ -73,7 +73,6 @@ pub use foundation::Foundation;
 pub(crate) use foundation::FoundationWithJournal;
 pub(crate) use foundation_slopes::FoundationLoad;
 pub(crate) use free_region::FreeRegion;
-pub(crate) use joint_force::Pressure;
 pub use joint_force::{ForceSlopes, JointForce, JointMotion};
 pub use journal_table::{Journal, Surfaces};
 pub use law_lanes::LawLanes;
@@ -143,14 +142,6 @@ impl Contact {
     /// True if both have the same law.
     pub(crate) fn has_same_law(&self, other: &Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(other)
-    }
-
-    /// Distribution of the contact pressure, which decides where the bore wears.
-    pub(crate) fn pressure(&self) -> Pressure {
-        match self {
-            Contact::LocalHertz(_) => Pressure::UniformOverArc,
-            Contact::Foundation(_) => Pressure::Foundation,
-        }
     }
 
     /// Replaces the damping factor [s/m], as fixed at the last impact.

@@ -12,7 +12,7 @@ use super::partial_life::CycleModel;
 use super::probe::{Probe, SURFACES, contains_one_of, is_probed};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::run::Run;
-use crate::contact::Pressure;
+use crate::contact::Contact;
 use crate::integrate::StepCounts;
 use crate::mechanism::ideal_cycle;
 use crate::quasi_static::{Unsuitable, ideal_motions, wear_rate_difference};
@@ -143,7 +143,7 @@ impl Run<'_> {
     /// True if the elastic forces of all joints with clearance have a potential, whatever the bore.
     fn conserves_energy(&self) -> bool {
         let mut joints = self.islands.iter().flat_map(|state| &state.island.joints);
-        joints.all(|joint| joint.contact.pressure() == Pressure::Foundation)
+        joints.all(|joint| matches!(joint.contact, Contact::Foundation(_)))
     }
 
     /// Puts every island on its ideal motion, with closed joints.
