@@ -139,11 +139,6 @@ impl Contact {
         }
     }
 
-    /// True if both have the same law.
-    pub(crate) fn has_same_law(&self, other: &Self) -> bool {
-        std::mem::discriminant(self) == std::mem::discriminant(other)
-    }
-
     /// Replaces the damping factor [s/m], as fixed at the last impact.
     pub(crate) fn set_damping(&mut self, damping: f64) {
         match self {

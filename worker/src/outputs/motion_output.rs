@@ -125,8 +125,8 @@ pub(crate) fn motion_value(kind: &OutputKind, cycle: &RecordedCycle) -> f64 {
         OutputKind::AngleError { body, wanted, measure } => {
             angle_error(*body, wanted.as_ref(), cycle).measure(*measure)
         }
-        OutputKind::Acceleration { at } => cycle.peak_acceleration(at).unwrap_or(0.0),
-        OutputKind::AngularAcceleration { body } => cycle.peak_angular_acceleration(*body).unwrap_or(0.0),
+        OutputKind::Acceleration { at } => cycle.peak(|peaks| peaks.acceleration(at)),
+        OutputKind::AngularAcceleration { body } => cycle.peak(|peaks| peaks.angular_acceleration(*body)),
         OutputKind::Impacts { joints } => cycle.impacts(joints).map(|count| f64::from(count.number)).sum(),
         OutputKind::ImpactEnergy { joints, measure: ImpactMeasure::Total } => {
             cycle.impacts(joints).map(|count| count.energy).sum()

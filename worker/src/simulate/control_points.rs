@@ -55,7 +55,7 @@ pub(crate) async fn with_control_points(
     let first = runs.iter_mut().map(async |run: &mut Run<'_>| {
         run.settle().await?;
         run.measure().await?;
-        Ok::<_, SimulationFailure>(contact_arcs(&run.islands))
+        Ok::<_, SimulationFailure>(contact_arcs(run.scene, &run.islands))
     });
     let mut arcs: Vec<ContactArc> = vec![];
     for found in join(first).await {
@@ -162,7 +162,7 @@ impl ContactArc {
 }
 
 /// The arcs of the joints that wear in the cycle recorded last, on unworn surfaces, in the scene's order.
-pub(super) fn contact_arcs(islands: &[IslandState]) -> Vec<ContactArc> {
+pub(super) fn contact_arcs(scene: &Scene, islands: &[IslandState]) -> Vec<ContactArc> {
     let mut found = Vec::new();
     for state in islands {
         let joints = state.island.joints.iter().zip(&state.recorder.histories);
@@ -170,7 +170,7 @@ pub(super) fn contact_arcs(islands: &[IslandState]) -> Vec<ContactArc> {
             let radii = [joint.profile.initial_radius(), joint.contact.surface().journal_radius];
             found.push(ContactArc {
                 scene_joint: joint.scene_joint,
-                joint: joint.name.clone(),
+                joint: scene.joints[joint.scene_joint].name.clone(),
                 arc: history.bore().map_or(0.0, |history| mean_contact_arc(history, radii)),
                 spacing: TAU / joint.profile.points() as f64,
             });

@@ -6,7 +6,7 @@ use crate::mechanism::{Frame, Island, Pose, Prescribed, ideal_cycle};
 use crate::plane::dot;
 use crate::wear::{WearStep, WearStepFailed};
 use common::failure::SimulationFailure;
-use common::scene::{Attachment, ContactLaw, JointKind, OutputKind, Scene};
+use common::scene::{Attachment, ContactLaw, Joint, JointKind, OutputKind, Scene};
 
 /// Largest depth and thickness of the wall of a joint of the scene [m], if the depth has reached the thickness: of the first surface, a
 /// bushing's wall, of the second one, half the height of a slider.
@@ -20,15 +20,15 @@ pub(super) fn worn_through(scene: &Scene, joint: usize, [first, second]: [&[f64]
     (largest >= wall).then_some((largest, wall))
 }
 
-/// The failure of a wear step of the joint `joint` of this kind, in the block that begins with `cycle`.
+/// The failure of a wear step of a `joint`, in the block that begins with `cycle`.
 pub(super) fn wear_failure(
-    kind: &JointKind,
+    joint: &Joint,
     cycle: u32,
-    joint: String,
     failed: impl Into<WearStepFailed>,
 ) -> SimulationFailure {
     let uniform =
-        matches!(kind, JointKind::Clearance(clearance) if clearance.contact_law != ContactLaw::Foundation);
+        matches!(&joint.kind, JointKind::Clearance(joint) if joint.contact_law != ContactLaw::Foundation);
+    let joint = joint.name.clone();
     match failed.into() {
         WearStepFailed::Tolerance(error) if uniform => SimulationFailure::WearStep { cycle, joint, error },
         WearStepFailed::Tolerance(error) => SimulationFailure::WearOnFoundation { cycle, joint, error },

@@ -131,7 +131,7 @@ async fn examine(
     let cycle = measured / cycles as u32;
     let mut look = FirstLook {
         islands,
-        arcs: contact_arcs(&run.islands),
+        arcs: contact_arcs(run.scene, &run.islands),
         wears: run.wears(),
         asks_for_motion: run.first_motion_output().is_some(),
         tier: Err(Unsuitable::Unwanted),

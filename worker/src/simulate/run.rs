@@ -362,13 +362,11 @@ impl<'a> Run<'a> {
                 }
                 let advanced =
                     state.steps[k].advance(rate, depth, length, &marks, note, &mut self.wear_counts);
-                advanced.map_err(|failed| {
-                    wear_failure(&self.scene.joints[scene_joint].kind, from, pair.name().to_owned(), failed)
-                })?;
+                advanced.map_err(|failed| wear_failure(&self.scene.joints[scene_joint], from, failed))?;
                 state.finer[k].marked = marked[..within].iter().map(|joints| joints[scene_joint]).collect();
                 let surfaces = depth.split_at(pair.first_depths());
                 if let Some((depth, wall)) = worn_through(self.scene, scene_joint, surfaces.into()) {
-                    let joint = pair.name().to_owned();
+                    let joint = self.scene.joints[scene_joint].name.clone();
                     return Err(SimulationFailure::WornThrough { cycle: to, joint, depth, wall });
                 }
                 pair.set_depth(depth);

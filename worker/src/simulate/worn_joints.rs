@@ -71,14 +71,15 @@ impl Run<'_> {
                 .into_iter()
                 .max_by(|a, b| a.open.total_cmp(&b.open));
             let Some(found) = found else { continue };
+            let name = &self.scene.joints[joint.scene_joint].name;
             let now = |since| NarrowGroove {
-                joint: joint.name.clone(),
+                joint: name.clone(),
                 since,
                 angle: found.angle,
                 width: found.width,
                 open: found.open,
             };
-            match self.grooves.iter_mut().find(|known| known.joint == joint.name) {
+            match self.grooves.iter_mut().find(|known| known.joint == *name) {
                 Some(known) if found.open > known.open => *known = now(known.since),
                 Some(_) => {}
                 None => self.grooves.push(now(life)),
