@@ -22,7 +22,8 @@ mod rosenbrock;
 mod stepper;
 
 pub(crate) use lane_stepper::{LaneStepper, SteppedLanes};
-pub use layout::{Band, Layout};
+pub use layout::Band;
+pub(crate) use layout::Layout;
 pub(crate) use linear::{Pivoted, add_product, factor, solve};
 pub use progress::{IntegrationError, StepControl, StepCounts};
 pub(crate) use progress::{
