@@ -9,7 +9,8 @@
 //! | result | [`failure`], [`outputs`] | results of an evaluation, or the reason why there is none |
 //! | | [`evaluation_shape`] | whether a result fits its scene |
 //! | | [`external`] | evaluations by a user's program or an UM-Bridge server |
-//! | process | [`build`] | the build of the program that determines the bits of results |
+//! | process | [`locks`] | locks whose poisoning is ignored |
+//! | | [`build`] | the build of the program that determines the bits of results |
 //! | | [`panics`] | panics of simulations, and of anything else |
 //! | transport | [`umbridge`], [`wire`] | the UM-Bridge protocol; the messages between coordinator and worker |
 //!
@@ -54,6 +55,7 @@ pub mod build;
 pub mod evaluation_shape;
 pub mod external;
 pub mod failure;
+pub mod locks;
 pub mod outputs;
 pub mod panics;
 pub mod random;

@@ -205,7 +205,7 @@ fn serve_umbridge(given: &str, arguments: &Arguments) -> Result<ExitCode, Comman
     let address = umbridge::address(given, access)?;
     let source = SceneSource::load(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
     if source.nominal().simulator.is_some() {
-        return Err(UmBridgeError::NoMechanism { origin: source.origin().to_owned() }.into());
+        return Err(UmBridgeError::NoMechanism(source.origin().to_owned()).into());
     }
     let scene = source.nominal().name.clone();
     let model = Model::new(source, arguments.accuracy.clone().unwrap_or_default());
@@ -229,7 +229,7 @@ fn serve_umbridge(given: &str, arguments: &Arguments) -> Result<ExitCode, Comman
 fn serve_cycle(scene: &str) -> Result<ExitCode, CommandError> {
     let source = SceneSource::load(scene)?;
     if source.nominal().simulator.is_some() {
-        return Err(UmBridgeError::NoMechanism { origin: source.origin().to_owned() }.into());
+        return Err(UmBridgeError::NoMechanism(source.origin().to_owned()).into());
     }
     serve_cycle::serve(&source, std::io::stdin().lock(), std::io::stdout().lock())
         .map_err(CommandError::Cycle)?;

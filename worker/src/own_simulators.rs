@@ -10,13 +10,14 @@ use common::external::{
     SimulatorError, SimulatorId, Slot, SlotError, SlotRequest, StopSignal, limit_contact,
 };
 use common::failure::SimulationFailure;
+use common::locks::locked;
 use common::outputs::Evaluation;
 use common::scene::{Faults, SceneSource};
 use common::wire::{Offers, Subject};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 use thiserror::Error;
 
@@ -26,12 +27,9 @@ pub enum OfferError {
     /// A scene file is faulty.
     #[error(transparent)]
     Scene(#[from] Faults),
-    /// A scene describes a mechanism.
-    #[error("--simulator {origin}: the scene names no simulator of its own, expected a table [simulator]")]
-    NoSimulator {
-        /// File of the scene.
-        origin: String,
-    },
+    /// A scene describes a mechanism. Holds the file of the scene.
+    #[error("--simulator {0}: the scene names no simulator of its own, expected a table [simulator]")]
+    NoSimulator(String),
     /// A folder cannot be read, or has no scene files.
     #[error("--simulator {}: {reason}", folder.display())]
     Folder {
@@ -115,7 +113,7 @@ impl OwnSimulators {
         for source in sources {
             let (scene, origin) = (source.nominal(), source.origin());
             let Some(simulator) = &scene.simulator else {
-                return Err(OfferError::NoSimulator { origin: origin.to_owned() });
+                return Err(OfferError::NoSimulator(origin.to_owned()));
             };
             let id = SimulatorId::new(simulator, scene);
             if let Some((_, first)) = offers.iter().find(|(offer, _)| offer.id == id) {
@@ -138,10 +136,6 @@ impl OwnSimulators {
         self.offers.iter().map(|offer| &offer.id)
     }
 
-    fn stopped_jobs(&self) -> MutexGuard<'_, BTreeMap<usize, Arc<AtomicBool>>> {
-        self.stopped_jobs.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// The offer for a job, if its sample fits.
     fn offer(&self, job: &Job) -> Result<&Offer, String> {
         let Subject::Simulator(wanted) = &job.order.subject else {
@@ -158,19 +152,15 @@ impl OwnSimulators {
 }
 
 impl Offer {
-    fn idle(&self) -> MutexGuard<'_, Vec<Box<dyn Slot>>> {
-        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     fn evaluate(&self, job: &Job, stop: &StopSignal) -> Result<Evaluation, SimulationFailure> {
         if stop.is_set() {
             return Err(SimulationFailure::SimulatorUnusable { reason: SlotError::Stopped.to_string() });
         }
-        let free = self.idle().pop();
+        let free = locked(&self.idle).pop();
         let mut slot = free.unwrap_or_else(|| self.opened.slot(self.made.fetch_add(1, Ordering::Relaxed)));
         let request = SlotRequest { id: job.task.key.task, level: job.task.level, sample: job.sample() };
         let evaluated = slot.evaluate(request, stop);
-        self.idle().push(slot);
+        locked(&self.idle).push(slot);
         evaluated.unwrap_or_else(|error| {
             if !matches!(error, SlotError::Stopped) {
                 tracing::error!("{}: {error}", self.id);
@@ -190,7 +180,7 @@ impl Simulator for OwnSimulators {
             tracing::error!("an evaluation is refused: {reason}");
             SimulationFailure::SimulatorUnusable { reason }
         })?;
-        let of_coordinator = Arc::clone(self.stopped_jobs().entry(job.coordinator).or_default());
+        let of_coordinator = Arc::clone(locked(&self.stopped_jobs).entry(job.coordinator).or_default());
         let stop = StopSignal::new([Arc::clone(&self.stopped), of_coordinator]);
         offer.evaluate(job, &stop.needing(job.order.licensed.then_some(job.coordinator)))
     }
@@ -198,14 +188,14 @@ impl Simulator for OwnSimulators {
     /// Ends the programs that wait for samples.
     fn on_campaign_ended(&self) {
         for offer in &self.offers {
-            let idle = std::mem::take(&mut *offer.idle());
+            let idle = std::mem::take(&mut *locked(&offer.idle));
             drop(idle);
         }
     }
 
     /// Kills the programs at work for a coordinator.
     fn stop_jobs_of(&self, coordinator: usize) {
-        if let Some(stopped) = self.stopped_jobs().remove(&coordinator) {
+        if let Some(stopped) = locked(&self.stopped_jobs).remove(&coordinator) {
             stopped.store(true, Ordering::Relaxed);
         }
     }

@@ -5,11 +5,12 @@ use crate::simulate::{
     LaneWidth, SimulateOptions, SimulationInput, simulate, simulate_side_by_side, widest_lanes,
 };
 use common::failure::SimulationFailure;
+use common::locks::locked;
 use common::outputs::Evaluation;
 use common::scene::SceneSource;
 use common::wire::Subject;
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// Evaluations that a thread runs side by side, for a number of lanes. Two evaluations of two islands each fill four lanes, four fill
@@ -38,7 +39,7 @@ struct Mechanism {
 impl Mechanism {
     /// The parsed scene of `text`, from the cache if possible.
     fn source(&self, text: &str) -> Result<Arc<SceneSource>, SimulationFailure> {
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut last = locked(&self.last);
         let cached = last.iter().position(|source| source.text() == text).and_then(|at| last.remove(at));
         let source = match cached {
             Some(source) => source,

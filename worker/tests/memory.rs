@@ -31,7 +31,8 @@ fn one_more_evaluation_takes_less_than_20_mb() {
             for _ in 0..slots {
                 scope.spawn(|| {
                     start.wait();
-                    let job = Job::standalone(&cut, &means, Accuracy::reference()).and_first_cycle();
+                    let mut job = Job::standalone(&cut, &means, Accuracy::reference());
+                    job.task.with_first_cycle = true;
                     let found = simulator.simulate(&job);
                     assert!(found.is_ok_and(|evaluation| evaluation.first_cycle.is_some()));
                 });

@@ -41,18 +41,12 @@ impl Default for NamedAccuracy {
 /// Reason why a name is not an accuracy.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum AccuracyNameError {
-    /// Neither a preset nor a knob.
-    #[error("{part:?} is neither a preset (draft, balanced, reference) nor a change of one ({KNOBS})")]
-    Unknown {
-        /// The unknown part between two `+`.
-        part: String,
-    },
-    /// A preset that is not the first part.
-    #[error("the preset {part:?} comes first, changes of it after it")]
-    Misplaced {
-        /// Name of the preset.
-        part: String,
-    },
+    /// Neither a preset nor a knob. Holds the unknown part between two `+`.
+    #[error("{0:?} is neither a preset (draft, balanced, reference) nor a change of one ({KNOBS})")]
+    Unknown(String),
+    /// A preset that is not the first part. Holds the name of the preset.
+    #[error("the preset {0:?} comes first, changes of it after it")]
+    Misplaced(String),
     /// The value of a knob is out of range or not a number.
     #[error("{part:?}: allowed for {knob}: {allowed}")]
     Value {
@@ -87,7 +81,7 @@ impl FromStr for NamedAccuracy {
         for (k, part) in name.split('+').enumerate() {
             accuracy = match Accuracy::by_name(part) {
                 Some(preset) if k == 0 => preset,
-                Some(_) => return Err(AccuracyNameError::Misplaced { part: part.to_owned() }),
+                Some(_) => return Err(AccuracyNameError::Misplaced(part.to_owned())),
                 None => with_knob(accuracy, part)?,
             };
         }
@@ -127,7 +121,7 @@ fn with_knob(accuracy: Accuracy, part: &str) -> Result<Accuracy, AccuracyNameErr
     let (value, (knob, allowed, least, most, turn)) = knobs
         .into_iter()
         .find_map(|knob| Some((part.strip_prefix(knob.0).filter(|value| !names_another_knob(value))?, knob)))
-        .ok_or_else(|| AccuracyNameError::Unknown { part: part.to_owned() })?;
+        .ok_or_else(|| AccuracyNameError::Unknown(part.to_owned()))?;
     let whole = allowed.starts_with("whole");
     let number = value
         .parse::<f64>()

@@ -10,7 +10,7 @@
 //! programs that need contact it belongs to another process, the [`Watch`], which ends with this process too, and when this process
 //! has not sent it a new time limit within the last one ([`limit_contact`]).
 
-use super::slot::locked;
+use crate::locks::locked;
 use rustix::io::{FdFlags, fcntl_setfd};
 use std::collections::BTreeMap;
 use std::io::{Error, ErrorKind, PipeReader, PipeWriter, Result, Write};

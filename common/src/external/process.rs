@@ -3,7 +3,8 @@
 //! end with it. The group also ends when this process is killed.
 
 use super::guard::{Guard, guarded};
-use super::slot::{StopSignal, WaitError, locked};
+use super::slot::{StopSignal, WaitError};
+use crate::locks::locked;
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 use std::collections::{BTreeSet, VecDeque};
 use std::io::{BufRead, BufReader, Read, Write};

@@ -3,9 +3,9 @@
 use super::error::SimulatorError;
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -91,11 +91,6 @@ pub enum SlotError {
     /// The simulator cannot be used.
     #[error(transparent)]
     Simulator(#[from] SimulatorError),
-}
-
-/// Locks a mutex. No code here panics while it holds one of these locks, so poisoning is ignored.
-pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// An evaluation that is asked for.

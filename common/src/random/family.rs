@@ -76,7 +76,7 @@ impl Family {
         }
         let positive = matches!(self, Self::Lognormal | Self::Weibull | Self::Exponential);
         if let Some(place) = samples.iter().position(|x| positive && *x <= 0.0) {
-            return Err(FitError::NotPositive { place });
+            return Err(FitError::NotPositive(place));
         }
         if samples.iter().all(|x| *x == samples[0]) {
             return Err(FitError::AllEqual);
@@ -235,7 +235,7 @@ mod tests {
         assert_eq!(Family::Normal.fit(&[1.0; 4]), Err(FitError::TooFew { found: 4, least: 5 }));
         assert_eq!(Family::Normal.fit(&[1.0; 9]), Err(FitError::AllEqual));
         let with_zero = [1.0, 2.0, 0.0, 3.0, 4.0];
-        assert_eq!(Family::Weibull.fit(&with_zero), Err(FitError::NotPositive { place: 2 }));
+        assert_eq!(Family::Weibull.fit(&with_zero), Err(FitError::NotPositive(2)));
         assert!(Family::Gumbel(Extreme::Maxima).fit(&with_zero).is_ok());
     }
 }

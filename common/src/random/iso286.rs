@@ -95,26 +95,17 @@ pub enum Feature {
 /// Faults of a class, a fit or a diameter.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ToleranceError {
-    /// A text that is not a letter and a grade of the tables.
+    /// A text that is not a letter and a grade of the tables. Holds the class as written.
     #[error(
-        "\"{class}\" is not a tolerance class, allowed: a letter of a hole ({HOLES}) or of a shaft ({SHAFTS}) and a grade 5 to 11, e.g. H7"
+        "\"{0}\" is not a tolerance class, allowed: a letter of a hole ({HOLES}) or of a shaft ({SHAFTS}) and a grade 5 to 11, e.g. H7"
     )]
-    Class {
-        /// The class as written.
-        class: String,
-    },
-    /// A text that is not the classes of a hole and a shaft.
-    #[error("\"{fit}\" is not a fit, allowed: a hole and a shaft, e.g. H7/e8")]
-    Fit {
-        /// The fit as written.
-        fit: String,
-    },
-    /// A diameter outside the tables.
-    #[error("a diameter of {diameter} mm is outside the tables, allowed: > 0 and <= 500 mm")]
-    Diameter {
-        /// Nominal diameter [mm].
-        diameter: f64,
-    },
+    Class(String),
+    /// A text that is not the classes of a hole and a shaft. Holds the fit as written.
+    #[error("\"{0}\" is not a fit, allowed: a hole and a shaft, e.g. H7/e8")]
+    Fit(String),
+    /// A diameter outside the tables. Holds the nominal diameter [mm].
+    #[error("a diameter of {0} mm is outside the tables, allowed: > 0 and <= 500 mm")]
+    Diameter(f64),
     /// A fit whose shaft may be as large as its hole.
     #[error(
         "{fit} at {diameter} mm has a clearance of {mean:.1} +- {three_std:.1} um (three standard deviations): the shaft may be larger than the hole; use a looser fit, e.g. H7/e8"
@@ -147,7 +138,7 @@ impl ToleranceClass {
     /// # Errors
     /// [`ToleranceError::Class`] for any other text.
     pub fn parse(class: &str) -> Result<Self, ToleranceError> {
-        let refused = || ToleranceError::Class { class: class.to_owned() };
+        let refused = || ToleranceError::Class(class.to_owned());
         let split = class.find(|c: char| c.is_ascii_digit()).ok_or_else(refused)?;
         let (letter, grade) = class.split_at(split);
         let is = |list: &str| list.split(", ").any(|known| known == letter);
@@ -169,7 +160,7 @@ impl ToleranceClass {
     /// [`ToleranceError::Diameter`].
     pub fn deviations(&self, diameter: f64) -> Result<(f64, f64), ToleranceError> {
         let size = diameter * MILLI;
-        let outside = || ToleranceError::Diameter { diameter: size };
+        let outside = || ToleranceError::Diameter(size);
         // A size that exceeds the end of a range by a rounding error belongs to that range.
         let range =
             |ends: &[f64]| ends.iter().position(|end| size <= end * (1.0 + 1e-12)).ok_or_else(outside);
@@ -223,7 +214,7 @@ impl Fit {
     /// # Errors
     /// [`ToleranceError::Fit`], [`ToleranceError::Class`].
     pub fn parse(fit: &str) -> Result<Self, ToleranceError> {
-        let refused = || ToleranceError::Fit { fit: fit.to_owned() };
+        let refused = || ToleranceError::Fit(fit.to_owned());
         let (hole, shaft) = fit.split_once('/').ok_or_else(refused)?;
         let (hole, shaft) = (ToleranceClass::parse(hole.trim())?, ToleranceClass::parse(shaft.trim())?);
         if (hole.feature, shaft.feature) != (Feature::Hole, Feature::Shaft) {

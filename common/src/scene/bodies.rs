@@ -4,10 +4,10 @@ use super::body_row::{BodyRow, MotionWord};
 use super::clearance::MaterialRow;
 use super::context::Range;
 use super::drive::Drive;
-use super::model::{DrivenInertia, Motion, Point};
+use super::model::{MassProperties, Motion, Point};
 use super::quantity::*;
 use super::section::{Section, record};
-use super::shape::{MassProperties, shape};
+use super::shape::shape;
 use super::tables::{Repetition, over_time};
 
 /// Reads `[[bodies]]`; a faulty body keeps its row.
@@ -84,16 +84,17 @@ fn driven_inertia(
     row: &mut Section,
     points: &[Point],
     materials: &[MaterialRow],
-) -> Option<Option<DrivenInertia>> {
+) -> Option<Option<MassProperties>> {
     let given = ["mass", "inertia", "centre_of_mass", "shape"].map(|key| row.get(key).is_some());
     if given == [false; 4] {
         return Some(None);
     }
     let shape = row.if_any("shape", |row, _| shape(row, points, materials))?;
-    let inertia = record!(DrivenInertia {
+    let centre = shape.map_or([0.0; 2], |shape| shape.centre_of_mass);
+    let inertia = record!(MassProperties {
         mass: or_of_shape(row, "mass", MASS, shape.map(|shape| shape.mass)),
         inertia: or_of_shape(row, "inertia", INERTIA, shape.map(|shape| shape.inertia)),
-        centre_of_mass: row.pair_or("centre_of_mass", LENGTH, shape.map_or([0.0; 2], |shape| shape.centre)),
+        centre_of_mass: row.pair_or("centre_of_mass", LENGTH, centre),
     });
     inertia.map(Some)
 }
@@ -101,14 +102,14 @@ fn driven_inertia(
 fn free(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Option<Motion> {
     // A faulty shape leaves its quantities open: they are then no faults as well.
     let shape = match row.if_any("shape", |row, _| shape(row, points, materials)) {
-        None => Some(MassProperties { mass: 1.0, inertia: 1.0, centre: [0.0; 2] }),
+        None => Some(MassProperties { mass: 1.0, inertia: 1.0, centre_of_mass: [0.0; 2] }),
         Some(shape) => shape,
     };
     record!(Motion::Free {
         mass: or_of_shape(row, "mass", MASS, shape.map(|shape| shape.mass)),
         inertia: or_of_shape(row, "inertia", INERTIA, shape.map(|shape| shape.inertia)),
         centre_of_mass: match shape {
-            Some(shape) => row.pair_or("centre_of_mass", LENGTH, shape.centre),
+            Some(shape) => row.pair_or("centre_of_mass", LENGTH, shape.centre_of_mass),
             None => row.pair("centre_of_mass", LENGTH),
         },
         start_position: row.pair("start_position", LENGTH),

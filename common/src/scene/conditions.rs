@@ -58,7 +58,7 @@ fn read_changes(changes: &Section, key: &str, value: &Value, found: &mut Overrid
     let Some(kind) = cx.seen.borrow().get(key).map(Quantity::kind) else {
         // After another fault, a quantity may be unread only because of it.
         if cx.fault_count() == 0 {
-            cx.reference(&path, "quantity", key, cx.seen.borrow().keys().map(String::as_str));
+            changes.reference(key, "quantity", key, cx.seen.borrow().keys().map(String::as_str));
         }
         return;
     };

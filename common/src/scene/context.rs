@@ -105,7 +105,7 @@ impl<'s> Context<'s> {
 
     /// Evaluates every parameter, and records names that no parameter can have.
     pub(super) fn read_parameters(&self, table: &'s Table) {
-        self.parameters.borrow_mut().define(table);
+        self.parameters.borrow_mut().definitions = Some(table);
         for name in table.keys() {
             match why_not_a_name(name) {
                 Some(reason) => {
@@ -253,21 +253,6 @@ impl<'s> Context<'s> {
         self.overrides.is_empty()
     }
 
-    /// Index of `name` among `known`, or a fault with the nearest of them.
-    pub(super) fn reference<'n>(
-        &self,
-        key: &str,
-        what: &'static str,
-        name: &str,
-        known: impl Iterator<Item = &'n str> + Clone,
-    ) -> Option<usize> {
-        let found = known.clone().position(|candidate| candidate == name);
-        if found.is_none() {
-            self.fault(key, FaultKind::unknown_reference(what, name, known));
-        }
-        found
-    }
-
     /// The meaning of a word, or a fault with the nearest of `words`.
     pub(super) fn word<T: Copy>(&self, key: &str, word: &str, words: &[(&str, T)]) -> Option<T> {
         let found = words.iter().find(|(name, _)| *name == word).map(|(_, meaning)| *meaning);
@@ -275,13 +260,6 @@ impl<'s> Context<'s> {
             self.fault(key, FaultKind::unknown_word(word, words.iter().map(|(name, _)| *name)));
         }
         found
-    }
-
-    /// Records a fault for each override of a key that is none of the quantities `seen`.
-    pub(super) fn check_overrides(&self, seen: &BTreeMap<String, Quantity>) {
-        for key in self.overrides.keys() {
-            self.reference(key, "quantity", key, seen.keys().map(String::as_str));
-        }
     }
 }
 

@@ -174,7 +174,7 @@ impl ImportRequest<'_> {
     fn unnamed_column(&self, csv: &CsvFile, key: &str, expected: &str) -> Faults {
         let heads: Vec<&str> = (0..csv.width()).map(|column| csv.head(column)).collect();
         let expected = format!("{expected}; the file has: {}", heads.join(", "));
-        self.one(key, FaultKind::Missing { expected })
+        self.one(key, FaultKind::Missing(expected))
     }
 
     fn one(&self, key: &str, kind: impl Into<FaultKind>) -> Faults {

@@ -330,7 +330,7 @@ impl<'t> Parser<'_, 't> {
             Some(Token::Name(name)) if unit(name).is_none() && !RESERVED.contains(&name) => {
                 match (self.lookup)(name) {
                     Err(ExpressionError::UnknownName { nearest: None, .. }) => {
-                        Err(ExpressionError::UnknownUnit { name: name.to_owned() })
+                        Err(ExpressionError::UnknownUnit(name.to_owned()))
                     }
                     _ => Ok(()),
                 }

@@ -43,12 +43,9 @@ pub enum ExpressionError {
         /// Parameter nearest to it, if near enough.
         nearest: Option<String>,
     },
-    /// A name after a number that is no unit.
-    #[error("unknown unit `{name}`{}", hint(.name, &None))]
-    UnknownUnit {
-        /// The name as written.
-        name: String,
-    },
+    /// A name after a number that is no unit. Holds the name as written.
+    #[error("unknown unit `{}`{}", .0, hint(.0, &None))]
+    UnknownUnit(String),
     /// A parameter that is itself faulty; its own fault says why.
     #[error("the parameter `{0}` is faulty")]
     Broken(String),
@@ -94,7 +91,7 @@ impl ExpressionError {
             Self::Comma { .. } => Some(",".to_owned()),
             Self::Unexpected { found: piece, .. }
             | Self::UnknownName { name: piece, .. }
-            | Self::UnknownUnit { name: piece }
+            | Self::UnknownUnit(piece)
             | Self::AmbiguousUnit(piece) => Some(piece.clone()),
             _ => None,
         }

@@ -47,7 +47,7 @@ fn read_as(path: &Path, expected: &str) -> Result<String, Faults> {
             true => format!("it is a folder; the scene of a study is {}", copy.display()),
             false => why,
         };
-        Faults::one(&path.display().to_string(), "", FaultKind::Unreadable { message })
+        Faults::one(&path.display().to_string(), "", FaultKind::Unreadable(message))
     })
 }
 
@@ -127,7 +127,7 @@ fn base(
     folder: Option<&Path>,
 ) -> Result<(String, String, Option<PathBuf>), Faults> {
     if depth == EXTENDS_LIMIT {
-        return Err(Faults::one(origin, KEY, FaultKind::ExtendsTooDeep { limit: EXTENDS_LIMIT }));
+        return Err(Faults::one(origin, KEY, FaultKind::ExtendsTooDeep(EXTENDS_LIMIT)));
     }
     let Some(name) = extends.as_str() else {
         let message = format!("{extends} is not the name of a scene or file");

@@ -75,12 +75,9 @@ impl Faults {
 /// Kinds of fault.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FaultKind {
-    /// The file could not be read.
-    #[error("cannot be read: {message}")]
-    Unreadable {
-        /// Reason given by the operating system.
-        message: String,
-    },
+    /// The file could not be read. Holds the reason given by the operating system.
+    #[error("cannot be read: {0}")]
+    Unreadable(String),
     /// No built-in scene and no file has this name.
     #[error("no such scene or file{}; built-in scenes: {}", suggestion(nearest), known.join(", "))]
     UnknownScene {
@@ -89,12 +86,9 @@ pub enum FaultKind {
         /// Names of all built-in scenes.
         known: Vec<String>,
     },
-    /// Scenes extend each other in a circle, or through too many files.
-    #[error("`extends` goes through more than {limit} scenes: is it a circle?")]
-    ExtendsTooDeep {
-        /// Largest number of scenes in a chain.
-        limit: usize,
-    },
+    /// Scenes extend each other in a circle, or through too many files. Holds the largest number of scenes in a chain.
+    #[error("`extends` goes through more than {0} scenes: is it a circle?")]
+    ExtendsTooDeep(usize),
     /// The text is not valid TOML.
     #[error("TOML parse error at line {line}, column {column}: {message}")]
     Syntax {
@@ -113,12 +107,9 @@ pub enum FaultKind {
         /// Keys allowed in this table.
         known: Vec<String>,
     },
-    /// A required key is missing.
-    #[error("is missing, expected {expected}")]
-    Missing {
-        /// Value expected, in words.
-        expected: String,
-    },
+    /// A required key is missing. Holds the value expected, in words.
+    #[error("is missing, expected {0}")]
+    Missing(String),
     /// Another type of TOML value.
     #[error("{value} is {found}, expected {expected}")]
     WrongType {

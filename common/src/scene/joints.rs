@@ -41,7 +41,7 @@ pub(super) fn joints(file: &mut Section, bodies: &[BodyRow], materials: &[Materi
     let mut known: Vec<&'static str> = Vec::new();
     for (name, mut row) in file.rows("joints") {
         if row.peek("type").and_then(toml::Value::as_str) == Some("clearance") {
-            row.with_defaults(defaults);
+            row.defaults = defaults;
         }
         let (unworn, joint) = joint(&mut row, name, bodies, materials);
         row.finish();

@@ -6,7 +6,7 @@ use super::drive::Curve;
 use super::joint::{JointKind, WearingSurfaces};
 use super::joints::{JointRow, chosen_joints, listed};
 use super::key_table::{Form, Key, Value};
-use super::output_values::{Attachment, ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
+use super::output_values::{ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
 use super::quantity::{ANGLE, Kind, LENGTH, NUMBER};
 use super::section::Section;
 use super::tables::curve;
@@ -28,10 +28,14 @@ fn value(row: &mut Section, key: &Key, Named { bodies, joints }: Named) -> Optio
     Some(match key.form {
         Form::Name => row.peek("name")?.as_str()?.to_owned().into(),
         Form::Place => place(row, name, bodies)?.into(),
-        Form::FreePlace => free_place(row, bodies)?.into(),
+        Form::FreePlace => {
+            let at = place(row, name, bodies)?;
+            moves(row, name, bodies, at.body, MotionWord::Free)?;
+            at.into()
+        }
         Form::Body => body(row, name, bodies)?.into(),
-        Form::FreeBody => free_body(row, bodies)?.into(),
-        Form::DrivenBody => driven_body(row, name, bodies)?.into(),
+        Form::FreeBody => moving_body(row, name, bodies, MotionWord::Free)?.into(),
+        Form::DrivenBody => moving_body(row, name, bodies, MotionWord::Driven)?.into(),
         Form::SignedBody => signed_body(row, name, bodies)?.into(),
         Form::Direction => direction(row, name)?.into(),
         Form::Pair(kind) => row.pair(name, kind)?.into(),
@@ -96,42 +100,22 @@ fn factor(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<Op
     Some(factor)
 }
 
-/// Reads a place on a free body.
-fn free_place(row: &mut Section, bodies: &[BodyRow]) -> Option<Attachment> {
-    let at = place(row, "at", bodies)?;
-    moves(row, "at", bodies, at.body, MotionWord::Free, "free")?;
-    Some(at)
-}
-
-/// Reads the name of a free body.
-fn free_body(row: &mut Section, bodies: &[BodyRow]) -> Option<usize> {
-    let found = body(row, "body", bodies)?;
-    moves(row, "body", bodies, found, MotionWord::Free, "free")?;
-    Some(found)
-}
-
-/// Reads the name of a driven body.
-fn driven_body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<usize> {
+/// Reads the name of a body that moves in this way.
+fn moving_body(row: &mut Section, key: &'static str, bodies: &[BodyRow], word: MotionWord) -> Option<usize> {
     let found = body(row, key, bodies)?;
-    moves(row, key, bodies, found, MotionWord::Driven, "driven")?;
+    moves(row, key, bodies, found, word)?;
     Some(found)
 }
 
 /// Checks that the body moves in the way that the output requires.
-fn moves(
-    row: &Section,
-    key: &str,
-    bodies: &[BodyRow],
-    body: usize,
-    word: MotionWord,
-    in_words: &str,
-) -> Option<()> {
+fn moves(row: &Section, key: &str, bodies: &[BodyRow], body: usize, word: MotionWord) -> Option<()> {
     // The motion of a faulty body may be unknown; that fault has been recorded.
     if bodies[body].word? == word {
         return Some(());
     }
     let fitting = bodies.iter().filter(|other| other.word == Some(word)).map(|other| other.name.as_str());
     let there_are = listed(fitting);
+    let in_words = if word == MotionWord::Free { "free" } else { "driven" };
     row.inconsistent(key, format!("body \"{}\" is not {in_words}{there_are}", bodies[body].name));
     None
 }
@@ -139,7 +123,7 @@ fn moves(
 /// Reads where the drives are held, if that is given: `input_angle`, and `input` unless there is only one driven body; the outer `None` if it
 /// is faulty.
 fn held_input(row: &mut Section, bodies: &[BodyRow]) -> Option<Option<HeldInput>> {
-    let input = row.if_any("input", |row, key| driven_body(row, key, bodies));
+    let input = row.if_any("input", |row, key| moving_body(row, key, bodies, MotionWord::Driven));
     if row.get("input_angle").is_none() {
         if row.get("input").is_some() {
             row.missing("input_angle", "an angle at which the input is held");

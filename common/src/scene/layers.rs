@@ -93,7 +93,7 @@ fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
     }
     let Some(found) = find(layers, &fault.key) else {
         // What is missing at the top belongs at the end of the file.
-        if let (FaultKind::Missing { .. }, Some(own)) = (&fault.kind, layers.first()) {
+        if let (FaultKind::Missing(_), Some(own)) = (&fault.kind, layers.first()) {
             let end = own.layer.text.trim_end().len();
             fault.location = Some(Box::new(Location::new(&own.layer.file, &own.layer.text, end..end)));
         }

@@ -72,10 +72,7 @@ fn turn(life: &Section, name: &str, bodies: &[BodyRow]) -> Option<(f64, Option<u
         }
         Some(Motion::Free { .. }) => {
             let expected = "about the speed at which it turns once settled, since a turn of it is the cycle";
-            life.cx.fault(
-                format!("bodies.{name}.start_speed"),
-                FaultKind::Missing { expected: expected.into() },
-            );
+            life.cx.fault(format!("bodies.{name}.start_speed"), FaultKind::Missing(expected.into()));
             None
         }
         Some(_) => {

@@ -9,8 +9,8 @@
 //! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
 //! | model | [`model`], `choice`, `joint`, `mesh`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_model`, `explained` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
-//! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section`, `section_tables`, `input` | one pass over the file that records every fault |
-//! | readers | `bodies`, `shape`, `joints`, `clearance`, `key_reading`, `elements`, `tables`, `life`, `simulator`, `variables`, `variable_law`, `correlations`, `conditions` | one part of a file each |
+//! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `section`, `section_tables`, `input` | one pass over the file that records every fault |
+//! | readers | `bodies`, `shape`, `joints`, `clearance`, `key_reading`, `elements`, `tables`, `life`, `simulator`, `variables`, `variable_law`, `conditions` | one part of a file each |
 //! | whole | `resolve`, `conditioned`, `edit`, `warnings`, `builtin`, [`source`], `setting` | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples; values set by name |
 
 mod bodies;
@@ -21,7 +21,6 @@ mod clearance;
 mod conditioned;
 mod conditions;
 mod context;
-mod correlations;
 mod csv_file;
 mod csv_import;
 mod document;
@@ -55,7 +54,6 @@ mod output_unit;
 mod output_values;
 mod parameters;
 pub mod quantity;
-mod quantity_list;
 mod resolve;
 mod section;
 mod section_tables;
@@ -86,9 +84,8 @@ pub use load::Load;
 pub use location::Location;
 pub use mesh::{Mesh, MeshForm};
 pub use model::{
-    Body, Condition, CycleProgram, CycleTier, DrivenInertia, Exchange, ExternalSimulator, Fails,
-    FileExchange, Gives, Life, LimitState, Motion, Point, Program, Scene, SimulatorKind, StudySettings,
-    UmBridgeModel,
+    Body, Condition, CycleProgram, CycleTier, Exchange, ExternalSimulator, Fails, FileExchange, Gives, Life,
+    LimitState, MassProperties, Motion, Point, Program, Scene, SimulatorKind, StudySettings, UmBridgeModel,
 };
 pub use output::{Output, OutputKind};
 pub use output_unit::OutputUnit;

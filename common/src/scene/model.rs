@@ -208,7 +208,7 @@ pub enum Motion {
         /// Angle of the body as a function of time.
         drive: Drive,
         /// Mass properties, required for the torque that drives it and for its energy; without them it is massless.
-        inertia: Option<DrivenInertia>,
+        inertia: Option<MassProperties>,
     },
     /// Moves under its joints and loads; adds three unknowns.
     Free {
@@ -240,14 +240,14 @@ impl Motion {
     }
 }
 
-/// Inertia of a driven body.
+/// Mass properties of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct DrivenInertia {
+pub struct MassProperties {
     /// Mass of the body [kg].
     pub mass: f64,
     /// Moment of inertia about the centre of mass [kg m^2].
     pub inertia: f64,
-    /// Centre of mass in the body's frame, whose origin is the axis `(2,)` [m].
+    /// Centre of mass in the body's frame `(2,)` [m].
     pub centre_of_mass: [f64; 2],
 }
 

@@ -13,7 +13,8 @@ const CHAIN_LIMIT: usize = 64;
 /// The parameters of a scene: each is evaluated once, on its first use.
 #[derive(Default)]
 pub(super) struct Parameters<'s> {
-    definitions: Option<&'s Table>,
+    /// The table `[parameters]`.
+    pub(super) definitions: Option<&'s Table>,
     /// Values of those evaluated so far; none for a faulty one.
     values: BTreeMap<String, Option<Quantity>>,
     /// Names of those under evaluation, each used in the definition of the one before it.
@@ -37,11 +38,6 @@ pub(super) enum Lookup<'s> {
 }
 
 impl<'s> Parameters<'s> {
-    /// Sets the table `[parameters]`.
-    pub(super) fn define(&mut self, table: &'s Table) {
-        self.definitions = Some(table);
-    }
-
     /// Records that `name` is used, by the parameter under evaluation or else by the rest of the scene.
     pub(super) fn record_use(&mut self, name: &str) {
         match self.open.last() {

@@ -5,7 +5,6 @@ use super::body_row::BodyRow;
 use super::clearance::materials;
 use super::conditions::{ConditionRow, condition_rows};
 use super::context::{Context, Overrides};
-use super::correlations::correlations;
 use super::elements::{limit_states, loads, outputs};
 use super::faults::{Fault, FaultKind, Faults};
 use super::joints::joints;
@@ -14,7 +13,7 @@ use super::model::{ExternalSimulator, Life, LimitState, Scene, StudySettings};
 use super::quantity::{ACCELERATION, Quantity};
 use super::section::{COUNT_LIMIT, Section, VALUE_LIMIT};
 use super::simulator::{Model, cycles, external, simulator};
-use super::variables::{Changed, Changes, MeasuredVariable, variables};
+use super::variables::{Changed, Changes, MeasuredVariable, correlations, variables};
 use super::wear_model::wear_model;
 use crate::accuracy::{AccuracyNameError, LevelsError, NamedAccuracy};
 use std::collections::{BTreeMap, BTreeSet};
@@ -74,7 +73,9 @@ pub(super) fn resolve(
     file.finish();
     // After another fault, a key may be unread only because of it.
     if cx.fault_count() == 0 {
-        cx.check_overrides(&seen);
+        for key in overrides.keys() {
+            file.reference(key, "quantity", key, seen.keys().map(String::as_str));
+        }
     }
     match parts.scene() {
         Some(scene) if cx.fault_count() == 0 => {
@@ -176,10 +177,7 @@ impl Parts {
             study,
             accuracy,
             levels,
-            simulator: match self.simulator {
-                Some(read) => Some(read?),
-                None => None,
-            },
+            simulator: self.simulator.map_or(Some(None), |read| read.map(Some))?,
         })
     }
 }

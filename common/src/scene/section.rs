@@ -18,7 +18,7 @@ pub struct Section<'s> {
     pub(super) path: String,
     table: &'s Table,
     /// Table with the values of keys that this one does not have.
-    defaults: Option<&'s Table>,
+    pub(super) defaults: Option<&'s Table>,
     /// Keys that this table may have, as far as they were read.
     known: Vec<&'static str>,
     /// True if the type of the table is unknown, and with it the keys that it may have.
@@ -68,7 +68,7 @@ impl<'s> Section<'s> {
 
     /// Records that a key is missing.
     pub fn missing(&self, key: &str, expected: impl Into<String>) {
-        self.fault(key, FaultKind::Missing { expected: expected.into() });
+        self.fault(key, FaultKind::Missing(expected.into()));
     }
 
     /// Records that a value has another type of TOML value.
@@ -90,7 +90,11 @@ impl<'s> Section<'s> {
         name: &str,
         known: impl Iterator<Item = &'n str> + Clone,
     ) -> Option<usize> {
-        self.cx.reference(&self.key(key), what, name, known)
+        let found = known.clone().position(|candidate| candidate == name);
+        if found.is_none() {
+            self.fault(key, FaultKind::unknown_reference(what, name, known));
+        }
+        found
     }
 
     /// [`Section::reference`]; after a fault the index of the nearest name, with which what depends on it is read on.
@@ -125,11 +129,6 @@ impl<'s> Section<'s> {
         let other =
             EITHER.iter().find(|pair| pair.contains(&key)).map(|pair| pair[usize::from(pair[0] == key)]);
         other.is_some_and(|other| self.table.contains_key(other))
-    }
-
-    /// Takes the values of keys that this table does not have from another one.
-    pub(super) fn with_defaults(&mut self, defaults: Option<&'s Table>) {
-        self.defaults = defaults;
     }
 
     /// Keys that this table may have, as far as they were read.
@@ -180,10 +179,7 @@ impl<'s> Section<'s> {
 
     /// A quantity with a default.
     pub fn quantity_or(&mut self, key: &'static str, kind: Kind, range: Range, default: f64) -> Option<f64> {
-        match self.get(key) {
-            Some(value) => self.cx.quantity(&self.key(key), value, kind, range),
-            None => Some(default),
-        }
+        Some(self.quantity_if_any(key, kind, range)?.unwrap_or(default))
     }
 
     /// What `read` makes of an optional key; the outer `None` if it is faulty.
@@ -224,10 +220,7 @@ impl<'s> Section<'s> {
 
     /// A pair with a default.
     pub(super) fn pair_or(&mut self, key: &'static str, kind: Kind, default: [f64; 2]) -> Option<[f64; 2]> {
-        match self.get(key) {
-            Some(value) => self.as_pair(key, value, kind),
-            None => Some(default),
-        }
+        Some(self.if_any(key, |section, key| section.pair(key, kind))?.unwrap_or(default))
     }
 
     /// The value of any key as a pair `[x, y]`.

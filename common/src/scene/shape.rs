@@ -10,20 +10,9 @@
 
 use super::clearance::MaterialRow;
 use super::context::Range;
-use super::model::Point;
+use super::model::{MassProperties, Point};
 use super::quantity::{AREA, DENSITY, LENGTH};
 use super::section::Section;
-
-/// Mass properties of a body.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct MassProperties {
-    /// Mass of the body [kg].
-    pub(super) mass: f64,
-    /// Moment of inertia about the centre of mass [kg m^2].
-    pub(super) inertia: f64,
-    /// Centre of mass in the frame of the body `(2,)` [m].
-    pub(super) centre: [f64; 2],
-}
 
 /// Words of the type of a shape.
 #[derive(Clone, Copy, PartialEq)]
@@ -106,7 +95,7 @@ fn rod(points: &[[f64; 2]], line: f64) -> Option<MassProperties> {
         l * (l * l / 12.0 + (middle[0] - centre[0]).powi(2) + (middle[1] - centre[1]).powi(2))
     };
     let inertia = line * parts.iter().map(about).sum::<f64>();
-    (length > 0.0).then_some(MassProperties { mass: line * length, inertia, centre })
+    (length > 0.0).then_some(MassProperties { mass: line * length, inertia, centre_of_mass: centre })
 }
 
 /// Mass properties of a polygon of the mass `sheet` per area [kg/m^2]; none without an area.
@@ -125,7 +114,7 @@ fn plate(corners: &[[f64; 2]], sheet: f64) -> Option<MassProperties> {
     let [x, y] = first.map(|moment| moment / area);
     let inertia = sheet * (second.abs() - area.abs() * (x * x + y * y));
     let (mass, centre) = (sheet * area.abs(), [origin[0] + x, origin[1] + y]);
-    (inertia > 0.0 && mass > 0.0).then_some(MassProperties { mass, inertia, centre })
+    (inertia > 0.0 && mass > 0.0).then_some(MassProperties { mass, inertia, centre_of_mass: centre })
 }
 
 /// Corners of the convex hull, counter-clockwise (Andrew's monotone chain).
@@ -162,8 +151,8 @@ mod tests {
         for (found, exact) in [
             (found.mass, mass),
             (found.inertia, inertia),
-            (found.centre[0], centre[0]),
-            (found.centre[1], centre[1]),
+            (found.centre_of_mass[0], centre[0]),
+            (found.centre_of_mass[1], centre[1]),
         ] {
             assert!((found - exact).abs() < 1e-12, "{found} against {exact}");
         }

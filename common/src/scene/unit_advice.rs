@@ -6,7 +6,7 @@ use super::quantity::{AngleUnit, Dimension, Kind, Quantity, UNITS, Unit};
 
 /// The message of an error; of an unknown unit with the units that the quantity may have.
 pub(super) fn advised(error: &ExpressionError, expected: Option<Kind>) -> String {
-    let ExpressionError::UnknownUnit { name } = error else { return error.to_string() };
+    let ExpressionError::UnknownUnit(name) = error else { return error.to_string() };
     let meant = nearest_unit(name);
     let of_nearest = || {
         let Unit { dimension, angle, .. } = read_unit(meant.as_deref()?).ok()?;
@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn the_units_of_a_kind_are_listed() {
-        let unknown = ExpressionError::UnknownUnit { name: "mmm".to_owned() };
+        let unknown = ExpressionError::UnknownUnit("mmm".to_owned());
         assert_eq!(
             advised(&unknown, Some(LENGTH)),
             "unknown unit `mmm`, did you mean `mm`? (units of a length: mm, um, m, km, cm, nm, in, ft, mil)"
@@ -58,9 +58,9 @@ mod tests {
         assert!(advised(&unknown, Some(TORQUE)).ends_with("units of a torque: N m, N mm, mJ, J)"));
         assert!(advised(&unknown, Some(NUMBER)).ends_with("units of a plain number: none, %)"));
         assert!(advised(&unknown, Some(ANGLE)).ends_with("deg, rad, mrad, arcmin, arcsec, r, rev)"));
-        let product = ExpressionError::UnknownUnit { name: "Nm".to_owned() };
+        let product = ExpressionError::UnknownUnit("Nm".to_owned());
         assert!(advised(&product, None).contains("did you mean `N m`? (units of a torque: N m, N mm"));
-        let far = ExpressionError::UnknownUnit { name: "furlong".to_owned() };
+        let far = ExpressionError::UnknownUnit("furlong".to_owned());
         assert!(advised(&far, None).contains(" (units: m, km, cm"), "{}", advised(&far, None));
     }
 }

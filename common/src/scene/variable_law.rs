@@ -216,7 +216,7 @@ impl WrittenFit {
         match moments(written, diameter, capability) {
             Ok((feature, mean, std)) => Some(Self { written: written.to_owned(), feature, mean, std }),
             Err(error) => {
-                let key = if matches!(error, ToleranceError::Diameter { .. }) { "diameter" } else { "fit" };
+                let key = if matches!(error, ToleranceError::Diameter(_)) { "diameter" } else { "fit" };
                 row.inconsistent(key, error.to_string());
                 None
             }

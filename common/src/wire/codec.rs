@@ -71,12 +71,9 @@ pub enum WireError {
         /// Length received [bytes].
         found: usize,
     },
-    /// The message exceeds [`MAX_PAYLOAD`].
-    #[error("a message of {bytes} bytes is larger than the limit of {MAX_PAYLOAD}")]
-    TooLarge {
-        /// Size of the payload [bytes].
-        bytes: usize,
-    },
+    /// The message exceeds [`MAX_PAYLOAD`]. Holds the size of the payload [bytes].
+    #[error("a message of {0} bytes is larger than the limit of {MAX_PAYLOAD}")]
+    TooLarge(usize),
     /// The payload cannot be decoded.
     #[error("malformed {message}: {reason}")]
     Malformed {
@@ -85,18 +82,12 @@ pub enum WireError {
         /// Error of the decoder.
         reason: String,
     },
-    /// A number is NaN or infinite.
-    #[error("{quantity} is not finite")]
-    NotFinite {
-        /// Name of the quantity.
-        quantity: String,
-    },
-    /// A setting of the accuracy that no name stands for: it could exhaust the memory of a worker, or its time.
-    #[error("the accuracy setting {setting} is out of its range")]
-    OutOfRange {
-        /// Name of the setting.
-        setting: &'static str,
-    },
+    /// A number is NaN or infinite. Holds the name of the quantity.
+    #[error("{0} is not finite")]
+    NotFinite(String),
+    /// A setting of the accuracy that no name stands for: it could exhaust the memory of a worker, or its time. Holds the name of the setting.
+    #[error("the accuracy setting {0} is out of its range")]
+    OutOfRange(&'static str),
     /// The name of a worker is not allowed in a key.
     #[error("the worker's name is empty, too long or has characters other than letters, digits, - _ .")]
     BadWorkerName,
@@ -129,9 +120,9 @@ pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, WireError> {
     let written = bincode::serde::encode_into_std_write(message, &mut frame, bincode::config::standard())
         .map_err(|e| malformed::<M>(&e))?;
     if written > MAX_PAYLOAD {
-        return Err(WireError::TooLarge { bytes: written });
+        return Err(WireError::TooLarge(written));
     }
-    let length = u32::try_from(written).map_err(|_| WireError::TooLarge { bytes: written })?;
+    let length = u32::try_from(written).map_err(|_| WireError::TooLarge(written))?;
     frame[8..12].copy_from_slice(&length.to_le_bytes());
     Ok(frame)
 }
@@ -159,7 +150,7 @@ pub fn decode<M: Message>(frame: &[u8]) -> Result<M, WireError> {
         return Err(WireError::Length { stated, found: payload.len() });
     }
     if stated > MAX_PAYLOAD {
-        return Err(WireError::TooLarge { bytes: stated });
+        return Err(WireError::TooLarge(stated));
     }
     let decode = match stated {
         size if size <= SMALL => limited::<M, { decode_limit(SMALL) }>,

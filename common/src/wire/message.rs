@@ -254,7 +254,7 @@ impl Message for Notice {
 }
 
 fn check_accuracy(a: &Accuracy) -> Result<(), WireError> {
-    a.out_of_range().map_or(Ok(()), |setting| Err(WireError::OutOfRange { setting }))
+    a.out_of_range().map_or(Ok(()), |setting| Err(WireError::OutOfRange(setting)))
 }
 
 fn check_task(task: &Task) -> Result<(), WireError> {
@@ -265,7 +265,7 @@ fn check_task(task: &Task) -> Result<(), WireError> {
 fn check_outcome(outcome: &Outcome) -> Result<(), WireError> {
     numbers::all_finite("wall time", &[outcome.wall])?;
     check_task(&outcome.task)?;
-    let bad = |quantity: String| WireError::NotFinite { quantity };
+    let bad = |quantity: String| WireError::NotFinite(quantity);
     match &outcome.result {
         Ok(evaluation) => match numbers::find_non_finite(evaluation) {
             Some(found) => Err(bad(found.quantity)),

@@ -125,7 +125,7 @@ pub fn failure_is_finite(failure: &SimulationFailure) -> bool {
 /// [`WireError::NotFinite`] with the name and index of the first value that is not finite.
 pub(super) fn all_finite(name: &str, values: &[f64]) -> Result<(), WireError> {
     match position(values) {
-        Some(at) => Err(WireError::NotFinite { quantity: format!("{name}[{at}]") }),
+        Some(at) => Err(WireError::NotFinite(format!("{name}[{at}]"))),
         None => Ok(()),
     }
 }

@@ -347,10 +347,10 @@ fn numbers_that_are_not_finite_are_refused_both_ways() {
         let at = frame.windows(8).position(|w| w == bits).unwrap();
         frame[at..at + 8].copy_from_slice(&f64::NAN.to_le_bytes());
         let error = decode::<Claim>(&frame).unwrap_err();
-        assert!(matches!(&error, WireError::NotFinite { quantity } if quantity.contains(place)), "{error}");
+        assert!(matches!(&error, WireError::NotFinite(quantity) if quantity.contains(place)), "{error}");
     }
     let bad = Claim { finished: vec![outcome(1.0, vec![2.0], f64::INFINITY)], ..empty_claim() };
-    assert_eq!(encode(&bad), Err(WireError::NotFinite { quantity: "histories[0][1]".into() }));
+    assert_eq!(encode(&bad), Err(WireError::NotFinite("histories[0][1]".into())));
 }
 
 #[test]
@@ -376,7 +376,7 @@ fn issue_settings_that_exhaust_a_worker_passed_if_they_were_finite() {
         ("step_tolerance", Accuracy { step_tolerance: f64::NAN, ..good }),
         ("cycle_jump", Accuracy { cycle_jump: 0, ..good }),
     ] {
-        assert_eq!(order(bad), Err(WireError::OutOfRange { setting }));
+        assert_eq!(order(bad), Err(WireError::OutOfRange(setting)));
     }
 }
 
@@ -396,5 +396,5 @@ fn the_largest_message_passes_and_a_larger_one_does_not() {
     let largest = reply(MAX_PAYLOAD - around);
     assert_eq!(decode::<Reply>(&encode(&largest).unwrap()).unwrap(), largest);
     assert!(MAX_MESSAGE.parse::<usize>().unwrap() > HEADER + MAX_PAYLOAD + (64 << 10));
-    assert_eq!(encode(&reply(MAX_PAYLOAD - around + 1)), Err(WireError::TooLarge { bytes: MAX_PAYLOAD + 1 }));
+    assert_eq!(encode(&reply(MAX_PAYLOAD - around + 1)), Err(WireError::TooLarge(MAX_PAYLOAD + 1)));
 }

@@ -46,7 +46,7 @@ fn drives() {
     };
     let (Drive::ConstantSpeed { start_angle, speed }, inertia) = drive("crank") else { panic!() };
     same(&[start_angle, speed], &[PI / 6.0, 20.0 * PI]);
-    let expected = DrivenInertia { mass: 0.2, inertia: 1e-5, centre_of_mass: [0.001, 0.002] };
+    let expected = MassProperties { mass: 0.2, inertia: 1e-5, centre_of_mass: [0.001, 0.002] };
     assert_eq!(inertia, Some(expected));
 
     let (Drive::Speed { start_angle, table }, inertia) = drive("wheel") else { panic!() };
@@ -57,7 +57,7 @@ fn drives() {
     let (Drive::Angle(table), inertia) = drive("cam") else { panic!() };
     let degrees = |angle: f64| angle * PI / 180.0;
     same_table(&table, &[0.0, 0.06, 0.1], &[5.0, 245.0, 365.0].map(degrees), true);
-    let on_axis = DrivenInertia { mass: 0.1, inertia: 2e-5, centre_of_mass: [0.0, 0.0] };
+    let on_axis = MassProperties { mass: 0.1, inertia: 2e-5, centre_of_mass: [0.0, 0.0] };
     assert_eq!(inertia, Some(on_axis));
 
     let (Drive::Angle(table), inertia) = drive("lever") else { panic!() };

@@ -21,16 +21,12 @@ const LAWS: [&str; 13] = [
 
 /// Files of these folders without a formula: what they hold instead. A new file belongs here only if it computes
 /// nothing that a reader would look up in a book.
-const NO_LAW: [(&str, &str); 16] = [
+const NO_LAW: [(&str, &str); 12] = [
     ("common/src/random/mod.rs", "list of modules"),
     ("common/src/random/distribution.rs", "dispatch to the distributions"),
     ("common/src/random/distribution/constant.rs", "one value with probability one"),
-    ("worker/src/contact/guide_reaction.rs", "forces and overlaps of a guide as data"),
     ("worker/src/contact/joint_force.rs", "motion and force of a joint as data"),
-    ("worker/src/contact/law.rs", "the interface of a contact law"),
     ("worker/src/integrate/mod.rs", "interface of a system and list of modules"),
-    ("worker/src/integrate/passing.rs", "ends of a step and ways to pass a position as data"),
-    ("worker/src/integrate/progress.rs", "counts and decisions of `control.rs`"),
     ("worker/src/integrate/stepper.rs", "loop over the steps of `rosenbrock.rs`"),
     ("worker/src/integrate/lane_stepper.rs", "loop over the steps of `rosenbrock.rs`"),
     ("worker/src/quasi_static/unsuitable.rs", "reasons as an enumeration"),

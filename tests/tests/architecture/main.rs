@@ -47,7 +47,7 @@ const COORDINATOR: [&str; 8] =
     ["statistics", "farm", "results", "study", "presentation", "analyses", "cli", "main"];
 
 /// And of what both share.
-const COMMON: [&str; 12] = [
+const COMMON: [&str; 13] = [
     "random",
     "accuracy",
     "build",
@@ -57,6 +57,7 @@ const COMMON: [&str; 12] = [
     "outputs",
     "evaluation_shape",
     "umbridge",
+    "locks",
     "external",
     "panics",
     "wire",

@@ -12,7 +12,7 @@
 
 use super::Contact;
 use super::joint_force::{JointForce, JointMotion};
-use super::journal::Surfaces;
+use super::journal_table::Surfaces;
 
 /// Energy stored in a joint and powers, at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -34,9 +34,8 @@
 use super::arc::{Arc, Arcs};
 use super::foundation_slopes::{FoundationLoad, Resultant, RotatedLoad};
 use super::integrals::RotatedIntegrals;
-use super::joint_force::{ForceSlopes, JointForce, JointMotion};
-use super::journal::{Journal, Surfaces, within_a_turn};
-use super::law::Elastic;
+use super::joint_force::{Elastic, ForceSlopes, JointForce, JointMotion};
+use super::journal_table::{Journal, Surfaces, within_a_turn};
 use super::modulus::Modulus;
 use super::rotated_arc::{Pair, RotatedArc};
 use super::surface::{Surface, equivalent_penetration};

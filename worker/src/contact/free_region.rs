@@ -22,7 +22,7 @@
 //! Support functions and polar bodies: Schneider, Convex Bodies: The Brunn-Minkowski Theory (2014), sections 1.6 and 1.7. Convex hull of points in
 //! order of their angle: Graham (1972), Information Processing Letters 1, 132-133.
 
-use super::journal::{Surfaces, within_a_turn};
+use super::journal_table::{Surfaces, within_a_turn};
 use crate::plane::{cross, dot};
 use std::f64::consts::TAU;
 

@@ -10,8 +10,7 @@
 
 use super::arc::{Arc, Arcs};
 use super::integrals::RotatedIntegrals;
-use super::journal::{Journal, worn_radius};
-use super::journal_table::JournalTable;
+use super::journal_table::{Journal, JournalTable, worn_radius};
 use super::rotated_arc::RotatedArc;
 use super::rotated_cells::RotatedCells;
 use crate::bore::{Bore, Bores, Radius};

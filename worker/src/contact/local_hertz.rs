@@ -5,7 +5,7 @@
 //! journal radius R1 and the worn bore R(psi) [m], the Hertz stiffness K_n [N/m^1.5] (see `surface.rs`),
 //! the damping factor D [s/m], the friction coefficient mu [1] and its regularisation speed v_0 [m/s].
 //!
-//! A worn journal (`journal.rs`) of radius R_j(chi), chi = psi - alpha, takes the place of R1 throughout; its
+//! A worn journal (`journal_table.rs`) of radius R_j(chi), chi = psi - alpha, takes the place of R1 throughout; its
 //! surface passes the contact at the rate chi_dot = w.t / |e| - omega_i [rad/s], and delta_dot gains R_j'
 //! chi_dot.
 //!
@@ -17,9 +17,8 @@
 //! 10.3969/j.issn.1004-132X.2026.06.020. Force and damping after Lankarani, Nikravesh (1990), J. Mech. Design
 //! 112, 369-376.
 
-use super::joint_force::{ForceSlopes, JointForce, JointMotion};
-use super::journal::Surfaces;
-use super::law::Elastic;
+use super::joint_force::{Elastic, ForceSlopes, JointForce, JointMotion};
+use super::journal_table::Surfaces;
 use super::surface::Surface;
 use crate::bore::Radius;
 use crate::lanes::{Real, direction_angle};

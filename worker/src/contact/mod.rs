@@ -44,15 +44,12 @@ mod foundation_slopes;
 #[cfg(test)]
 mod foundation_tests;
 mod free_region;
-mod guide_reaction;
 mod integrals;
 mod joint_force;
-mod journal;
 mod journal_lanes;
 mod journal_table;
 #[cfg(test)]
 mod journal_tests;
-mod law;
 mod law_lanes;
 mod local_hertz;
 mod modulus;
@@ -76,12 +73,11 @@ pub use foundation::Foundation;
 pub(crate) use foundation::FoundationWithJournal;
 pub(crate) use foundation_slopes::FoundationLoad;
 pub(crate) use free_region::FreeRegion;
-pub use guide_reaction::{GuideReaction, PADS};
 pub use joint_force::{ForceSlopes, JointForce, JointMotion};
-pub use journal::{Journal, Surfaces};
-pub(crate) use law::Pressure;
+pub use journal_table::{Journal, Surfaces};
 pub use law_lanes::LawLanes;
 pub use local_hertz::{LocalHertz, PolarEccentricity, Walls};
+pub use pad::{GuideReaction, PADS};
 pub(crate) use pad::{PadForce, pad_force};
 pub(crate) use rotated_arc::SegmentParts;
 pub use surface::{Surface, hertz_stiffness};
@@ -89,7 +85,7 @@ pub(crate) use surface::{coulomb, equivalent_penetration};
 
 use crate::bore::Profile;
 use common::scene::{Clearance, ContactLaw};
-use law::Elastic;
+use joint_force::Elastic;
 
 /// The contact law of one joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,19 +136,6 @@ impl Contact {
         match self {
             Contact::LocalHertz(law) => Journal::new(law.surface.journal_radius, points, None),
             Contact::Foundation(law) => law.new_journal(points),
-        }
-    }
-
-    /// True if both have the same law.
-    pub(crate) fn has_same_law(&self, other: &Self) -> bool {
-        std::mem::discriminant(self) == std::mem::discriminant(other)
-    }
-
-    /// Distribution of the contact pressure, which decides where the bore wears.
-    pub(crate) fn pressure(&self) -> Pressure {
-        match self {
-            Contact::LocalHertz(_) => Pressure::UniformOverArc,
-            Contact::Foundation(_) => Pressure::Foundation,
         }
     }
 

@@ -16,8 +16,7 @@
 
 use super::arc::{Arc, Arcs};
 use super::integrals::{Integrals, RotatedIntegrals, UnitIntegrals};
-use super::journal::Journal;
-use super::journal_table::{JournalTable, Rotated};
+use super::journal_table::{Journal, JournalTable, Rotated};
 use super::segment::{GROUP, SEGMENT, Segment};
 use crate::bore::Radius;
 use crate::plane::{dot, length};

@@ -209,7 +209,7 @@ impl<R: Real> LaneStepper<R> {
         let tried = R::select(steps.below(control.bound), under_way, zero);
         self.progress.forces = self.progress.forces.plus_product(tried, one + one) + entered * self.fresh;
         let StepDecisions { accepted, too_small } =
-            self.progress.decide_lanes(tried, self.tried, self.error, self.ratio);
+            self.progress.decide(tried, self.tried, self.error, self.ratio);
         let is_accepted = zero.below(accepted);
         for i in 0..self.q.len() {
             self.q[i] = R::select(is_accepted, self.scheme.new_q[i], self.q[i]);
@@ -255,10 +255,10 @@ impl<R: Real> LaneStepper<R> {
         let time = self.progress.time.lane(lane);
         let missing = |exists: &Option<R>| exists.is_some_and(|exists| exists.lane(lane) != 1.0);
         if missing(&self.at.independent) || missing(&self.at.balanced) {
-            return Err(IntegrationError::Singular { time });
+            return Err(IntegrationError::Singular(time));
         }
         if self.force.lane(lane) != 0.0 {
-            return Err(IntegrationError::NotFinite { time });
+            return Err(IntegrationError::NotFinite(time));
         }
         for (guide, now) in self.at.guides.iter().enumerate() {
             let distance = now.beyond.lane(lane);

@@ -1,10 +1,9 @@
 //! Layouts of an island's matrices: banded or dense with a size known only when the program runs, or dense with a size known when it is
-//! compiled, whose loops become straight code.
+//! compiled, whose loops become straight code. Banded ones are stored by diagonals: the bodies of a chain couple only to their neighbours.
 //!
 //! # Source
 //! Storage by rows, as in Golub, Van Loan: Matrix Computations (2013), section 1.2.
 
-use super::Band;
 use std::fmt::Debug;
 use std::ops::Range;
 
@@ -48,21 +47,19 @@ impl<const N: usize> Layout for Dense<N> {
 
 impl Layout for Band {
     const ROWS: usize = 0;
-    #[inline(always)]
     fn n(&self) -> usize {
-        Band::n(self)
+        self.n
     }
-    #[inline(always)]
     fn len(&self) -> usize {
-        Band::len(self)
+        if self.offset == 0 { self.n * self.n } else { self.n * (self.stride + 1) }
     }
     #[inline(always)]
     fn index(&self, i: usize, j: usize) -> usize {
-        Band::index(self, i, j)
+        i * self.stride + j + self.offset
     }
     #[inline(always)]
     fn kept(&self, i: usize) -> Range<usize> {
-        Band::kept(self, i)
+        i.saturating_sub(self.half)..(i + self.half + 1).min(self.n)
     }
 }
 
@@ -117,3 +114,54 @@ macro_rules! each_row {
 }
 
 pub(super) use {each_row, with_layout};
+
+/// Layout of a square matrix whose entries (i, j) vanish for |i - j| above half its band.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Band {
+    n: usize,
+    half: usize,
+    stride: usize,
+    offset: usize,
+}
+
+impl Band {
+    /// Layout of an `n` x `n` matrix with `half` diagonals on either side of the main one; all entries are stored where that takes
+    /// less than twice the space.
+    pub(crate) fn new(n: usize, half: usize) -> Self {
+        if 2 * (2 * half + 1) > n {
+            return Band { n, half: n, stride: n, offset: 0 };
+        }
+        Band { n, half, stride: 2 * half, offset: half }
+    }
+
+    /// The layout with twice as many diagonals on either side of the main one.
+    pub(crate) fn widened(&self) -> Self {
+        Band::new(self.n, 2 * self.half)
+    }
+
+    /// Number of rows if all entries are stored, else zero.
+    pub(crate) fn dense(&self) -> usize {
+        if self.offset == 0 { self.n } else { 0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_entries_share_a_place() {
+        for (n, half) in [(0, 0), (6, 5), (21, 5), (22, 5), (180, 5), (9, 0)] {
+            let band = Band::new(n, half);
+            let mut taken = vec![false; band.len()];
+            for i in 0..n {
+                assert!(band.kept(i).contains(&i) && band.kept(i).len() > half.min(n - 1));
+                for j in band.kept(i) {
+                    assert!(band.kept(j).contains(&i));
+                    assert!(!std::mem::replace(&mut taken[band.index(i, j)], true));
+                }
+            }
+        }
+        assert_eq!(Band::new(180, 5).len(), 180 * 11);
+    }
+}

@@ -3,16 +3,12 @@
 //! | file | contents |
 //! |---|---|
 //! | `rosenbrock.rs` | one step of the fourth-order scheme with its error estimate |
-//! | `control.rs` | length of the next step |
-//! | `progress.rs` | accepts or refuses a step; counts; reasons to stop |
+//! | `progress.rs` | accepts or refuses a step; length of the next one; counts; reasons to stop |
 //! | `stepper.rs` | integrates one system over a span of time |
 //! | `lane_stepper.rs` | integrates one system per SIMD lane over spans of their own |
 //! | `projected.rs` | one explicit step of fifth order on the constraints of ideal joints |
-//! | `passing.rs` | how a step passes positions in which these constraints are dependent |
-//! | `band.rs`, `layout.rs`, `linear.rs`, `pivoted.rs` | banded and dense matrices and their factorisations |
+//! | `layout.rs`, `linear.rs` | banded and dense matrices and their factorisations |
 
-mod band;
-mod control;
 #[cfg(test)]
 mod impact_tests;
 mod lane_stepper;
@@ -20,22 +16,19 @@ mod lane_stepper;
 mod lane_stepper_tests;
 mod layout;
 mod linear;
-mod passing;
-mod pivoted;
 mod progress;
 mod projected;
 mod rosenbrock;
 mod stepper;
 
-pub use band::Band;
-pub use control::StepControl;
-pub(crate) use control::{projected_step_ratio, step_ratio, within_remaining};
 pub(crate) use lane_stepper::{LaneStepper, SteppedLanes};
-pub(crate) use linear::{add_product, factor, solve};
-pub use passing::{Passing, State};
-pub(crate) use pivoted::Pivoted;
-pub use progress::{IntegrationError, StepCounts};
-pub(crate) use progress::{SpanProgress, StepDecision, StepDecisions, nan_as_infinite, worst_coordinate};
+pub use layout::Band;
+pub(crate) use layout::Layout;
+pub(crate) use linear::{Pivoted, add_product, factor, solve};
+pub use progress::{IntegrationError, StepControl, StepCounts};
+pub(crate) use progress::{
+    SpanProgress, StepDecisions, nan_as_infinite, projected_step_ratio, step_ratio, worst_coordinate,
+};
 pub(crate) use projected::ProjectedStep;
 pub(crate) use rosenbrock::Rosenbrock;
 pub use stepper::{StateObserver, Stepper};
@@ -126,6 +119,32 @@ pub trait Stepped: Dynamics {
         let _ = (coordinate, at);
         None
     }
+}
+
+/// State at one end of a step.
+#[derive(Debug, Clone, Copy)]
+pub struct State<'a> {
+    /// Time of the state [s].
+    pub time: f64,
+    /// Positions `(n,)` [m, rad].
+    pub q: &'a [f64],
+    /// Velocities `(n,)` [m/s, rad/s].
+    pub v: &'a [f64],
+    /// Force with reactions `(n,)` [N, N m]; `None` if it is not known.
+    pub f: Option<&'a [f64]>,
+}
+
+/// How a step passes such positions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Passing {
+    /// There is none.
+    Clear,
+    /// Through one, on the one branch of the motion.
+    Through,
+    /// The step is too long, or ends too near, to tell.
+    Unclear,
+    /// The motion branches there.
+    Branching,
 }
 
 /// Ideal joints moved back onto their constraints, lane by lane.

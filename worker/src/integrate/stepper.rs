@@ -7,7 +7,7 @@
 use super::progress::{nan_as_infinite, worst_coordinate};
 use super::{
     IntegrationError, Linearised, Passing, ProjectedStep, Rosenbrock, SpanProgress, State, StepControl,
-    StepCounts, StepDecision, Stepped, projected_step_ratio, step_ratio,
+    StepCounts, StepDecisions, Stepped, projected_step_ratio, step_ratio,
 };
 use crate::lanes::{Vectorised, fused};
 use std::ops::Range;
@@ -105,10 +105,9 @@ impl Stepper {
     fn named<D: Stepped>(&self, system: &D, error: IntegrationError) -> IntegrationError {
         match (error, system.dependent_joint()) {
             // No length of the step passes the position.
-            (
-                IntegrationError::StepTooSmall { time, .. } | IntegrationError::Singular { time },
-                Some(joint),
-            ) => IntegrationError::Branching { time, joint },
+            (IntegrationError::StepTooSmall { time, .. } | IntegrationError::Singular(time), Some(joint)) => {
+                IntegrationError::Branching { time, joint }
+            }
             (error, _) => error.with_joint(self.responsible_joint(system)),
         }
     }
@@ -136,7 +135,11 @@ impl Stepper {
                 let (h, error) = self.try_any_step(system, progress, is_first, (q, v))?;
                 let ratio =
                     if system.is_projected() { projected_step_ratio(error) } else { step_ratio(error) };
-                if progress.decide(h, error, ratio)? == StepDecision::Accepted {
+                let StepDecisions { accepted, too_small } = progress.decide(1.0, h, error, ratio);
+                if too_small > 0.0 {
+                    return Err(progress.too_small(error));
+                }
+                if accepted > 0.0 {
                     break;
                 }
             }
@@ -158,7 +161,7 @@ impl Stepper {
         system.linearise(time, q, v, &mut self.at);
         progress.forces += 1.0;
         if self.at.independent == Some(0.0) {
-            return Err(IntegrationError::Singular { time });
+            return Err(IntegrationError::Singular(time));
         }
         if self.at.balanced == Some(0.0)
             && let Some(joint) = system.locked_joint()
@@ -166,7 +169,7 @@ impl Stepper {
             return Err(IntegrationError::SelfLocking { time, joint });
         }
         if !self.at.f.iter().all(|f| f.is_finite()) {
-            return Err(IntegrationError::NotFinite { time });
+            return Err(IntegrationError::NotFinite(time));
         }
         self.at.in_guides().map_err(|(guide, distance)| IntegrationError::LeftGuide {
             time,

@@ -9,12 +9,13 @@
 //! - A refused connection to this process is logged as a warning with its cause, at the first, second, fourth, ... time:
 //!   a port scan must not fill the log.
 
+use common::locks::locked;
 use common::wire::{keys, reason};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt::{Debug, Write};
+use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Subscriber};
@@ -37,7 +38,7 @@ const MOST_WAITING: usize = 64;
 
 /// Reason of the last failed connection of this process since `since`: Zenoh's message and, if known, its likely cause.
 pub fn last_failure(since: Instant) -> Option<String> {
-    let last = LAST_FAILURE.lock().unwrap_or_else(PoisonError::into_inner);
+    let last = locked(&LAST_FAILURE);
     last.as_ref().filter(|(when, _)| *when >= since).map(|(_, text)| with_cause(text))
 }
 
@@ -229,7 +230,7 @@ impl<S: Subscriber> Layer<S> for RefusalLayer {
         event.record(&mut message);
         if event.metadata().target() == SOURCES[0].0 {
             if let Some(failure) = failure(&message.0) {
-                let mut last = LAST_FAILURE.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut last = locked(&LAST_FAILURE);
                 *last = Some((Instant::now(), failure));
             }
         } else if let Some(sentence) = forged(&message.0).or_else(|| refused(&message.0)) {

@@ -12,7 +12,7 @@
 
 use super::elimination::Elimination;
 use super::extent::{ROUNDING, farthest};
-use super::placed::Placed;
+use super::frame::Placed;
 use crate::integrate::Closed;
 use crate::lanes::Real;
 
@@ -102,7 +102,7 @@ impl<R: Real> Elimination<R> {
         let zero = v[0].zero();
         for joint in 0..self.constraints.len() {
             let (first, c) = (self.first[joint], self.constraints[joint]);
-            let [a, b] = at.pair(&c);
+            let [a, b] = at.pair(&c.ends);
             let (_, rows) = c.position(a, b);
             for r in 0..c.rows() {
                 let mut given = c.over_time().map_or(zero, |[rate, _]| rate);

@@ -25,10 +25,9 @@
 
 use super::constraint::{Constraint, first_rows};
 use super::coupling::JointInput;
-use super::frame::Frame;
+use super::frame::{Frame, Placed};
 use super::joint_friction::JointFriction;
 use super::orthonormal::OrthonormalRows;
-use super::placed::Placed;
 use crate::integrate::Linearised;
 use crate::lanes::{Lanewise, Real};
 
@@ -185,7 +184,7 @@ impl<R: Real> Elimination<R> {
         self.factors.clear();
         for joint in 0..self.constraints.len() {
             let (first, c) = (self.first[joint], self.constraints[joint]);
-            let [a, b] = at.pair(&c);
+            let [a, b] = at.pair(&c.ends);
             let (phi, rows) = c.position(a, b);
             for r in 0..c.rows() {
                 self.phi[first + r] = phi[r];
@@ -210,7 +209,7 @@ impl<R: Real> Elimination<R> {
         let zero = independent.zero();
         for joint in 0..self.constraints.len() {
             let (first, c) = (self.first[joint], self.constraints[joint]);
-            let [a, b] = at.pair(&c);
+            let [a, b] = at.pair(&c.ends);
             let h = c.centripetal(a, b);
             self.lambda[first..first + c.rows()].copy_from_slice(&h[..c.rows()]);
             for side in 0..2 {
@@ -280,7 +279,7 @@ impl<R: Real> Elimination<R> {
         let n = self.n;
         for joint in 0..self.constraints.len() {
             let (first, c) = (self.first[joint], self.constraints[joint]);
-            let [a, b] = at.pair(&c);
+            let [a, b] = at.pair(&c.ends);
             let lambda = &self.lambda[first..first + c.rows()];
             let derivative = c.reaction_derivative(a, b, lambda);
             let (_, rows) = c.position(a, b);
@@ -342,7 +341,7 @@ impl<R: Real> Elimination<R> {
         self.c.fill(f[0].zero());
         for joint in 0..self.constraints.len() {
             let (first, c) = (self.first[joint], self.constraints[joint]);
-            let [a, b] = at.pair(&c);
+            let [a, b] = at.pair(&c.ends);
             let (to_q, to_v) = c.acceleration_derivatives(a, b, &self.accelerations(&c, at, f));
             let rows = if rates { &to_v } else { &to_q };
             for side in 0..2 {
@@ -371,7 +370,7 @@ impl<R: Real> Elimination<R> {
             if at.jet(c.ends[0].frame).is_none() && at.jet(c.ends[1].frame).is_none() {
                 continue;
             }
-            let [a, b] = at.pair(&c);
+            let [a, b] = at.pair(&c.ends);
             let (_, g) = c.position(a, b);
             let (to_q, to_v) = c.acceleration_derivatives(a, b, &self.accelerations(&c, at, f));
             for side in 0..2 {

@@ -1,4 +1,4 @@
-//! Position and motion of a body at one instant, and the ends of joints and loads on bodies.
+//! Position and motion of a body, and of all bodies of an island, at one instant; the ends of joints and loads on bodies.
 
 use super::piecewise_cubic::Jet;
 use crate::lanes::{Real, lanewise, sincos};
@@ -73,3 +73,27 @@ pub struct End<R = f64> {
 }
 
 lanewise!(End { frame, arm });
+
+/// State of an island's bodies, free ones first.
+#[derive(Clone, Copy)]
+pub struct Placed<'a, R = f64> {
+    /// Frames of the free bodies, then of the prescribed ones.
+    pub frames: &'a [Frame<R>],
+    /// Angle and derivatives of the prescribed bodies.
+    pub jets: &'a [Jet<R>],
+}
+
+impl<'a, R: Real> Placed<'a, R> {
+    /// Angle and derivatives of the prescribed body of frame `index`; `None` for a free body.
+    #[inline(always)]
+    pub(super) fn jet(&self, index: usize) -> Option<&'a Jet<R>> {
+        let free = self.frames.len() - self.jets.len();
+        if index < free { None } else { Some(&self.jets[index - free]) }
+    }
+
+    /// Frames of the two bodies of these ends of a joint.
+    #[inline(always)]
+    pub(super) fn pair(&self, ends: &[End<R>; 2]) -> [&'a Frame<R>; 2] {
+        [&self.frames[ends[0].frame], &self.frames[ends[1].frame]]
+    }
+}

@@ -23,7 +23,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::sliding::NormalForce;
-use crate::integrate::{Band, factor, solve};
+use crate::integrate::{Band, Layout, factor, solve};
 use crate::lanes::Real;
 
 /// Most steps of Newton's method.

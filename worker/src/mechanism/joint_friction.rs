@@ -11,9 +11,9 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::constraint::Constraint;
+use super::frame::Placed;
 use super::friction_balance::{FrictionBalance, RubbingJoint};
 use super::orthonormal::OrthonormalRows;
-use super::placed::Placed;
 use super::sliding::Sliding;
 use crate::integrate::Linearised;
 use crate::lanes::Real;
@@ -104,7 +104,7 @@ impl<R: Real> JointFriction<R> {
         let zero = share[0].zero();
         for k in 0..self.constraints.len() {
             let c = &constraints[self.constraints[k]];
-            let [a, b] = at.pair(c);
+            let [a, b] = at.pair(&c.ends);
             self.sliding[k] = c.sliding(a, b);
             let Some(sliding) = &self.sliding[k] else { continue };
             self.balance.joints[k].ratio = sliding.ratio;

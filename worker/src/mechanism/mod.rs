@@ -4,7 +4,6 @@
 #[cfg(test)]
 mod acceleration_tests;
 mod assembly;
-mod change_point;
 mod closing;
 mod closure;
 mod constraint;
@@ -25,13 +24,11 @@ mod friction_balance;
 #[cfg(test)]
 mod friction_tests;
 mod guide;
-mod guide_corner;
 mod guide_onset;
 #[cfg(test)]
 mod guide_tests;
 mod influence;
 mod island;
-mod island_forces;
 mod island_frames;
 mod island_steps;
 mod joint;
@@ -43,7 +40,6 @@ mod order_tests;
 mod orthonormal;
 mod passage;
 mod piecewise_cubic;
-mod placed;
 mod prescribed;
 mod sliding;
 mod sparse_elimination;
@@ -56,7 +52,6 @@ mod wearing_pair;
 mod worn_guide;
 #[cfg(test)]
 mod worn_guide_tests;
-mod written_blocks;
 
 pub(crate) use assembly::ideal_accelerations;
 pub use assembly::{Pose, ideal_cycle};

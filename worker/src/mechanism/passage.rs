@@ -29,7 +29,7 @@
 use super::constraint::{Constraint, first_rows};
 use super::envelope_qr::EnvelopeQr;
 use super::extent::ROUNDING;
-use super::placed::Placed;
+use super::frame::Placed;
 use super::sparse_elimination::SparseElimination;
 use crate::extremum::smallest;
 

@@ -6,7 +6,7 @@
 
 use super::constraint::{Constraint, first_rows};
 use super::envelope_qr::EnvelopeQr;
-use super::placed::Placed;
+use super::frame::Placed;
 use crate::integrate::Linearised;
 
 /// The ideal joints of an island with `n` coordinates and `m` rows of constraints.
@@ -69,7 +69,7 @@ impl SparseElimination {
             return false;
         }
         for (c, &first) in self.constraints.iter().zip(&self.first) {
-            let [a, b] = at.pair(c);
+            let [a, b] = at.pair(&c.ends);
             let h = c.centripetal(a, b);
             self.lambda[first..first + c.rows()].copy_from_slice(&h[..c.rows()]);
             for (side, end) in c.ends.iter().enumerate() {
@@ -95,7 +95,7 @@ impl SparseElimination {
         to.lambda.copy_from_slice(&self.lambda);
         let bodies = self.root.len() / 3;
         for (c, &first) in self.constraints.iter().zip(&self.first) {
-            let [a, b] = at.pair(c);
+            let [a, b] = at.pair(&c.ends);
             let (_, rows) = c.position(a, b);
             for (side, end) in c.ends.iter().enumerate().filter(|(_, end)| at.jet(end.frame).is_some()) {
                 for (k, on) in to.prescribed[end.frame - bodies].iter_mut().enumerate() {
@@ -113,7 +113,7 @@ impl SparseElimination {
         }
         let mut gap: f64 = 0.0;
         for (c, &first) in self.constraints.iter().zip(&self.first) {
-            let [a, b] = at.pair(c);
+            let [a, b] = at.pair(&c.ends);
             let (phi, _) = c.position(a, b);
             self.lambda[first..first + c.rows()].copy_from_slice(&phi[..c.rows()]);
             gap = gap.max(largest_of(c, &phi, size));
@@ -128,7 +128,7 @@ impl SparseElimination {
     /// -M^-1/2 Q (Q' M^1/2 v + R^-T dphi/dt).
     pub(super) fn close_velocities(&mut self, at: Placed, v: &mut [f64]) {
         for (c, &first) in self.constraints.iter().zip(&self.first) {
-            let [a, b] = at.pair(c);
+            let [a, b] = at.pair(&c.ends);
             let (_, rows) = c.position(a, b);
             for (lambda, row) in self.lambda[first..].iter_mut().zip(&rows[..c.rows()]) {
                 let sides = c.ends.iter().enumerate();
@@ -146,7 +146,7 @@ impl SparseElimination {
     /// Largest gap of a joint (angles times `size`) [m].
     pub(super) fn largest_gap(&self, at: Placed, size: f64) -> f64 {
         let gap = |c: &Constraint| {
-            let [a, b] = at.pair(c);
+            let [a, b] = at.pair(&c.ends);
             largest_of(c, &c.position(a, b).0, size)
         };
         self.constraints.iter().map(gap).fold(0.0, f64::max)
@@ -169,7 +169,7 @@ fn fill(
 ) {
     factors.clear();
     for (c, first) in constraints.iter().zip(first) {
-        let [a, b] = at.pair(c);
+        let [a, b] = at.pair(&c.ends);
         let (_, rows) = c.position(a, b);
         for (r, row) in rows[..c.rows()].iter().enumerate() {
             for (side, end) in c.ends.iter().enumerate().filter(|(_, end)| at.jet(end.frame).is_none()) {

@@ -65,7 +65,7 @@ pub fn island_of_program(scene: &Scene) -> Island {
     for (index, joint) in scene.joints.iter().enumerate() {
         if let JointKind::Clearance(clearance) = &joint.kind {
             let ends = [frames.end(&joint.journal), frames.end(&joint.bushing)];
-            joints.push(WearingJoint::new(index, &joint.name, (clearance, &scene.wear), ends));
+            joints.push(WearingJoint::new(index, (clearance, &scene.wear), ends));
         }
     }
     Island::new(&frames, joints, vec![])
@@ -84,10 +84,10 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
         let ends = [frames.end(&joint.journal), frames.end(&joint.bushing)];
         match &joint.kind {
             JointKind::Clearance(clearance) => {
-                joints.push(WearingJoint::new(index, &joint.name, (clearance, &scene.wear), ends));
+                joints.push(WearingJoint::new(index, (clearance, &scene.wear), ends));
             }
             JointKind::Guide(guide) => {
-                guides.push(WearingGuide::new(index, &joint.name, guide, ends));
+                guides.push(WearingGuide::new(index, guide, ends));
             }
             ideal => {
                 constraints.push(Constraint::new(index, ends, ideal).with_friction(joint.friction));

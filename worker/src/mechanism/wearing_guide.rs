@@ -23,8 +23,6 @@ pub struct WearingGuide {
 #[derive(Debug, Clone)]
 struct WornSurfaces {
     scene_joint: usize,
-    /// Name of the joint in the scene.
-    name: String,
     /// Wear coefficient K_H of guide and slider, zero for a surface that does not wear `(2,)` [1/Pa].
     coefficients: [f64; 2],
     /// Clearance on each side [m] and stiffness of a whole face [N/m].
@@ -35,15 +33,14 @@ struct WornSurfaces {
 }
 
 impl WearingGuide {
-    /// Joint number `scene_joint` of a checked scene, called `name`, unworn.
-    pub(super) fn new(scene_joint: usize, name: &str, guide: &GuideClearance, ends: [End; 2]) -> Self {
+    /// Joint number `scene_joint` of a checked scene, unworn.
+    pub(super) fn new(scene_joint: usize, guide: &GuideClearance, ends: [End; 2]) -> Self {
         let flat = Guide::new(scene_joint, guide, ends);
         let coefficients = guide.wear_coefficients();
         let wear = guide.wear.as_ref().filter(|_| coefficients != [0.0; 2]);
         let worn = wear.map(|wear| {
             Box::new(WornSurfaces {
                 scene_joint,
-                name: name.to_owned(),
                 coefficients,
                 clearance: flat.clearance(),
                 stiffness: flat.stiffness(),
@@ -95,10 +92,6 @@ impl WornSurfaces {
 impl WearingPair for WornSurfaces {
     fn scene_joint(&self) -> usize {
         self.scene_joint
-    }
-
-    fn name(&self) -> &str {
-        &self.name
     }
 
     fn wear_coefficients(&self) -> [f64; 2] {

@@ -13,8 +13,6 @@ use common::scene::{Clearance, WearDistribution, WearModel};
 pub struct WearingJoint {
     /// Index into the scene's joints.
     pub scene_joint: usize,
-    /// Name in the scene.
-    pub name: String,
     /// Contact law of the joint.
     pub contact: Contact,
     /// The law on the surfaces as worn so far, whose forces are those of a joint in lanes to the last bit.
@@ -34,10 +32,9 @@ pub struct WearingJoint {
 }
 
 impl WearingJoint {
-    /// Joint number `scene_joint` of a checked scene with this wear model, called `name`, unworn.
+    /// Joint number `scene_joint` of a checked scene with this wear model, unworn.
     pub(super) fn new(
         scene_joint: usize,
-        name: &str,
         (clearance, wear): (&Clearance, &WearModel),
         ends: [End; 2],
     ) -> Self {
@@ -48,7 +45,6 @@ impl WearingJoint {
         let journal = (wear_coefficients[1] > 0.0).then(|| contact.new_journal(points));
         WearingJoint {
             scene_joint,
-            name: name.to_owned(),
             law: LawLanes::new(&contact, Surfaces { bore: &profile, journal: journal.as_ref() }, 0.0),
             contact,
             profile,
@@ -104,10 +100,6 @@ impl WearingJoint {
 impl WearingPair for WearingJoint {
     fn scene_joint(&self) -> usize {
         self.scene_joint
-    }
-
-    fn name(&self) -> &str {
-        &self.name
     }
 
     fn wear_coefficients(&self) -> [f64; 2] {

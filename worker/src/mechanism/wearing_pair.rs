@@ -7,9 +7,6 @@ pub(crate) trait WearingPair {
     /// Index into the scene's joints.
     fn scene_joint(&self) -> usize;
 
-    /// Name of the joint in the scene.
-    fn name(&self) -> &str;
-
     /// Wear coefficients K_H, zero for a surface that does not wear `(2,)` [1/Pa].
     fn wear_coefficients(&self) -> [f64; 2];
 

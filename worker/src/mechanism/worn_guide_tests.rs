@@ -44,7 +44,7 @@ fn guide(damping: f64, friction: f64, wears: bool) -> WearingGuide {
         wear: wears.then_some(wear),
     };
     let ends = [End { frame: 0, arm: [0.004, -0.002] }, End { frame: 1, arm: [-0.02, 0.01] }];
-    WearingGuide::new(0, "rail", &constants, ends)
+    WearingGuide::new(0, &constants, ends)
 }
 
 /// The guide with waves of some micrometres on all faces.

@@ -8,8 +8,24 @@
 //!
 //! # Source
 //! Boole's rule: Abramowitz, Stegun, Handbook of Mathematical Functions (1964), 25.4.14.
+//!
+//! # Errors of angles
+//! Difference of the angle of a body from that on the mechanism with ideal joints, or from a wanted angle, over a cycle.
+//!
+//! With the angle theta(t) [rad] and the reference Theta(t) [rad], the ideal angle or a wanted function of time or of another angle,
+//! the deviation is theta - Theta - 2 pi n, where the whole number n makes it smallest at the start of the cycle.
+//!
+//! # Errors of positions
+//! Distance of a point of a body from its path on the mechanism with ideal joints, or from wanted coordinates, over a cycle.
+//!
+//! With a point at x(t), y(t) [m] and the reference X(t), Y(t) [m], the ideal path or wanted functions of time or of an angle, the
+//! deviation is sqrt((x - X)^2 + (y - Y)^2); of one wanted coordinate alone it is the difference in that coordinate.
 
-use common::scene::ErrorMeasure;
+use super::trace::interval_at;
+use super::wanted::Wanted;
+use super::{BodyTrack, PointTrack, RecordedCycle};
+use common::scene::{Attachment, Curve, ErrorMeasure};
+use std::f64::consts::TAU;
 
 /// Places within a time step at which a deviation is evaluated, besides its ends [1].
 const WITHIN: [f64; 3] = [0.25, 0.5, 0.75];
@@ -55,6 +71,62 @@ impl Deviation {
     }
 }
 
+/// The deviation of the output `angle-error` [rad] for a body of the scene; without a `wanted` angle the ideal mechanism is the
+/// reference.
+pub(super) fn angle_error(body: usize, wanted: Option<&Curve>, cycle: &RecordedCycle) -> Deviation {
+    let track = cycle.body(body);
+    match wanted {
+        Some(curve) => {
+            let mut wanted = Wanted::new(curve, cycle);
+            from_reference(&track, |t| wanted.at(t))
+        }
+        None => cycle.ideal_angle(body).map(|ideal| angle_from_ideal(&track, ideal)).unwrap_or_default(),
+    }
+}
+
+/// Deviation of an angle from an ideal one, whose track covers the same span of time.
+fn angle_from_ideal(track: &BodyTrack, ideal: &BodyTrack) -> Deviation {
+    let mut j = 0;
+    from_reference(track, |t| ideal.angle_in(interval_at(&ideal.time, &mut j, t)).at(t).0)
+}
+
+/// Deviation of an angle from a reference [rad] over time [s], which is read at times that do not decrease.
+fn from_reference(track: &BodyTrack, mut reference: impl FnMut(f64) -> f64) -> Deviation {
+    let mut turns = None;
+    Deviation::over(&track.time, |k, t| {
+        let off = track.angle_in(k).at(t).0 - reference(t);
+        off - TAU * *turns.get_or_insert((off / TAU).round())
+    })
+}
+
+/// The deviation of the output `position-error` [m] for a point of a body of the scene; without any `wanted` coordinates x, y the
+/// ideal mechanism is the reference.
+pub(super) fn position_error(
+    at: &Attachment,
+    wanted: &[Option<Curve>; 2],
+    cycle: &RecordedCycle,
+) -> Deviation {
+    let Some(path) = cycle.path(at) else { return Deviation::default() };
+    if wanted.iter().all(Option::is_none) {
+        return cycle.ideal_path(at).map(|ideal| path_from_ideal(path, ideal)).unwrap_or_default();
+    }
+    let [mut x, mut y] = wanted.each_ref().map(|c| c.as_ref().map(|curve| Wanted::new(curve, cycle)));
+    Deviation::over(&path.time, |k, t| {
+        let at = path.position_in(k, t);
+        let off = |wanted: &mut Option<Wanted>, is: f64| wanted.as_mut().map_or(0.0, |w| is - w.at(t));
+        libm::hypot(off(&mut x, at[0]), off(&mut y, at[1]))
+    })
+}
+
+/// Deviation of a path from an ideal one, whose track covers the same span of time.
+fn path_from_ideal(path: &PointTrack, ideal: &PointTrack) -> Deviation {
+    let mut j = 0;
+    Deviation::over(&path.time, |k, t| {
+        let (a, b) = (path.position_in(k, t), ideal.position_in(interval_at(&ideal.time, &mut j, t), t));
+        libm::hypot(a[0] - b[0], a[1] - b[1])
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -71,5 +143,52 @@ mod tests {
         let line = Deviation::over(&[0.0, 0.1, 1.0], |_, t| 3.0 * t - 1.0);
         assert!((line.measure(ErrorMeasure::RootMeanSquare) - 1.0).abs() < 1e-14);
         assert_eq!(Deviation::over(&[], |_, _| 1.0).measure(ErrorMeasure::RootMeanSquare), 0.0);
+    }
+}
+
+#[cfg(test)]
+mod angle_error_tests {
+    use super::*;
+    use common::scene::ErrorMeasure;
+
+    #[test]
+    fn whole_turns_do_not_count_and_a_wave_does() {
+        let mut track = BodyTrack::default();
+        for k in 0..=200 {
+            let t = f64::from(k) / 200.0;
+            track.push(t, [20.0 + 0.02 * (TAU * t).sin(), 0.02 * TAU * (TAU * t).cos(), 0.0]);
+        }
+        let still = from_reference(&track, |_| 20.0 - 3.0 * TAU);
+        assert!((still.measure(ErrorMeasure::Largest) - 0.02).abs() < 1e-9);
+        let rms = still.measure(ErrorMeasure::RootMeanSquare);
+        assert!((rms - 0.02 / 2.0_f64.sqrt()).abs() < 1e-9, "{rms}");
+    }
+}
+
+#[cfg(test)]
+mod position_error_tests {
+    use super::*;
+    use common::scene::ErrorMeasure;
+
+    #[test]
+    fn the_distance_between_a_circle_and_a_shifted_one_is_the_shift() {
+        let circle = |n: usize, shift: f64, wobble: f64| {
+            let mut track = PointTrack::default();
+            for k in 0..=n {
+                let t = k as f64 / n as f64;
+                let ((s, c), tau) = ((std::f64::consts::TAU * t).sin_cos(), std::f64::consts::TAU);
+                let bump = wobble * (tau * t).sin();
+                track.push(t, [c + shift + bump, s, -tau * s + wobble * tau * c, tau * c]);
+            }
+            track
+        };
+        let (a, b) = (circle(300, 0.0, 0.0), circle(170, 0.01, 0.0));
+        let of = |other: &PointTrack, measure| path_from_ideal(&a, other).measure(measure);
+        assert!((of(&b, ErrorMeasure::Largest) - 0.01).abs() < 1e-8);
+        let wobbling = circle(170, 0.01, 0.005);
+        assert!((of(&wobbling, ErrorMeasure::Largest) - 0.015).abs() < 1e-6);
+        // 0.01^2 + 0.005^2 / 2.
+        let rms = of(&wobbling, ErrorMeasure::RootMeanSquare);
+        assert!((rms - (1e-4_f64 + 1.25e-5).sqrt()).abs() < 1e-8, "{rms}");
     }
 }

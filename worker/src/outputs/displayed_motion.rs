@@ -4,8 +4,16 @@
 //!
 //! # Source
 //! Cubic Hermite interpolation: de Boor, A Practical Guide to Splines (1978), chapter IV.
+//!
+//! # Energy
+//! Energy balance of a cycle: powers integrated over the time steps by the trapezoidal rule.
+//!
+//! input + unphysical = change of the stored energy + dissipated [J], up to the error of the integration. Stored are the kinetic
+//! energy and the potentials of springs, gravity and contacts; unphysical is the work of elastic contact forces without potential.
+//!
+//! Source:
+//! Power theorem of mechanics: Goldstein, Poole, Safko, Classical Mechanics (2002), chapter 1.
 
-use super::energy::{EnergyLedger, PowerState};
 use super::trace::{Piece, share_of};
 use crate::mechanism::Island;
 use common::outputs::{BodyMotion, EnergyBalance};
@@ -20,10 +28,11 @@ struct DisplayedState {
     v: Vec<f64>,
     /// Force magnitude of each joint `(joints,)` [N].
     force: Vec<f64>,
+    powers: PowerState,
 }
 
 /// Motion, joint forces and energy of one island over a displayed cycle.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct DisplayedMotion {
     /// Displayed times, increasing [s].
     at: Vec<f64>,
@@ -36,22 +45,14 @@ pub struct DisplayedMotion {
     q: Vec<f64>,
     v: Vec<f64>,
     force: Vec<f64>,
-    ledger: EnergyLedger,
+    /// Energy balance so far.
+    pub balance: EnergyBalance,
 }
 
 impl DisplayedMotion {
     /// Without states, to be displayed `at` these times [s].
     pub(super) fn new(at: Vec<f64>) -> Self {
-        DisplayedMotion {
-            at,
-            last: DisplayedState::default(),
-            before: DisplayedState::default(),
-            states: 0,
-            q: Vec::new(),
-            v: Vec::new(),
-            force: Vec::new(),
-            ledger: EnergyLedger::default(),
-        }
+        DisplayedMotion { at, ..DisplayedMotion::default() }
     }
 
     /// Adds the state `q`, `v` `(n,)` at `time` [s] with the `forces` of the joints [N] and the powers of the island.
@@ -63,8 +64,8 @@ impl DisplayedMotion {
         powers: PowerState,
     ) {
         std::mem::swap(&mut self.before, &mut self.last);
-        let DisplayedState { time: last, q: last_q, v: last_v, force } = &mut self.last;
-        *last = time;
+        let DisplayedState { time: last, q: last_q, v: last_v, force, powers: last_powers } = &mut self.last;
+        (*last, *last_powers) = (time, powers);
         for (to, from) in [(last_q, q), (last_v, v)] {
             to.clear();
             to.extend_from_slice(from);
@@ -72,8 +73,24 @@ impl DisplayedMotion {
         force.clear();
         force.extend(forces);
         self.states += 1;
-        self.ledger.push(time, powers);
+        if self.states > 1 {
+            self.add_step();
+        }
         self.interpolate(time);
+    }
+
+    /// Adds the step between the last two states to the balance, by the trapezoidal rule.
+    fn add_step(&mut self) {
+        let (from, to) = (&self.before, &self.last);
+        let half = 0.5 * (to.time - from.time);
+        let work = |power: fn(&PowerState) -> f64| half * (power(&from.powers) + power(&to.powers));
+        let (input, lost, unphysical) = (work(|i| i.input), work(|i| i.lost), work(|i| i.unphysical));
+        let stored = to.powers.stored - from.powers.stored;
+        self.balance.input += input;
+        self.balance.dissipated += lost;
+        self.balance.unphysical += unphysical;
+        self.balance.stored += stored;
+        self.balance.turnover += input.abs() + lost.abs() + unphysical.abs() + stored.abs();
     }
 
     /// Adds the displayed times after the last state, which rounding alone can leave.
@@ -102,18 +119,13 @@ impl DisplayedMotion {
         }
     }
 
-    /// Energy balance of the cycle.
-    pub(super) fn balance(&self) -> EnergyBalance {
-        self.ledger.balance()
-    }
-
     /// Force magnitude of a joint at the displayed times [N].
-    pub(super) fn force(&self, joint: usize) -> Vec<f64> {
+    pub(crate) fn force(&self, joint: usize) -> Vec<f64> {
         column(&self.force, joint, self.last.force.len()).collect()
     }
 
     /// Motion of the island's bodies at the displayed times.
-    pub(super) fn bodies(&self, island: &Island, scene: &Scene) -> Vec<BodyMotion> {
+    pub(crate) fn bodies(&self, island: &Island, scene: &Scene) -> Vec<BodyMotion> {
         let n = island.coordinates();
         let motion = |(slot, &body): (usize, &usize)| {
             let centre = scene.bodies[body].motion.base_point();
@@ -138,6 +150,30 @@ impl DisplayedMotion {
 /// Column `k` of `rows` of the length `n`.
 fn column(rows: &[f64], k: usize, n: usize) -> impl Iterator<Item = f64> {
     rows.iter().skip(k).step_by(n.max(1)).copied()
+}
+
+/// Energies and powers of an island at one instant.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PowerState {
+    /// Kinetic energy and that of springs, gravity and contacts [J].
+    pub stored: f64,
+    /// Power of drives and of loads without potential [W].
+    pub input: f64,
+    /// Power lost [W].
+    pub lost: f64,
+    /// Power of elastic contact forces that no potential accounts for [W].
+    pub unphysical: f64,
+}
+
+/// Sum of the balances of several islands.
+pub(crate) fn sum_of_islands(balances: impl Iterator<Item = EnergyBalance>) -> EnergyBalance {
+    balances.fold(EnergyBalance::default(), |a, b| EnergyBalance {
+        input: a.input + b.input,
+        stored: a.stored + b.stored,
+        dissipated: a.dissipated + b.dissipated,
+        unphysical: a.unphysical + b.unphysical,
+        turnover: a.turnover + b.turnover,
+    })
 }
 
 #[cfg(test)]

@@ -2,13 +2,10 @@
 //! bodies and the energy.
 
 use super::ForceTrack;
-use super::displayed_motion::DisplayedMotion;
-use super::energy::PowerState;
+use super::displayed_motion::{DisplayedMotion, PowerState};
 use crate::contact::{GuideReaction, JointForce};
 use crate::integrate::Linearised;
 use crate::mechanism::Island;
-use common::outputs::{BodyMotion, EnergyBalance};
-use common::scene::Scene;
 
 /// Recording of all joints of one island over a cycle.
 #[derive(Debug, Clone, Default)]
@@ -18,7 +15,7 @@ pub struct FullRecording {
     /// Time of the last state [s].
     last: Option<f64>,
     /// Everything else, if the cycle is displayed.
-    displayed: Option<DisplayedMotion>,
+    pub displayed: Option<DisplayedMotion>,
 }
 
 impl FullRecording {
@@ -30,11 +27,6 @@ impl FullRecording {
             last: None,
             displayed: shown.map(DisplayedMotion::new),
         }
-    }
-
-    /// True if states are added at which the island has been set.
-    pub(crate) fn is_displayed(&self) -> bool {
-        self.displayed.is_some()
     }
 
     /// Adds an accepted state at time `t` [s], at which the island was last linearised.
@@ -57,21 +49,6 @@ impl FullRecording {
     /// Closes the recording at the end of the cycle.
     pub(crate) fn finish(&mut self) {
         self.displayed.iter_mut().for_each(DisplayedMotion::finish);
-    }
-
-    /// Energy balance of the cycle, if it is displayed.
-    pub(crate) fn balance(&self) -> Option<EnergyBalance> {
-        self.displayed.as_ref().map(DisplayedMotion::balance)
-    }
-
-    /// Force magnitude of joint number `joint` at the displayed times [N]; empty unless the cycle is displayed.
-    pub(crate) fn force_history(&self, joint: usize) -> Vec<f64> {
-        self.displayed.as_ref().map_or_else(Vec::new, |motion| motion.force(joint))
-    }
-
-    /// Motion of the island's bodies at the displayed times; empty unless the cycle is displayed.
-    pub(crate) fn motion(&self, island: &Island, scene: &Scene) -> Vec<BodyMotion> {
-        self.displayed.as_ref().map_or_else(Vec::new, |motion| motion.bodies(island, scene))
     }
 }
 

@@ -6,27 +6,24 @@
 //! | file | contents |
 //! |---|---|
 //! | `motion_output.rs` | the outputs |
-//! | `angle_difference.rs`, `position_error.rs`, `angle_error.rs`, `driving_torque.rs`, `backlash.rs` | values of single outputs |
-//! | `deviation.rs`, `wanted.rs` | size of a deviation over a cycle; wanted functions of time or of an angle |
+//! | `angle_difference.rs`, `deviation.rs`, `driving_torque.rs`, `backlash.rs` | values of single outputs |
+//! | `wanted.rs` | wanted functions of time or of an angle |
 //! | `recording_request.rs`, `recorder.rs`, `peaks.rs` | what to record of an island, and the recording |
 //! | `contact_lanes.rs`, `motion_rows.rs` | contacts and motion of islands in lanes |
 //! | `recorded_cycle.rs` | the recordings of all islands of a cycle, as outputs read them |
 //! | `trace.rs` | angle of a body, force of a joint, path of a point and moment on a body over time |
-//! | `full_recording.rs`, `displayed_motion.rs`, `energy.rs` | everything of a cycle that is displayed |
+//! | `full_recording.rs`, `displayed_motion.rs` | everything of a cycle that is displayed |
 
 mod angle_difference;
-mod angle_error;
 mod backlash;
 mod contact_lanes;
 mod deviation;
 mod displayed_motion;
 mod driving_torque;
-mod energy;
 mod full_recording;
 mod motion_output;
 mod motion_rows;
 mod peaks;
-mod position_error;
 mod recorded_cycle;
 mod recorder;
 #[cfg(test)]
@@ -36,7 +33,7 @@ mod trace;
 mod wanted;
 
 pub(crate) use contact_lanes::ContactLanes;
-pub(crate) use energy::sum_of_islands;
+pub(crate) use displayed_motion::sum_of_islands;
 pub(crate) use full_recording::FullRecording;
 pub(crate) use motion_output::{Sampling, is_extreme, motion_value, recording_request};
 pub(crate) use motion_rows::{LaneRows, MotionRows};

@@ -1,10 +1,9 @@
 //! The outputs that follow from the motion of a cycle: what each needs recorded, its value, and how it reads values between two time steps.
 
 use super::angle_difference::largest_difference;
-use super::angle_error::angle_error;
 use super::backlash::backlash;
+use super::deviation::{angle_error, position_error};
 use super::driving_torque::driving_torque;
-use super::position_error::position_error;
 use super::recording_request::{RecordingRequest, SoughtBacklash};
 use super::wanted::argument_body;
 use super::{BodyTrack, RecordedCycle};
@@ -126,8 +125,8 @@ pub(crate) fn motion_value(kind: &OutputKind, cycle: &RecordedCycle) -> f64 {
         OutputKind::AngleError { body, wanted, measure } => {
             angle_error(*body, wanted.as_ref(), cycle).measure(*measure)
         }
-        OutputKind::Acceleration { at } => cycle.peak_acceleration(at).unwrap_or(0.0),
-        OutputKind::AngularAcceleration { body } => cycle.peak_angular_acceleration(*body).unwrap_or(0.0),
+        OutputKind::Acceleration { at } => cycle.peak(|peaks| peaks.acceleration(at)),
+        OutputKind::AngularAcceleration { body } => cycle.peak(|peaks| peaks.angular_acceleration(*body)),
         OutputKind::Impacts { joints } => cycle.impacts(joints).map(|count| f64::from(count.number)).sum(),
         OutputKind::ImpactEnergy { joints, measure: ImpactMeasure::Total } => {
             cycle.impacts(joints).map(|count| count.energy).sum()

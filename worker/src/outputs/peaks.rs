@@ -24,7 +24,7 @@
 //! with a coefficient of restitution e, (1 - e^2) E is lost. Contacts that last through the cycle have no impacts.
 //!
 //! In a guide with clearance every corner of the slider that begins to touch is an impact, with its own speed of approach and effective mass
-//! (`guide_corner.rs`); both corners of a face within one time step are one impact, with the means of both.
+//! (`effective_mass.rs`); both corners of a face within one time step are one impact, with the means of both.
 //!
 //! Source:
 //! Lankarani, Nikravesh (1990), A contact force model with hysteresis damping for impact analysis of multibody systems, Journal of

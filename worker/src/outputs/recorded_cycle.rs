@@ -1,6 +1,6 @@
 //! The recorded motion of one cycle, as the outputs read it.
 
-use super::peaks::ImpactCount;
+use super::peaks::{ImpactCount, Peaks};
 use super::{BodyTrack, MomentTrack, PointTrack, Recorder, SoughtBacklash};
 use crate::mechanism::{Influence, Island, Prescribed};
 use common::scene::{Attachment, Scene};
@@ -74,14 +74,9 @@ impl<'a> RecordedCycle<'a> {
         self.ideal.angles.iter().find(|(of, _)| *of == body).map(|(_, track)| track)
     }
 
-    /// Largest acceleration of a point over the cycle, if it was recorded [m/s^2].
-    pub(crate) fn peak_acceleration(&self, point: &Attachment) -> Option<f64> {
-        self.islands.iter().find_map(|(_, recorder)| recorder.peaks.acceleration(point))
-    }
-
-    /// Largest angular acceleration of a body over the cycle, if it was recorded [rad/s^2].
-    pub(crate) fn peak_angular_acceleration(&self, body: usize) -> Option<f64> {
-        self.islands.iter().find_map(|(_, recorder)| recorder.peaks.angular_acceleration(body))
+    /// What the largest values of an island that has it hold, zero if none was recorded [SI].
+    pub(crate) fn peak(&self, of: impl Fn(&Peaks) -> Option<f64>) -> f64 {
+        self.islands.iter().find_map(|(_, recorder)| of(&recorder.peaks)).unwrap_or(0.0)
     }
 
     /// Impacts of each of these joints of the scene over the cycle, as far as they were recorded.

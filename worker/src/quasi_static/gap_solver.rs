@@ -22,7 +22,7 @@
 //! (1998).
 
 use super::IdealMotion;
-use crate::integrate::{Band, Linearised, Pivoted, Stepped, add_product, nan_as_infinite};
+use crate::integrate::{Band, Layout, Linearised, Pivoted, Stepped, add_product, nan_as_infinite};
 
 /// Largest change of a coordinate in one Newton iteration, in its scale, 1 % of the smallest clearance [1].
 const LONGEST_UPDATE: f64 = 10.0;

@@ -111,7 +111,7 @@ pub(crate) fn ideal_motions(
 ) -> Result<Vec<IdealMotion>, Unsuitable> {
     if let Some(joint) = scene.joints.iter().find(|j| !matches!(j.kind, JointKind::Clearance(_))) {
         let (is_guide, joint) = (matches!(joint.kind, JointKind::Guide(_)), joint.name.clone());
-        return Err(if is_guide { Unsuitable::Guide { joint } } else { Unsuitable::IdealJoint { joint } });
+        return Err(if is_guide { Unsuitable::Guide(joint) } else { Unsuitable::IdealJoint(joint) });
     }
     let accelerations = ideal_accelerations(scene, poses).ok_or(Unsuitable::Undetermined)?;
     islands
@@ -123,7 +123,7 @@ pub(crate) fn ideal_motions(
             let node = poses.iter().zip(&accelerations).flat_map(|(p, a)| [pick(&p.q), pick(&p.v), pick(a)]);
             let motion = IdealMotion::new(scene.life.period, island.coordinates(), node.flatten().collect());
             let share = motion.mismatch_at_the_ends();
-            if share > REPEATS { Err(Unsuitable::NotPeriodic { share }) } else { Ok(motion) }
+            if share > REPEATS { Err(Unsuitable::NotPeriodic(share)) } else { Ok(motion) }
         })
         .collect()
 }
@@ -213,12 +213,12 @@ mod tests {
         assert!(motions(&four_bar, &four_bar).is_ok_and(|m| m.len() == 1 && m[0].coordinates() == 6));
         let mut ideal = four_bar.clone();
         ideal.joints[1].kind = JointKind::Revolute;
-        assert_eq!(motions(&ideal, &four_bar), Err(Unsuitable::IdealJoint { joint: "coupler".into() }));
+        assert_eq!(motions(&ideal, &four_bar), Err(Unsuitable::IdealJoint("coupler".into())));
         let mut open = four_bar.clone();
         open.joints.pop();
         assert_eq!(motions(&open, &four_bar), Err(Unsuitable::Undetermined));
         let mut cut = four_bar.clone();
         cut.life.period *= 0.9;
-        assert!(matches!(motions(&cut, &cut), Err(Unsuitable::NotPeriodic { share }) if share > 0.1));
+        assert!(matches!(motions(&cut, &cut), Err(Unsuitable::NotPeriodic(share)) if share > 0.1));
     }
 }

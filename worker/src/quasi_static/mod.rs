@@ -30,6 +30,6 @@ mod unsuitable;
 mod wear_rates;
 
 pub(crate) use ideal_motion::{IdealMotion, ideal_motions};
-pub(crate) use stepper::{QuasiStaticCounts, QuasiStaticStepper, StepBounds};
+pub(crate) use stepper::QuasiStaticStepper;
 pub use unsuitable::Unsuitable;
 pub(crate) use wear_rates::wear_rate_difference;

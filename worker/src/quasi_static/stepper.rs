@@ -11,55 +11,25 @@
 
 use super::gap_solver::{GapSolver, NotConverged};
 use super::{IdealMotion, Unsuitable};
-use crate::integrate::{Linearised, StateObserver, StepDecision, Stepped, within_remaining};
-
-/// Work done in one or more spans of time.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct QuasiStaticCounts {
-    /// Number of accepted steps.
-    pub steps: u64,
-    /// Number of refused steps.
-    pub refused: u64,
-    /// Newton iterations, each an evaluation of force and derivatives.
-    pub iterations: u64,
-}
-
-/// Bounds of the steps of a [`QuasiStaticStepper`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StepBounds {
-    /// Largest step [s].
-    pub largest: f64,
-    /// Smallest step [s].
-    pub smallest: f64,
-    /// Bound on the accepted steps of one span.
-    pub most: u64,
-}
+use crate::integrate::{Linearised, StateObserver, StepControl, StepCounts, Stepped};
 
 /// The gaps of one island on its ideal motion, with their step control.
 #[derive(Debug, Clone)]
 pub struct QuasiStaticStepper {
     ideal: IdealMotion,
     solver: GapSolver,
-    /// Tolerance of the local error, in the system's scales [1].
-    tolerance: f64,
-    bounds: StepBounds,
-    /// Step to try next [s].
-    step: f64,
+    control: StepControl,
     /// Time reached [s].
     time: f64,
 }
 
 /// Largest factor from one step to the next [1]: the variable-step formula is stable below 1 + sqrt 2.
 const LARGEST_GROWTH: f64 = 2.0;
-/// First step after a start, as a share of the largest step [1].
-const FIRST_STEP: f64 = 1e-2;
 
 impl QuasiStaticStepper {
-    /// A stepper on this ideal motion, with space in `at` for the island's linearisation and local errors up to `tolerance` in
-    /// its scales [1].
-    pub(crate) fn new(ideal: IdealMotion, at: Linearised, tolerance: f64, bounds: StepBounds) -> Self {
-        let solver = GapSolver::new(at);
-        QuasiStaticStepper { ideal, solver, tolerance, bounds, step: bounds.largest, time: 0.0 }
+    /// A stepper on this ideal motion, with space in `at` for the island's linearisation.
+    pub(crate) fn new(ideal: IdealMotion, at: Linearised, control: StepControl) -> Self {
+        QuasiStaticStepper { ideal, solver: GapSolver::new(at), control, time: 0.0 }
     }
 
     /// The gaps `(n,)`: coordinates minus those of the ideal mechanism [m, rad].
@@ -81,13 +51,14 @@ impl QuasiStaticStepper {
         system: &mut D,
         t: f64,
         start: &[f64],
-        counts: &mut QuasiStaticCounts,
+        counts: &mut StepCounts,
     ) -> Result<(), Unsuitable> {
         let before = self.solver.iterations;
         let found = self.solver.solve_rest(system, &self.ideal, t, start);
-        counts.iterations += self.solver.iterations - before;
-        (self.time, self.step) = (t, FIRST_STEP * self.bounds.largest);
-        found.map_err(|_| Unsuitable::NoRest { time: t })
+        counts.forces += self.solver.iterations - before;
+        self.time = t;
+        self.control.after_jump();
+        found.map_err(|_| Unsuitable::NoRest(t))
     }
 
     /// Integrates the gaps to time `end` [s]; `observer` receives every accepted state, both ends included.
@@ -99,11 +70,11 @@ impl QuasiStaticStepper {
         system: &mut D,
         end: f64,
         observer: &mut dyn StateObserver<D>,
-        counts: &mut QuasiStaticCounts,
+        counts: &mut StepCounts,
     ) -> Result<(), Unsuitable> {
         let before = self.solver.iterations;
         let done = self.integrate(system, end, observer, counts);
-        counts.iterations += self.solver.iterations - before;
+        counts.forces += self.solver.iterations - before;
         done
     }
 
@@ -112,17 +83,17 @@ impl QuasiStaticStepper {
         system: &mut D,
         end: f64,
         observer: &mut dyn StateObserver<D>,
-        counts: &mut QuasiStaticCounts,
+        counts: &mut StepCounts,
     ) -> Result<(), Unsuitable> {
         observer.observe(system, self.time, &self.solver.q, &self.solver.v, &self.solver.at);
-        let mut taken = 0;
+        let mut taken = 0.0;
         while self.time < end {
             let left = end - self.time;
-            let h = within_remaining(self.step, left);
-            if self.try_step(system, h) == StepDecision::Refused {
-                counts.refused += 1;
-                if self.step < self.bounds.smallest {
-                    return Err(Unsuitable::LostHold { time: self.time, step: self.step });
+            let h = self.control.next(left);
+            if !self.try_step(system, h) {
+                counts.rejected += 1;
+                if self.control.step < self.control.smallest {
+                    return Err(Unsuitable::LostHold { time: self.time, step: self.control.step });
                 }
                 continue;
             }
@@ -132,31 +103,31 @@ impl QuasiStaticStepper {
                 return Err(Unsuitable::OutOfRange { time: self.time, joint });
             }
             counts.steps += 1;
-            taken += 1;
+            taken += 1.0;
             system.on_accepted(&self.solver.q, &self.solver.v, &self.solver.at);
             observer.observe(system, self.time, &self.solver.q, &self.solver.v, &self.solver.at);
-            if taken >= self.bounds.most && self.time < end {
-                return Err(Unsuitable::TooManySteps { time: self.time });
+            if taken >= self.control.bound && self.time < end {
+                return Err(Unsuitable::TooManySteps(self.time));
             }
         }
         Ok(())
     }
 
-    /// Computes a step of length `h` [s], accepts or refuses it, and sets the length of the next one.
-    fn try_step<D: Stepped>(&mut self, system: &mut D, h: f64) -> StepDecision {
+    /// Computes a step of length `h` [s], and sets the length of the next one; true if it is accepted.
+    fn try_step<D: Stepped>(&mut self, system: &mut D, h: f64) -> bool {
         let error = match self.solver.try_step(system, &self.ideal, h) {
-            Ok(()) => self.solver.estimate_error(h, system.scales().0) / self.tolerance,
+            Ok(()) => self.solver.estimate_error(h, system.scales().0) / self.control.tolerance,
             Err(NotConverged) => f64::INFINITY,
         };
         if error <= 1.0 {
             let growth = (0.9 / libm::cbrt(error.max(1e-6))).clamp(0.3, LARGEST_GROWTH);
-            if h >= self.step || growth < 1.0 {
-                self.step = (h * growth).min(self.bounds.largest);
+            if h >= self.control.step || growth < 1.0 {
+                self.control.step = (h * growth).min(self.control.largest);
             }
-            return StepDecision::Accepted;
+            return true;
         }
         let shrink = if error.is_finite() { 0.9 / libm::cbrt(error) } else { 0.25 };
-        self.step = h * shrink.clamp(0.1, 0.5);
-        StepDecision::Refused
+        self.control.step = h * shrink.clamp(0.1, 0.5);
+        false
     }
 }

@@ -1,7 +1,5 @@
 //! Worn faces of a straight guide and of the slider in it, and the play between them.
 
 mod faces;
-mod play;
 
-pub(crate) use faces::{MOST_NODES, RailFaces, RailLayout};
-pub(crate) use play::play;
+pub(crate) use faces::{MOST_NODES, RailFaces, RailLayout, play};

@@ -17,11 +17,8 @@ pub(super) enum ClaimEvent {
         /// Frame of the reply, or the text of the error.
         frame: Result<Vec<u8>, String>,
     },
-    /// No further reply to this claim will arrive.
-    QueryEnded {
-        /// Sequence number of the claim.
-        sequence: u64,
-    },
+    /// No further reply to this claim will arrive. Holds the sequence number of the claim.
+    QueryEnded(u64),
     /// A notice of the coordinator, as a frame.
     Notice(Vec<u8>),
     /// Stop: finish within the drain time, return outcomes and leave.

@@ -159,10 +159,10 @@ impl ClaimLoop {
             ClaimEvent::Answer { sequence, frame } if self.is_pending(sequence) => {
                 return self.on_reply(now, frame);
             }
-            ClaimEvent::QueryEnded { sequence } if self.is_pending(sequence) => {
+            ClaimEvent::QueryEnded(sequence) if self.is_pending(sequence) => {
                 self.on_no_reply(now, refusal::no_answer(now));
             }
-            ClaimEvent::SlotFree | ClaimEvent::Answer { .. } | ClaimEvent::QueryEnded { .. } => {}
+            ClaimEvent::SlotFree | ClaimEvent::Answer { .. } | ClaimEvent::QueryEnded(_) => {}
             ClaimEvent::Notice(frame) => match wire::decode::<Notice>(&frame) {
                 Ok(Notice::Batch { points, .. }) => {
                     tracing::debug!("the coordinator announces {} points", points.len());

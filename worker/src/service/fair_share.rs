@@ -3,8 +3,9 @@
 //! time not used by one is available to the others.
 
 use super::claim_event::ClaimEvent;
+use common::locks::locked;
+use std::sync::Mutex;
 use std::sync::mpsc::Sender;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Time for which requested tasks reserve their slots: a silent coordinator must not block the others.
@@ -95,7 +96,7 @@ impl FairShare {
     /// Number of tasks that may be requested from coordinator `k`, of `slots` in all. The coordinator competes for slots
     /// until [`FairShare::stop_competing`].
     pub(crate) fn allowance(&self, k: usize, slots: usize, now: Instant) -> usize {
-        let mut state = self.state();
+        let mut state = locked(&self.0);
         state.count_use(now);
         state.start_competing(k);
         let mut occupied: Vec<usize> = state.members.iter().map(|member| member.occupied(now)).collect();
@@ -115,12 +116,12 @@ impl FairShare {
 
     /// Registers a request of `tasks` tasks from coordinator `k`.
     pub(crate) fn request(&self, k: usize, tasks: usize, now: Instant) {
-        self.state().members[k].requested = Some((tasks, now));
+        locked(&self.0).members[k].requested = Some((tasks, now));
     }
 
     /// Registers the reply of coordinator `k` with `tasks` tasks; zero if there is no reply.
     pub(crate) fn answered(&self, k: usize, tasks: usize, now: Instant) {
-        let mut state = self.state();
+        let mut state = locked(&self.0);
         state.count_use(now);
         let requested = state.members[k].requested.take();
         state.members[k].tasks += tasks;
@@ -131,7 +132,7 @@ impl FairShare {
 
     /// Coordinator `k` stops competing for slots; the others are notified.
     pub(crate) fn stop_competing(&self, k: usize) {
-        let mut state = self.state();
+        let mut state = locked(&self.0);
         if std::mem::replace(&mut state.members[k].competes, false) {
             state.notify_others(k);
         }
@@ -139,7 +140,7 @@ impl FairShare {
 
     /// Registers that `tasks` tasks of coordinator `k` have ended or were dropped.
     pub(crate) fn ended(&self, k: usize, tasks: usize, now: Instant) {
-        let mut state = self.state();
+        let mut state = locked(&self.0);
         state.count_use(now);
         state.members[k].tasks = state.members[k].tasks.saturating_sub(tasks);
         state.ended += tasks;
@@ -149,13 +150,9 @@ impl FairShare {
 
     /// Time without tasks of any coordinator.
     pub(crate) fn idle_for(&self, now: Instant) -> Duration {
-        let state = self.state();
+        let state = locked(&self.0);
         let busy = state.members.iter().any(|member| member.tasks > 0);
         if busy { Duration::ZERO } else { now.saturating_duration_since(state.idle_since) }
-    }
-
-    fn state(&self) -> MutexGuard<'_, ShareState> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -171,7 +171,7 @@ struct QueryEnd {
 
 impl Drop for QueryEnd {
     fn drop(&mut self) {
-        let _ = self.inbox.send(ClaimEvent::QueryEnded { sequence: self.sequence });
+        let _ = self.inbox.send(ClaimEvent::QueryEnded(self.sequence));
     }
 }
 

@@ -70,12 +70,6 @@ impl Job {
         Self { order: Arc::new(order), task, coordinator: 0 }
     }
 
-    /// Requests the settled first cycle too.
-    pub fn and_first_cycle(mut self) -> Self {
-        self.task.with_first_cycle = true;
-        self
-    }
-
     /// Values of the scene's random variables `(d,)`, SI.
     pub fn sample(&self) -> &[f64] {
         &self.task.sample

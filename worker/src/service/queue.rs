@@ -2,8 +2,9 @@
 //! several jobs side by side.
 
 use super::Job;
+use common::locks::locked;
 use std::collections::VecDeque;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Condvar, Mutex, PoisonError};
 
 /// Waiting jobs, and the number of running ones.
 pub(super) struct Queue {
@@ -27,13 +28,13 @@ impl Queue {
 
     /// Appends a job.
     pub(crate) fn push(&self, job: Job) {
-        self.state().waiting.push_back(job);
+        locked(&self.state).waiting.push_back(job);
         self.changed.notify_one();
     }
 
     /// Removes and returns the waiting jobs that are `unwanted`.
     pub(crate) fn withdraw(&self, unwanted: impl Fn(&Job) -> bool) -> Vec<Job> {
-        let mut state = self.state();
+        let mut state = locked(&self.state);
         let all = std::mem::take(&mut state.waiting).into_iter();
         let (out, kept): (Vec<Job>, VecDeque<Job>) =
             all.fold(Default::default(), |(mut out, mut kept), job| {
@@ -50,7 +51,7 @@ impl Queue {
 
     /// Removes all waiting jobs; no slot gets a job afterwards.
     pub(crate) fn close(&self) {
-        let mut state = self.state();
+        let mut state = locked(&self.state);
         state.closed = true;
         state.waiting.clear();
         self.changed.notify_all();
@@ -59,25 +60,22 @@ impl Queue {
     /// Waits for a job for an idle slot; `None` once the queue is closed.
     pub(crate) fn first(&self) -> Option<Job> {
         let idle = |state: &mut QueueState| !state.closed && state.waiting.is_empty();
-        let mut state = self.changed.wait_while(self.state(), idle).unwrap_or_else(PoisonError::into_inner);
+        let mut state =
+            self.changed.wait_while(locked(&self.state), idle).unwrap_or_else(PoisonError::into_inner);
         state.take()
     }
 
     /// Another job for a slot already running `mine`, unless that exceeds its fair share.
     pub(crate) fn another(&self, mine: usize) -> Option<Job> {
-        let mut state = self.state();
+        let mut state = locked(&self.state);
         let share = (state.running + state.waiting.len()).div_ceil(self.slots);
         if mine < share { state.take() } else { None }
     }
 
     /// Counts the end of a job.
     pub(crate) fn ended(&self) {
-        let mut state = self.state();
+        let mut state = locked(&self.state);
         state.running = state.running.saturating_sub(1);
-    }
-
-    fn state(&self) -> MutexGuard<'_, QueueState> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

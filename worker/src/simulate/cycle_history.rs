@@ -64,11 +64,9 @@ impl Run<'_> {
 
     /// Energy balance of the cycle recorded last, which is displayed.
     pub(crate) fn energy(&self) -> EnergyBalance {
-        sum_of_islands(self.full_recordings().filter_map(FullRecording::balance))
-    }
-
-    fn full_recordings(&self) -> impl Iterator<Item = &FullRecording> {
-        self.islands.iter().filter_map(|state| state.recorder.full.as_ref())
+        let displayed =
+            self.islands.iter().filter_map(|state| state.recorder.full.as_ref()?.displayed.as_ref());
+        sum_of_islands(displayed.map(|motion| motion.balance))
     }
 
     /// Summary of the cycle recorded last, which was recorded fully; with its history if cycles are displayed.
@@ -104,7 +102,9 @@ impl Run<'_> {
                 speed: speed.into_iter().map(|x| x * body.sign).collect(),
             });
         }
-        let joint_force = self.joint_values(FullRecording::force_history);
+        let joint_force = self.joint_values(|full, joint| {
+            full.displayed.as_ref().map_or_else(Vec::new, |motion| motion.force(joint))
+        });
         CycleHistory { bodies, motion: self.body_motions(&time), joint_force, time }
     }
 
@@ -112,8 +112,8 @@ impl Run<'_> {
     fn body_motions(&self, time: &[f64]) -> Vec<BodyMotion> {
         let mut found: Vec<BodyMotion> = Vec::new();
         for state in &self.islands {
-            let full = state.recorder.full.iter();
-            found.extend(full.flat_map(|full| full.motion(&state.island, self.scene)));
+            let displayed = state.recorder.full.iter().filter_map(|full| full.displayed.as_ref());
+            found.extend(displayed.flat_map(|motion| motion.bodies(&state.island, self.scene)));
         }
         for body in &self.scene.bodies {
             if let (Motion::Driven { position, .. }, Some(motion)) =

@@ -23,7 +23,7 @@
 //! error of the mean of what the motions have worn takes the place of the change in the probes.
 //!
 //! Under several operating conditions each has its own estimate of y, and the value of the evaluation is the worst of them
-//! (`life_history.rs`). Relative errors of the wear rates add up with the share of the volume that each condition has worn.
+//! (`blocks.rs`). Relative errors of the wear rates add up with the share of the volume that each condition has worn.
 //!
 //! Valid as an estimate, not as a bound: `MOTION_SAFETY` in `motion_estimate.rs` lists how often it held.
 //!

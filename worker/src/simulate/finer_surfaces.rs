@@ -37,7 +37,9 @@ impl<'a> PartialLife<'a> {
         runs: &mut [Run<'a>],
         block: &Range<u32>,
     ) -> Result<(), SimulationFailure> {
-        if !runs[0].compares_finer() || !self.is_due(&runs[0].scene.life, block) {
+        if runs[0].islands.iter().all(|state| state.finest.is_empty())
+            || !self.is_due(&runs[0].scene.life, block)
+        {
             return Ok(());
         }
         mix_contacts(runs);
@@ -80,11 +82,6 @@ impl Run<'_> {
             let rule = StepRule::new(&self.scene.wear, self.accuracy.wear_tolerance);
             self.islands.iter_mut().for_each(|state| state.add_finest(rule));
         }
-    }
-
-    /// True if copies with four times the control points wear beside the surfaces of this run.
-    fn compares_finer(&self) -> bool {
-        self.islands.iter().any(|state| !state.finest.is_empty())
     }
 
     /// Depths of all pairs on twice or, if `finest`, four times the control points, worn as long as this run's own; `None` if the wear steps fail.

@@ -1,7 +1,7 @@
 //! The result of an evaluation.
 
+use super::blocks::LifeHistory;
 use super::cycle_history::FirstCycle;
-use super::life_history::LifeHistory;
 use super::run::Run;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation, JointSummary, PointsError};

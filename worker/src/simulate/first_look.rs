@@ -2,8 +2,7 @@
 
 use super::blocks::simulated_lives;
 use super::conditions::condition_scenes;
-use super::contact_arcs::{ContactArc, contact_arcs};
-use super::control_points::with_control_points;
+use super::control_points::{ContactArc, contact_arcs, with_control_points};
 use super::longer_steps::{difference, is_long_enough, longer};
 use super::probe::{FINER, is_probed};
 use super::quasi_static::is_measured;
@@ -132,7 +131,7 @@ async fn examine(
     let cycle = measured / cycles as u32;
     let mut look = FirstLook {
         islands,
-        arcs: contact_arcs(&run.islands),
+        arcs: contact_arcs(run.scene, &run.islands),
         wears: run.wears(),
         asks_for_motion: run.first_motion_output().is_some(),
         tier: Err(Unsuitable::Unwanted),
@@ -148,10 +147,12 @@ async fn examine(
         return Ok(look);
     }
     let begun = Instant::now();
-    let copy = run.quasi_static_copy();
+    let mut worn = run.clone();
+    look.tier = worn.start_quasi_static().map(|()| worn.largest_tier_difference());
     let tried = begun.elapsed();
-    look.tier = copy.as_ref().map(Run::largest_tier_difference).map_err(Clone::clone);
-    let mut worn = copy.unwrap_or_else(|_| run.clone());
+    if look.tier.is_err() {
+        worn = run.clone();
+    }
     let life = &scene.life;
     let lives = simulated_lives(scene, accuracy);
     let blocks = lives.len() - 1;

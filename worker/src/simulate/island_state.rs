@@ -1,12 +1,10 @@
 //! One island of a running evaluation: its state, and what integrates, records and wears it.
 
-use super::guide_extent::advice;
-use crate::integrate::{IntegrationError, StepControl, Stepped, Stepper};
+use crate::integrate::{StepControl, Stepped, Stepper};
 use crate::mechanism::{Island, Pose, WearingPair};
 use crate::outputs::{Recorder, RecordingRequest};
 use crate::wear::{FinerBore, StepRule, WearHistory, WearRate, WearStep};
 use common::accuracy::Accuracy;
-use common::failure::SimulationFailure;
 use common::scene::Scene;
 use std::f64::consts::TAU;
 
@@ -87,25 +85,14 @@ impl StateSnapshot {
         (self.time, &self.q, &self.v)
     }
 
-    /// A snapshot of the state `q`, `v` `(n,)` at `time` [s] and of the island's joints.
+    /// A snapshot of the state `q`, `v` `(n,)` at `time` [s] and of the island's joints as they are.
     pub(crate) fn new(island: &Island, time: f64, q: &[f64], v: &[f64]) -> Self {
-        let damping = vec![0.0; island.joints.len()];
-        let pad_damping = vec![[0.0; 4]; island.guides.len()];
-        let mut snapshot = StateSnapshot { time, q: q.to_vec(), v: v.to_vec(), damping, pad_damping };
-        snapshot.update(island, time, q, v);
-        snapshot
-    }
-
-    /// Replaces the snapshot by the state `q`, `v` `(n,)` at `time` [s] and the island's joints as they are.
-    pub(crate) fn update(&mut self, island: &Island, time: f64, q: &[f64], v: &[f64]) {
-        self.time = time;
-        self.q.copy_from_slice(q);
-        self.v.copy_from_slice(v);
-        for (damping, joint) in self.damping.iter_mut().zip(&island.joints) {
-            *damping = joint.contact.surface().damping;
-        }
-        for (damping, guide) in self.pad_damping.iter_mut().zip(&island.guides) {
-            *damping = guide.flat.damping;
+        StateSnapshot {
+            time,
+            q: q.to_vec(),
+            v: v.to_vec(),
+            damping: island.joints.iter().map(|joint| joint.contact.surface().damping).collect(),
+            pad_damping: island.guides.iter().map(|guide| guide.flat.damping).collect(),
         }
     }
 }
@@ -169,11 +156,6 @@ impl IslandState {
         (self.time, self.q, self.v) = (time, q, v);
     }
 
-    /// Returns to the state from which the next warm-up starts.
-    pub(crate) fn restore_warm_up_start(&mut self) {
-        self.restore(self.warm_up_start.clone());
-    }
-
     /// Returns to the start of the cycle measured last.
     pub(crate) fn restore_cycle_start(&mut self) {
         self.restore(self.cycle_start.clone());
@@ -181,12 +163,12 @@ impl IslandState {
 
     /// Keeps the present state as the start of the cycle measured last.
     pub(crate) fn keep_cycle_start(&mut self) {
-        self.cycle_start.update(&self.island, self.time, &self.q, &self.v);
+        self.cycle_start = StateSnapshot::new(&self.island, self.time, &self.q, &self.v);
     }
 
     /// Keeps the present state as the one from which the next warm-up starts.
     pub(crate) fn keep_warm_up_start(&mut self) {
-        self.warm_up_start.update(&self.island, self.time, &self.q, &self.v);
+        self.warm_up_start = StateSnapshot::new(&self.island, self.time, &self.q, &self.v);
     }
 
     /// Takes the present state for that at `time` [s] of another cycle of `period` [s]: each angle loses the turns in between, as
@@ -230,55 +212,6 @@ fn stepper(island: &Island, period: f64, accuracy: &Accuracy) -> Stepper {
     let largest = accuracy.largest_step * period;
     let control = StepControl::new(accuracy.step_tolerance, largest, smallest, accuracy.steps_bound);
     Stepper::new(island.linearised(), control)
-}
-
-/// The failure of an evaluation of `scene` whose integration stopped: adds the life `cycle` [cycles] and the names of joints.
-pub(crate) fn failure(
-    error: IntegrationError,
-    cycle: u32,
-    island: &Island,
-    scene: &Scene,
-) -> SimulationFailure {
-    let name = |joint: usize| {
-        island.contacts().nth(joint).map_or_else(String::new, |joint| scene.joints[joint].name.clone())
-    };
-    // Without contact the friction of ideal joints may be what makes steps short.
-    let rubbing = || {
-        let joint = island.constraints().iter().find(|c| c.friction.is_some())?;
-        Some(scene.joints[joint.scene_joint].name.clone())
-    };
-    match error {
-        IntegrationError::StepTooSmall { time, step, error, joint } => {
-            let joint = joint.map(name).or_else(rubbing);
-            SimulationFailure::StepTooSmall { cycle, time, joint, step, error }
-        }
-        IntegrationError::TooManySteps { time, bound, joint } => {
-            let joint = joint.map(name).or_else(rubbing);
-            SimulationFailure::TooManySteps { cycle, time, joint, bound }
-        }
-        IntegrationError::OutOfRange { time, joint, penetration } => {
-            SimulationFailure::OutOfRange { cycle, time, joint: name(joint), penetration }
-        }
-        IntegrationError::LeftGuide { time, guide, distance } => {
-            let index = island.guides[guide].flat.scene_joint;
-            let (joint, by, advice) = (&scene.joints[index].name, 1e6 * distance, advice(scene, index));
-            let what = format!(
-                "joint {joint}: its slider stands out of its guide by {by:.3} um at t = {time:.6} s{advice}"
-            );
-            SimulationFailure::NotModelled { what }
-        }
-        IntegrationError::Singular { time } => SimulationFailure::Singular { cycle, time },
-        IntegrationError::Branching { time, joint } => {
-            SimulationFailure::Branching { cycle, time, joint: scene.joints[joint].name.clone() }
-        }
-        IntegrationError::SelfLocking { time, joint } => {
-            let joint = scene.joints[island.constraints()[joint].scene_joint].name.clone();
-            SimulationFailure::SelfLocking { cycle, time, joint }
-        }
-        IntegrationError::NotFinite { time } => {
-            SimulationFailure::NotFinite { cycle, time, quantity: "the force".into() }
-        }
-    }
 }
 
 #[cfg(test)]

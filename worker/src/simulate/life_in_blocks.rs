@@ -1,9 +1,8 @@
 //! The whole life after the settled first cycle: block after block of wear, with a measured cycle at the end of each.
 
-use super::blocks::{at_checkpoints, simulated_lives};
+use super::blocks::{LifeHistory, at_checkpoints, simulated_lives};
 use super::conditions::mix_contacts;
 use super::finer_cycles::points_errors;
-use super::life_history::LifeHistory;
 use super::longer_steps::LongerSteps;
 use super::partial_life::{CycleModel, PartialLife};
 use super::probe::is_probed;

@@ -1,6 +1,6 @@
 //! Longer time steps in the cycles of a life, as long as they make no difference.
 //!
-//! The vibration of the contacts sets the length of the time steps throughout a cycle (`control.rs`), and it matters only where its damping
+//! The vibration of the contacts sets the length of the time steps throughout a cycle (`progress.rs`), and it matters only where its damping
 //! is low: late in the life of the flapping-wing drive, where the worn bores feed it. Before, longer steps change neither the wear
 //! nor the outputs by a thousandth. Steps 2.5 times as long would be too long: with them the scheme itself feeds the vibration.
 //!

@@ -62,9 +62,9 @@ pub struct MotionEstimate {
     /// Probes made so far; lives ascend.
     pub probes: Vec<Probe>,
     /// If the quasi-static model drives the wear, the largest relative difference of its wear rates from those of the dynamics [1].
-    quasi_static: Option<f64>,
-    /// Spread of the cycles at each simulated life of a motion that does not repeat itself, else empty.
-    spreads: Vec<CycleSpread>,
+    pub quasi_static: Option<f64>,
+    /// Spread of the cycles at each simulated life of a motion that does not repeat itself, else empty; lives ascend.
+    pub spreads: Vec<CycleSpread>,
     /// Comparisons with surfaces of more control points; lives ascend.
     pub finer: Vec<FinerCycles>,
     /// Volume that the blocks added so far have worn from every surface of every joint of the scene `(SURFACES joints,)` [m^3].
@@ -77,21 +77,11 @@ impl MotionEstimate {
         MotionEstimate { first_checkpoint, ..MotionEstimate::default() }
     }
 
-    /// Notes that the quasi-static model drove the wear, with rates off by this share from those of the dynamics at most [1].
-    pub(crate) fn set_quasi_static(&mut self, share: f64) {
-        self.quasi_static = Some(share);
-    }
-
     /// Adds a probe; lives ascend. Where a motion settles slowly, what the next cycle changes is the first part of what is to come.
     pub(crate) fn add_probe(&mut self, mut probe: Probe) {
         let factor = self.repetition.slowness.max(1.0);
         probe.motion.iter_mut().chain(&mut probe.wear).for_each(|change| *change *= factor);
         self.probes.push(probe);
-    }
-
-    /// Adds the spread of the cycles at one of the simulated lives; lives ascend.
-    pub(crate) fn add_spread(&mut self, spread: CycleSpread) {
-        self.spreads.push(spread);
     }
 
     /// Adds a block of `cycles` that wore under the contacts of the cycle just simulated.

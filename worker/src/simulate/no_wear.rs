@@ -6,7 +6,7 @@
 //! # Source
 //! Hairer, Nørsett, Wanner: Solving Ordinary Differential Equations I (1993), section II.4 (Richardson extrapolation).
 
-use super::life_history::LifeHistory;
+use super::blocks::LifeHistory;
 use super::run::Run;
 use common::failure::SimulationFailure;
 

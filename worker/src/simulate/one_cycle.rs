@@ -48,10 +48,10 @@ async fn on_surfaces(
     };
     for state in &mut run.islands {
         for (pair, worn) in state.island.pairs_mut().zip(&mut state.depth) {
-            let Some(depth) = depths.get(pair.name()) else { continue };
+            let name = &scene.joints[pair.scene_joint()].name;
+            let Some(depth) = depths.get(name) else { continue };
             if depth.len() != worn.len() {
-                let what =
-                    format!("{} depths of joint {}, which has {}", depth.len(), pair.name(), worn.len());
+                let what = format!("{} depths of joint {name}, which has {}", depth.len(), worn.len());
                 return Err(SimulationFailure::NotModelled { what });
             }
             worn.clone_from(depth);
@@ -79,7 +79,7 @@ fn traced(run: &Run) -> BTreeMap<String, JointCycle> {
                 angle: Some(at().map(|contact| contact.place().1).collect()),
                 eccentricity: Some(at().map(|contact| contact.place().0).collect()),
             };
-            joints.insert(joint.name.clone(), cycle);
+            joints.insert(run.scene.joints[joint.scene_joint].name.clone(), cycle);
         }
     }
     joints

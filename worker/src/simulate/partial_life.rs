@@ -183,6 +183,6 @@ async fn mean_outputs<'a>(
 ) -> Result<Vec<f64>, SimulationFailure> {
     let Some(motions) = motions else { return Ok(run.measured.clone()) };
     let SeveralCycles { motion, spread } = motions.measure(run, life).await?;
-    estimate.add_spread(spread);
+    estimate.spreads.push(spread);
     Ok(motion)
 }

@@ -7,9 +7,9 @@
 //! # Source
 //! Error estimation with two step lengths: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4.
 
+use super::failures::wear_failure;
 use super::island_state::{CycleTools, IslandState};
 use super::run::Run;
-use super::wall::wear_failure;
 use crate::wear::WearLaw;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -205,10 +205,10 @@ impl Run<'_> {
             for (k, pair) in island.pairs().enumerate().filter(|(_, pair)| pair.wears()) {
                 let mut found = vec![0.0; depth[k].len()];
                 rates[k].freeze(&recorder.histories[k]);
-                let kind = &self.scene.joints[pair.scene_joint()].kind;
+                let joint = &self.scene.joints[pair.scene_joint()];
                 rates[k]
                     .rate(&depth[k], &mut found)
-                    .map_err(|unbalanced| wear_failure(kind, cycle, pair.name().to_owned(), unbalanced))?;
+                    .map_err(|unbalanced| wear_failure(joint, cycle, unbalanced))?;
                 let second = found.split_off(pair.first_depths());
                 all[SURFACES * pair.scene_joint()] = found;
                 all[SURFACES * pair.scene_joint() + 1] = second;

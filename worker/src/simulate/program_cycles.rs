@@ -36,29 +36,20 @@ use common::scene::{CycleTier, Scene};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::Range;
+use thiserror::Error;
 
 /// Change of the depths between two requests, as a share of the clearance, from which on equal replies show a program that ignores them [1].
 const NOTICED: f64 = 1e-3;
 
 /// Why a life has no result.
-#[derive(Debug)]
+#[derive(Debug, Error)]
 pub enum CycleError {
     /// A failure of the sample.
-    Failed(SimulationFailure),
+    #[error(transparent)]
+    Failed(#[from] SimulationFailure),
     /// The program cannot be used, or the life was stopped.
-    Slot(SlotError),
-}
-
-impl From<SimulationFailure> for CycleError {
-    fn from(failure: SimulationFailure) -> Self {
-        CycleError::Failed(failure)
-    }
-}
-
-impl From<SlotError> for CycleError {
-    fn from(error: SlotError) -> Self {
-        CycleError::Slot(error)
-    }
+    #[error(transparent)]
+    Slot(#[from] SlotError),
 }
 
 /// The life of the sample that gives `scene`, with the cycles of a program of this tier.
@@ -136,7 +127,7 @@ impl ProgramCycles<'_, '_, '_> {
         let reply = match last.take() {
             Some((reply, _)) if self.tier == CycleTier::Reaction => reply,
             before => {
-                let joints = radii(state);
+                let joints = radii(run.scene, state);
                 let request = CycleRequest { cycle, accuracy: self.name, joints: &joints };
                 let reply = cycles.ask(&request)??;
                 run.simulated += 1;
@@ -186,7 +177,7 @@ impl ProgramCycles<'_, '_, '_> {
 }
 
 /// Radii of all surfaces as worn so far, by the names of the joints.
-fn radii(state: &IslandState) -> BTreeMap<String, WornRadii> {
+fn radii(scene: &Scene, state: &IslandState) -> BTreeMap<String, WornRadii> {
     let joints = state.island.joints.iter().zip(&state.depth);
     let of_joint = |(joint, depth): (&WearingJoint, &Vec<f64>)| {
         let (bore, of_journal) = depth.split_at(joint.first_depths());
@@ -194,7 +185,7 @@ fn radii(state: &IslandState) -> BTreeMap<String, WornRadii> {
         let bushing = bore.iter().map(|depth| joint.profile.initial_radius() + depth).collect();
         let mut journal: Vec<f64> = of_journal.iter().map(|depth| unworn - depth).collect();
         journal.resize(bore.len(), unworn);
-        (joint.name.clone(), WornRadii { bushing, journal })
+        (scene.joints[joint.scene_joint].name.clone(), WornRadii { bushing, journal })
     };
     joints.map(of_joint).collect()
 }

@@ -4,17 +4,18 @@
 //! Outputs of the motion come from dynamic cycles at a few lives, on the bores worn so far, where the wear rates are compared too.
 //! That needs a contact law that conserves energy: under another one vibrations may grow as the bores wear, from one cycle to the next.
 
+use super::blocks::LifeHistory;
 use super::island_state::CycleSpan;
-use super::life_history::LifeHistory;
 use super::life_in_blocks::simulate_life;
 use super::motion_estimate::{MeasuredLives, MotionEstimate, largest_bend};
 use super::partial_life::CycleModel;
 use super::probe::{Probe, SURFACES, contains_one_of, is_probed};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::run::Run;
-use crate::contact::Pressure;
+use crate::contact::Contact;
+use crate::integrate::StepCounts;
 use crate::mechanism::ideal_cycle;
-use crate::quasi_static::{QuasiStaticCounts, Unsuitable, ideal_motions, wear_rate_difference};
+use crate::quasi_static::{Unsuitable, ideal_motions, wear_rate_difference};
 use crate::wear::WearLaw;
 use common::accuracy::Tier;
 use common::scene::{Life, Output};
@@ -113,30 +114,20 @@ impl CycleModel for QuasiStaticCycles {
                 return Err(Unsuitable::Curved { output: output.name.clone(), share: off / largest });
             }
         }
-        estimate.set_quasi_static(run.largest_tier_difference());
+        estimate.quasi_static = Some(run.largest_tier_difference());
         Ok(())
     }
 }
 
 impl Run<'_> {
     /// Starts the quasi-static model and compares it with the settled first cycle just measured, on the unworn bores.
-    fn start_quasi_static(&mut self) -> Result<(), Unsuitable> {
+    pub(crate) fn start_quasi_static(&mut self) -> Result<(), Unsuitable> {
         if self.accuracy.tier == Tier::Dynamic {
             return Err(Unsuitable::Unwanted);
         }
         self.assemble_quasi_static()?;
         self.quasi_static_cycle()?;
         self.check_against_dynamics()
-    }
-
-    /// A copy of this run under the quasi-static model, from the settled first cycle just measured.
-    ///
-    /// # Errors
-    /// [`Unsuitable`] if the dynamics has to drive the wear.
-    pub(crate) fn quasi_static_copy(&self) -> Result<Self, Unsuitable> {
-        let mut copy = self.clone();
-        copy.start_quasi_static()?;
-        Ok(copy)
     }
 
     /// Largest relative difference of the quasi-static wear rates from those of the dynamics found so far [1].
@@ -152,13 +143,13 @@ impl Run<'_> {
     /// True if the elastic forces of all joints with clearance have a potential, whatever the bore.
     fn conserves_energy(&self) -> bool {
         let mut joints = self.islands.iter().flat_map(|state| &state.island.joints);
-        joints.all(|joint| joint.contact.pressure() == Pressure::Foundation)
+        joints.all(|joint| matches!(joint.contact, Contact::Foundation(_)))
     }
 
     /// Puts every island on its ideal motion, with closed joints.
     fn assemble_quasi_static(&mut self) -> Result<(), Unsuitable> {
         if let Some(output) = self.first_motion_output().filter(|_| !self.conserves_energy()) {
-            return Err(Unsuitable::Output { output: output.name.clone() });
+            return Err(Unsuitable::Output(output.name.clone()));
         }
         let poses = ideal_cycle(self.scene, IDEAL_INTERVALS + 1, &mut self.newton)?;
         if poses.len() < 2 {
@@ -178,13 +169,12 @@ impl Run<'_> {
     /// [`Unsuitable`] if the gaps cannot be integrated.
     pub(crate) fn quasi_static_cycle(&mut self) -> Result<(), Unsuitable> {
         let cycle = CycleSpan::new(self.scene, self.accuracy);
-        let mut counts = QuasiStaticCounts::default();
+        let mut counts = StepCounts::default();
         let mut islands = self.islands.iter_mut().zip(&mut self.quasi_static);
         let done = islands.try_for_each(|(state, island)| island.run_cycle(state, &cycle, &mut counts));
-        self.counts.steps += counts.steps;
-        self.counts.rejected += counts.refused;
-        self.counts.forces += counts.iterations;
-        self.newton += counts.iterations;
+        self.counts.add(&counts);
+        // Each evaluation of the force is one iteration of Newton's method.
+        self.newton += counts.forces;
         self.simulated += 1;
         done
     }
@@ -206,7 +196,7 @@ impl Run<'_> {
                     state.rates[k].freeze(&recorder.histories[k]);
                     state.rates[k]
                         .rate(&state.depth[k], &mut rate)
-                        .map_err(|_| Unsuitable::Disagrees { share: f64::INFINITY })?;
+                        .map_err(|_| Unsuitable::Disagrees(f64::INFINITY))?;
                     let second = rate.split_off(pair.first_depths());
                     rates[SURFACES * pair.scene_joint()] = rate;
                     rates[SURFACES * pair.scene_joint() + 1] = second;
@@ -219,7 +209,7 @@ impl Run<'_> {
                     joints.iter().flat_map(|joint| [0, 1].map(|k| SURFACES * joint + k)).collect();
                 let share = wear_rate_difference(&quasi_static, &dynamic, &surfaces);
                 if share > self.accuracy.wear_tolerance {
-                    return Err(Unsuitable::Disagrees { share });
+                    return Err(Unsuitable::Disagrees(share));
                 }
                 *largest = largest.max(share);
             }

@@ -1,9 +1,10 @@
 //! One island on its ideal motion: the gaps of its joints through a cycle, recorded for the wear.
 
-use super::island_state::{CycleSpan, IslandState};
+use super::island_state::{CycleSpan, IslandState, StateSnapshot};
+use crate::integrate::{StepControl, StepCounts};
 use crate::mechanism::Island;
 use crate::outputs::{Recorder, RecordingRequest};
-use crate::quasi_static::{IdealMotion, QuasiStaticCounts, QuasiStaticStepper, StepBounds, Unsuitable};
+use crate::quasi_static::{IdealMotion, QuasiStaticStepper, Unsuitable};
 use crate::wear::WearHistory;
 use common::accuracy::Accuracy;
 use common::scene::Scene;
@@ -32,15 +33,12 @@ impl QuasiStaticIsland {
     /// An island with closed joints on its ideal motion.
     pub(crate) fn new(ideal: IdealMotion, island: &Island, scene: &Scene, accuracy: &Accuracy) -> Self {
         let period = scene.life.period;
-        let bounds = StepBounds {
-            largest: LARGEST_STEP * period,
-            smallest: SMALLEST_STEP * period,
-            most: accuracy.steps_bound,
-        };
+        let [largest, smallest] = [LARGEST_STEP, SMALLEST_STEP].map(|share| share * period);
+        let control = StepControl::new(STEP_TOLERANCE, largest, smallest, accuracy.steps_bound);
         let samples = (1.0 / LARGEST_STEP) as usize;
         QuasiStaticIsland {
             start: vec![0.0; ideal.coordinates()],
-            stepper: QuasiStaticStepper::new(ideal, island.linearised(), STEP_TOLERANCE, bounds),
+            stepper: QuasiStaticStepper::new(ideal, island.linearised(), control),
             recorder: Recorder::new(island, scene, &RecordingRequest::default(), samples),
         }
     }
@@ -54,7 +52,7 @@ impl QuasiStaticIsland {
         &mut self,
         state: &mut IslandState,
         cycle: &CycleSpan,
-        counts: &mut QuasiStaticCounts,
+        counts: &mut StepCounts,
     ) -> Result<(), Unsuitable> {
         let QuasiStaticIsland { stepper, recorder, start } = self;
         stepper.start(&mut state.island, cycle.kept - cycle.period, start, counts)?;
@@ -63,7 +61,7 @@ impl QuasiStaticIsland {
         stepper.run(&mut state.island, cycle.kept, recorder, counts)?;
         start.copy_from_slice(stepper.gaps());
         let (q, v) = stepper.state();
-        state.warm_up_start.update(&state.island, cycle.kept, q, v);
+        state.warm_up_start = StateSnapshot::new(&state.island, cycle.kept, q, v);
         stepper.run(&mut state.island, cycle.period, recorder, counts)?;
         recorder.finish();
         Ok(())

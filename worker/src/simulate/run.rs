@@ -1,12 +1,11 @@
 //! The stages of an evaluation: settle, measure a cycle, wear a block, warm up.
 
+use super::failures::{failure, refuse_unbounded_forces, wear_failure, worn_through};
 use super::ideal_tracks::{ideal_tracks, left_open};
-use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
+use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot};
 use super::quasi_static_island::{QuasiStaticIsland, wear_histories};
 use super::repetition::Repetition;
 use super::side_by_side::{Integrated, LaneQueue, Span};
-use super::unbounded_forces::refuse_unbounded_forces;
-use super::wall::{wear_failure, worn_through};
 use crate::integrate::StepCounts;
 use crate::mechanism::{WearingPair, ideal_cycle, islands, turns_per_cycle};
 use crate::outputs::{FullRecording, IdealTracks, recording_request, sample_times};
@@ -184,7 +183,7 @@ impl<'a> Run<'a> {
     /// Integrates from the state kept of the cycle before, on the profile as it is now, to the start of a cycle.
     async fn warm_up(&mut self) -> Result<(), SimulationFailure> {
         for state in &mut self.islands {
-            state.restore_warm_up_start();
+            state.restore(state.warm_up_start.clone());
             state.stepper.control.after_jump();
         }
         let period = self.scene.life.period;
@@ -363,14 +362,11 @@ impl<'a> Run<'a> {
                 }
                 let advanced =
                     state.steps[k].advance(rate, depth, length, &marks, note, &mut self.wear_counts);
-                advanced.map_err(|failed| {
-                    wear_failure(&self.scene.joints[scene_joint].kind, from, pair.name().to_owned(), failed)
-                })?;
-                state.finer[k]
-                    .add_marked(marked[..within].iter().map(|joints| joints[scene_joint]).collect());
+                advanced.map_err(|failed| wear_failure(&self.scene.joints[scene_joint], from, failed))?;
+                state.finer[k].marked = marked[..within].iter().map(|joints| joints[scene_joint]).collect();
                 let surfaces = depth.split_at(pair.first_depths());
                 if let Some((depth, wall)) = worn_through(self.scene, scene_joint, surfaces.into()) {
-                    let joint = pair.name().to_owned();
+                    let joint = self.scene.joints[scene_joint].name.clone();
                     return Err(SimulationFailure::WornThrough { cycle: to, joint, depth, wall });
                 }
                 pair.set_depth(depth);

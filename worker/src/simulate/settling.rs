@@ -1,7 +1,7 @@
 //! Whether a motion repeats itself from cycle to cycle, and further cycles until it does.
 //!
 //! From the states at the starts of successive cycles, over the scales of the error control, follows the periodic motion that they approach
-//! (`state_sequence.rs`). After a window of cycles the motion goes on from there, where the ideal joints are closed again, until what is still
+//! (`repetition.rs`). After a window of cycles the motion goes on from there, where the ideal joints are closed again, until what is still
 //! to come is below the tolerance of a time step.
 //!
 //! A motion whose state at the end of the first measured cycle is that at its start has settled; that costs nothing. The same comparison
@@ -10,9 +10,8 @@
 
 use super::island_state::IslandState;
 use super::probe::{Probe, SURFACES};
-use super::repetition::ToCome;
+use super::repetition::{NOT_DECAYING, StateSequence, ToCome, size};
 use super::run::Run;
-use super::state_sequence::{NOT_DECAYING, StateSequence, size};
 use crate::integrate::Stepped;
 use crate::outputs::{Recorder, is_extreme};
 use common::failure::SimulationFailure;

@@ -31,27 +31,18 @@ use tokio::sync::{Semaphore, oneshot};
 /// Reasons for the server not to start.
 #[derive(Debug, Error)]
 pub enum UmBridgeError {
-    /// The text is not an address.
-    #[error("--serve-umbridge {given}: allowed: a port, or an address with a port such as 127.0.0.1:4242")]
-    Address {
-        /// Text of the address.
-        given: String,
-    },
-    /// Other machines can reach the address, and UM-Bridge does not authenticate clients.
+    /// The text is not an address. Holds the text of the address.
+    #[error("--serve-umbridge {0}: allowed: a port, or an address with a port such as 127.0.0.1:4242")]
+    Address(String),
+    /// Other machines can reach the address, and UM-Bridge does not authenticate clients. Holds the address to listen on.
     #[error(
-        "--serve-umbridge {address}: other machines can reach this address, and UM-Bridge does not authenticate \
+        "--serve-umbridge {0}: other machines can reach this address, and UM-Bridge does not authenticate \
          clients; give a port alone (this machine only), or --insecure if the network is trusted"
     )]
-    Insecure {
-        /// Address to listen on.
-        address: SocketAddr,
-    },
-    /// The scene names an external simulator, so it has no mechanism.
-    #[error("{origin}: the scene names an external simulator; it has no mechanism to serve")]
-    NoMechanism {
-        /// File or name of the scene.
-        origin: String,
-    },
+    Insecure(SocketAddr),
+    /// The scene names an external simulator, so it has no mechanism. Holds the file or name of the scene.
+    #[error("{0}: the scene names an external simulator; it has no mechanism to serve")]
+    NoMechanism(String),
     /// The operating system refuses the address.
     #[error("--serve-umbridge {address}: {reason}")]
     Refused {
@@ -78,11 +69,11 @@ pub enum Access {
 pub fn address(given: &str, access: Access) -> Result<SocketAddr, UmBridgeError> {
     let port = given.parse().map(|port| SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
     let address: SocketAddr =
-        port.or_else(|_| given.parse()).map_err(|_| UmBridgeError::Address { given: given.to_owned() })?;
+        port.or_else(|_| given.parse()).map_err(|_| UmBridgeError::Address(given.to_owned()))?;
     if address.ip().is_loopback() || access == Access::AnyMachine {
         Ok(address)
     } else {
-        Err(UmBridgeError::Insecure { address })
+        Err(UmBridgeError::Insecure(address))
     }
 }
 
@@ -233,10 +224,7 @@ mod tests {
             assert_eq!(address(open, Access::AnyMachine).unwrap(), open.parse().unwrap());
         }
         for slip in ["", "70000", "localhost:4242", "http://127.0.0.1:1"] {
-            assert!(
-                matches!(address(slip, Access::AnyMachine), Err(UmBridgeError::Address { .. })),
-                "{slip}"
-            );
+            assert!(matches!(address(slip, Access::AnyMachine), Err(UmBridgeError::Address(_))), "{slip}");
         }
     }
 }

@@ -15,7 +15,7 @@
 //! as in the source, its length would jump where a place inside wears until the circle only grazes it.)
 //! Patches are looked for up to the angle where e cos(phi) no longer exceeds the least gap of the surfaces.
 //!
-//! In front of a worn journal (`contact/journal.rs`) p falls by its depth h(psi - alpha), with the angle alpha of its body
+//! In front of a worn journal (`contact/journal_table.rs`) p falls by its depth h(psi - alpha), with the angle alpha of its body
 //! from the bushing's: by the cubic through four neighbours of a table of that depth, turned by a fraction of its spacing.
 //!
 //! The search notes in the bits of a word at which of 64 table angles the circle lies beyond the bore, as many at a time as a vector holds: ends

@@ -26,11 +26,11 @@
 use super::amounts::{BoreSizes, SurfaceSizes};
 use super::conformal::ConformalContacts;
 use super::equilibrium::NoEquilibrium;
-use super::history::ContactHistory;
+use super::interval::ContactHistory;
 use super::local_arcs::LocalArcs;
 use super::wear_law::WearLaw;
 use crate::bore::Profile;
-use crate::contact::{Contact, Pressure};
+use crate::contact::Contact;
 use common::scene::WearDistribution;
 use std::f64::consts::TAU;
 
@@ -44,7 +44,7 @@ pub struct BoreWearRate {
     contacts: FrozenContacts,
 }
 
-/// Contact samples of a history, found again on each profile, by the distribution of their pressure.
+/// Contact samples of a history, found again on each profile, by the distribution of their pressure along the bore.
 #[derive(Debug, Clone)]
 enum FrozenContacts {
     UniformOverArc(LocalArcs),
@@ -60,11 +60,11 @@ impl BoreWearRate {
             coefficients,
             sizes: BoreSizes { points, radii: [profile.initial_radius(), surface.journal_radius], width },
             profile: profile.clone(),
-            contacts: match contact.pressure() {
-                Pressure::UniformOverArc => {
+            contacts: match contact {
+                Contact::LocalHertz(_) => {
                     FrozenContacts::UniformOverArc(LocalArcs::new(contact, points, wears))
                 }
-                Pressure::Foundation => {
+                Contact::Foundation(_) => {
                     FrozenContacts::Foundation(ConformalContacts::new(surface, points, wears))
                 }
             },

@@ -14,8 +14,7 @@
 use super::condense::{Condenser, Touched};
 use super::equilibrium::{ElasticSurfaces, Equilibrium, NoEquilibrium, equilibrium};
 use super::interval::ContactSample;
-use super::interval_loads::IntervalLoads;
-use super::nodal_loads::{ArcShares, NodalLoads};
+use super::nodal_loads::{ArcShares, IntervalLoads, NodalLoads};
 use crate::bore::Profile;
 use crate::contact::{Foundation, Journal, SegmentParts, Surface, equivalent_penetration};
 use crate::lanes::{Vectorised, fused};

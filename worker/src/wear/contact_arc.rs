@@ -11,7 +11,7 @@
 //! # Source
 //! Two intersecting circles; the mean is chosen here.
 
-use super::history::ContactHistory;
+use super::interval::ContactHistory;
 use std::f64::consts::PI;
 
 /// Mean contact arc of a history on an unworn bore [rad]; zero without contact. `radii` are those of bore and journal `(2,)` [m].

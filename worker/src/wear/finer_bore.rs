@@ -60,7 +60,7 @@ pub struct FinerBore<L> {
     marks: Vec<f64>,
     next_marks: Vec<f64>,
     /// Wear of the joint at the marks within the block behind, and that of the copy at those it has passed.
-    marked: Vec<WornAmounts>,
+    pub marked: Vec<WornAmounts>,
     passed: Vec<WornAmounts>,
     /// Differences of the two at the marks within the block whose end was compared last.
     within: Vec<WornAmounts>,
@@ -94,11 +94,6 @@ impl<L: WearLaw> FinerBore<L> {
     /// Compares the two also at these marks within the next block (increasing, counted from its start, before its end) [cycle].
     pub(crate) fn mark(&mut self, marks: &[f64]) {
         self.next_marks = marks.to_vec();
-    }
-
-    /// Adds the wear of the joint at the marks within the block that it has just been worn over.
-    pub(crate) fn add_marked(&mut self, worn: Vec<WornAmounts>) {
-        self.marked = worn;
     }
 
     /// Compares the copy with the bore at the end of the block behind, where the joint is `worn`

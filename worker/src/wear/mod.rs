@@ -1,9 +1,9 @@
 //! Wear of a bore and of the journal in it, or of a guide and of its slider: Archard's law over the contact history of a cycle, and the wear step
 //! over a block of cycles.
 //!
-//! Order of use: `interval` and `history` record contact samples; `archard` turns them into a wear rate on the present
+//! Order of use: `interval` records contact samples; `archard` turns them into a wear rate on the present
 //! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `condense`, `conformal`,
-//! `equilibrium`, `nodal_loads` and `interval_loads`, for guides by `rail_history`, `rail_rate` and `rail_equilibrium`. `wear_law` is what these rates have in common, `wear_rate` any
+//! `equilibrium` and `nodal_loads`, for guides by `rail_history`, `rail_rate` and `rail_equilibrium`. `wear_law` is what these rates have in common, `wear_rate` any
 //! of them; `step` integrates that rate over a block; `finer_bore`
 //! shows what the spacing of the control points costs, `contact_arc` what it has to resolve, `amounts` what the depths come to.
 
@@ -18,9 +18,7 @@ mod equilibrium;
 #[cfg(test)]
 mod equilibrium_tests;
 mod finer_bore;
-mod history;
 mod interval;
-mod interval_loads;
 #[cfg(test)]
 mod journal_tests;
 mod local_arcs;
@@ -49,8 +47,7 @@ pub(crate) use amounts::{MarkedDepths, WornAmounts, wear_output};
 pub(crate) use archard::BoreWearRate;
 pub(crate) use contact_arc::mean_contact_arc;
 pub(crate) use finer_bore::FinerBore;
-pub(crate) use history::ContactHistory;
-pub(crate) use interval::{ContactInstant, ContactSample, Interval};
+pub(crate) use interval::{ContactHistory, ContactInstant, ContactSample, Interval};
 pub(crate) use rail_history::{RailHistory, RailInstant};
 pub(crate) use rail_rate::RailWearRate;
 pub(crate) use step::{StepRule, WearStep, WearStepFailed, WearStepStats};

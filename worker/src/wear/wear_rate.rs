@@ -6,7 +6,7 @@
 use super::amounts::SurfaceSizes;
 use super::archard::BoreWearRate;
 use super::equilibrium::NoEquilibrium;
-use super::history::ContactHistory;
+use super::interval::ContactHistory;
 use super::rail_history::RailHistory;
 use super::rail_rate::RailWearRate;
 use super::wear_law::WearLaw;

@@ -31,8 +31,9 @@ fn every_joint_of_an_island_learns_how_its_contact_began() {
             // D = 0.27 / v0. The last of the bounces that lead a journal from the middle to its bore are slow; one that
             // turns round within a step counts as the slowest.
             let began = 0.27 / joint.contact.surface().damping;
-            println!("joint {}: contact began with {began:.3e} m/s", joint.name);
-            assert!((0.99 * LEAST_SPEED..1.0).contains(&began), "joint {}: {began} m/s", joint.name);
+            let name = &scene.joints[joint.scene_joint].name;
+            println!("joint {name}: contact began with {began:.3e} m/s");
+            assert!((0.99 * LEAST_SPEED..1.0).contains(&began), "joint {name}: {began} m/s");
             learned += u32::from(began > 2.0 * LEAST_SPEED);
         }
         assert!(learned > 0, "no contact began with more than the least speed");

@@ -168,12 +168,9 @@ pub enum FitError {
     /// All values are equal.
     #[error("all values are equal: leave the variable out")]
     AllEqual,
-    /// A value that is not positive in a family of positive values.
-    #[error("value {} is not positive", place + 1)]
-    NotPositive {
-        /// Index of the value.
-        place: usize,
-    },
+    /// A value that is not positive in a family of positive values. Holds the index of the value.
+    #[error("value {} is not positive", .0 + 1)]
+    NotPositive(usize),
     /// The fitted parameters are outside the range of the distribution.
     #[error(transparent)]
     Law(#[from] LawError),

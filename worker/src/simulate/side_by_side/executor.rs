@@ -1,9 +1,10 @@
-//! Runs evaluations side by side on one thread: polls each as far as it comes without motion, then runs the lanes.
+//! Runs evaluations side by side on one thread: polls each as far as it comes without motion, then runs the lanes. Several stages of one evaluation
+//! run at the same time, and their islands wait for lanes together.
 
 use super::pool::LanePool;
 use super::queue::{CpuTime, LaneQueue};
 use super::width::LaneWidth;
-use std::future::Future;
+use std::future::{Future, poll_fn};
 use std::pin::Pin;
 use std::task::{Context, Poll, Waker};
 use std::time::{Duration, Instant};
@@ -82,4 +83,21 @@ pub(crate) fn run_side_by_side<'a, T>(
             return;
         }
     }
+}
+
+/// Runs the futures `stages` until all have ended; the results are in their order.
+pub(crate) async fn join<'f, T, F: Future<Output = T> + 'f>(stages: impl IntoIterator<Item = F>) -> Vec<T> {
+    type Stage<'f, T> = Pin<Box<dyn Future<Output = T> + 'f>>;
+    let mut running: Vec<(Stage<'f, T>, Option<T>)> =
+        stages.into_iter().map(|stage| (Box::pin(stage) as Stage<'f, T>, None)).collect();
+    poll_fn(|context| {
+        for (stage, result) in running.iter_mut().filter(|(_, result)| result.is_none()) {
+            if let Poll::Ready(ended) = stage.as_mut().poll(context) {
+                *result = Some(ended);
+            }
+        }
+        if running.iter().all(|(_, result)| result.is_some()) { Poll::Ready(()) } else { Poll::Pending }
+    })
+    .await;
+    running.into_iter().filter_map(|(_, result)| result).collect()
 }

@@ -5,7 +5,7 @@ use super::queue::{CpuTime, LaneQueue, PendingSpan};
 use crate::integrate::{IntegrationError, LaneStepper, Linearised, SpanProgress, Stepped, worst_coordinate};
 use crate::lanes::{Lanes, Real, Vectorised, run_in};
 use crate::mechanism::{Island, IslandLanes, same_topology};
-use crate::outputs::{ContactLanes, FullRecording, MotionRows};
+use crate::outputs::{ContactLanes, MotionRows};
 use crate::simulate::island_state::IslandState;
 use pulp::Simd;
 
@@ -155,9 +155,7 @@ impl<S: Simd> LaneGroup<S> {
             if let Some((pending, progress)) = self.unload(lane, result.is_ok()) {
                 let island = &pending.span.state.island;
                 match result {
-                    Err(IntegrationError::Singular { time }) => {
-                        pending.integrate_alone(time, progress.counts())
-                    }
+                    Err(IntegrationError::Singular(time)) => pending.integrate_alone(time, progress.counts()),
                     // It may lock itself, which only one island by itself finds out.
                     Err(IntegrationError::StepTooSmall { time, .. }) if island.has_friction() => {
                         pending.integrate_alone(time, progress.counts())
@@ -188,7 +186,7 @@ impl<S: Simd> LaneGroup<S> {
             }
             self.stepper.read_forces(lane, &mut self.at);
             self.stepper.read_state(lane, &mut self.q, &mut self.v);
-            if recorder.full.as_ref().is_some_and(FullRecording::is_displayed) {
+            if recorder.full.as_ref().is_some_and(|full| full.displayed.is_some()) {
                 island.set_state(time, &self.q, &self.v);
             }
             recorder.record_motion(island, time, &self.q, &self.v, &self.at);

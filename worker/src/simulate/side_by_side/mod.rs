@@ -12,17 +12,14 @@
 //! | `pool.rs` | the groups of lanes of a thread |
 //! | `executor.rs` | polls the evaluations and runs the lanes |
 //! | `width.rs` | how many numbers a lane group holds |
-//! | `join.rs` | several stages of one evaluation at the same time |
 
 mod executor;
-mod join;
 mod lanes;
 mod pool;
 mod queue;
 mod width;
 
-pub(crate) use executor::{RunningEvaluation, run_alone, run_side_by_side};
-pub(crate) use join::join;
+pub(crate) use executor::{RunningEvaluation, join, run_alone, run_side_by_side};
 pub(crate) use queue::{Integrated, LaneQueue, Span};
 pub use width::LaneWidth;
 pub(crate) use width::widest_lanes;
