@@ -74,8 +74,8 @@ pub fn chapter(page: &mut Page, input: &ReportInput) -> Markup {
         Series::new(&row.limit_state, ink_of(summary, &row.limit_state), shape)
     };
     let series: Vec<Series> = summary.curves.iter().filter(is_drawn).map(line).collect();
-use super::figures::{curve, ink_of, span, words};
-use super::{Axis, LifeAxis, Page, Plot, ReportInput, Series, Shape};
+    let x = Axis::linear(axis.label, (first, axis.place(end)));
+    let drawing = Plot::of_reliability("sliders", x, &series).drawing();
     page.begin("What if");
     page.add(html! {
         p.asks {
