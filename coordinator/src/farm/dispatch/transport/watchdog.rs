@@ -32,7 +32,7 @@ pub struct Watched {
 }
 
 /// Asks the coordinator at `endpoint` in a thread, with the Zenoh settings of its own workers, and calls `failed` at most once: when it is
-/// silent. Nothing is concluded before it has answered once.
+/// silent, also from its start on: the first clients may be the ones that stop the messaging.
 ///
 /// # Errors
 /// [`DispatchError::Thread`].
@@ -44,13 +44,12 @@ pub fn watch(
 ) -> Result<Watched, DispatchError> {
     let (_until_dropped, dropped) = channel();
     let run = move || {
-        let (mut has_answered, mut silences) = (false, 0);
+        let mut silences = 0;
         loop {
-            // At once for the first time: the first client may be the one that stops the messaging.
             match answers(&endpoint, config.as_deref(), watch.patience) {
-                Some(true) => (has_answered, silences) = (true, 0),
-                Some(false) if has_answered => silences += 1,
-                _ => {}
+                Some(true) => silences = 0,
+                Some(false) => silences += 1,
+                None => {}
             }
             if silences >= watch.silences {
                 return failed();
