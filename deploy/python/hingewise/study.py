@@ -107,7 +107,7 @@ class Study:
 
     @property
     def units(self) -> dict[str, str]:
-        """Units of the variables and of the limits with their outputs; the files, and so the frames, have these values in SI."""
+        """Units in which the files, and so the frames, have the variables, the limits and their outputs; `1` and an empty text: a number."""
         named = {row["name"]: row["unit"] for key in ("variables", "limits") for row in self.summary[key]}
         return named | {row["output"]: row["unit"] for row in self.summary["limits"]}
 

@@ -194,7 +194,7 @@ pub struct DesignVariable {
     pub upper: f64,
     /// Unit as typed; empty for a plain number.
     pub unit: String,
-    /// Name of the random variable that stands for it in the augmented scene; `None` if it changes a distribution or a threshold.
+    /// Name of the random variable that represents it in the augmented scene; `None` if it changes a distribution or a threshold.
     #[serde(skip)]
     pub(super) added: Option<String>,
 }
@@ -238,7 +238,7 @@ impl DesignVariable {
         if self.unit.is_empty() { Value::Float(value) } else { Value::from(self.with_unit(value)) }
     }
 
-    /// The row of the random variable that stands for it, with the keys of its distribution; `None` if none does.
+    /// The row of the random variable that represents it, with the keys of its distribution; `None` if none does.
     pub(super) fn row(&self, law: &[(&str, Value)]) -> Option<Value> {
         let mut row = variable_row(self.added.as_ref()?, std::slice::from_ref(&self.key), law);
         if !self.unit.is_empty() && self.unit != "%" {

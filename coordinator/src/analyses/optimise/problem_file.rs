@@ -105,7 +105,7 @@ fn for_designs(
 /// The rows of a file for a scene. After a fault they are read on with values that have no meaning.
 struct ProblemReader<'a> {
     scene: &'a Scene,
-    /// Design variables of the study, each with index and name of the random variable that stands for it.
+    /// Design variables of the study, each with index and name of the random variable that represents it.
     designs: &'a [(&'a DesignVariable, usize, &'a str)],
 }
 
