@@ -86,7 +86,7 @@ pub fn compare(
     rows
 }
 
-/// Row of the reference: its cost and, in [`SettingComparison::outputs`], its own stated errors.
+/// Row of the reference: its cost and, in the column of outputs, its own stated errors.
 pub fn reference_row(scene: &Scene, measurement: &Measurement) -> SettingComparison {
     let mut own: Vec<Finished> = measurement.reference.clone();
     for measured in &mut own {
