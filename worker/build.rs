@@ -4,7 +4,8 @@
 use std::path::{Path, PathBuf};
 
 fn main() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    // Relative to this package, as the dependencies that it prints are: a target directory may serve several checkouts.
+    let root = Path::new("..");
     let mut files = vec![root.join("Cargo.lock")];
     for crate_name in ["worker", "common"] {
         sources(&root.join(crate_name).join("src"), &mut files);

@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let evaluation = simulate(&scene, &Accuracy::draft(), SimulateOptions::default())?;
     for (k, output) in scene.outputs.iter().enumerate() {
-        let unit = output.kind.unit();
+        let unit = scene.unit_of(output);
         for (i, cycles) in evaluation.cycles.iter().enumerate() {
             let value = unit.to_shown(evaluation.histories[k][i]);
             let error = unit.to_shown(evaluation.errors[k][i]);

@@ -4,7 +4,8 @@ use super::conditions::ConditionRow;
 use super::context::Overrides;
 use super::faults::{Fault, Faults};
 use super::joint::{Clearance, ContactDamping, GuideClearance, GuideWear, Joint, JointKind};
-use super::model::{Condition, Fails, LimitState, Scene};
+use super::limit_state::{Fails, LimitState};
+use super::model::{Condition, Scene};
 use super::resolve::resolve;
 use toml::Table;
 

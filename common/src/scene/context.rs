@@ -285,7 +285,7 @@ pub fn number_and_unit(text: &str) -> Option<(f64, &str)> {
 }
 
 /// True if a text is one number with or without a unit, not an expression.
-fn is_number_with_unit(text: &str) -> bool {
+pub(super) fn is_number_with_unit(text: &str) -> bool {
     // The only digits of a unit are its exponents.
     let exponents = |pair: &[u8]| !pair[1].is_ascii_digit() || matches!(pair[0], b'^' | b'-');
     number_and_unit(text).is_some_and(|(_, unit)| {

@@ -40,6 +40,7 @@ mod key_reading;
 mod key_table;
 mod layers;
 mod life;
+mod limit_state;
 mod load;
 mod location;
 mod mesh;
@@ -63,6 +64,7 @@ mod simulator;
 pub mod source;
 mod tables;
 mod unit_advice;
+mod units;
 mod variable_law;
 mod variables;
 mod warnings;
@@ -80,12 +82,13 @@ pub use joint::{
     JointKind, Material, RestitutionLaw, WearingSurfaces,
 };
 pub use key_table::{ElementKind, Form, Key, Value};
+pub use limit_state::{Fails, LimitState};
 pub use load::Load;
 pub use location::Location;
 pub use mesh::{Mesh, MeshForm};
 pub use model::{
-    Body, Condition, CycleProgram, CycleTier, Exchange, ExternalSimulator, Fails, FileExchange, Gives, Life,
-    LimitState, MassProperties, Motion, Point, Program, Scene, SimulatorKind, StudySettings, UmBridgeModel,
+    Body, Condition, CycleProgram, CycleTier, Exchange, ExternalSimulator, FileExchange, Gives, Life,
+    MassProperties, Motion, Point, Program, Scene, SimulatorKind, StudySettings, UmBridgeModel,
 };
 pub use output::{Output, OutputKind};
 pub use output_unit::OutputUnit;
@@ -93,6 +96,7 @@ pub use output_values::{Attachment, ErrorMeasure, HeldInput, ImpactMeasure, Sign
 pub use section::{Section, VALUE_LIMIT};
 pub use simulator::REQUEST_FILE;
 pub use source::{SceneSource, published_results};
+pub use units::Units;
 pub use variable_law::{DEFAULT_LAW, LAWS};
 pub use variables::MeasuredVariable;
 pub use warnings::Warning;

@@ -2,10 +2,11 @@
 //! program every output is in SI units.
 
 use super::quantity::*;
+use super::units::ShownUnit;
 use serde::{Deserialize, Serialize};
 
 /// Physical dimension of an output, with its units in files and in text.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutputUnit {
     /// A length: `m` in files, `µm` in text.
@@ -30,6 +31,15 @@ pub enum OutputUnit {
     Number,
     /// An output of an external simulator, with the unit that the scene states (may be empty).
     External(String),
+    /// One of the others, shown in a unit that the scene chooses.
+    Shown {
+        /// The unit without that choice.
+        usual: Box<OutputUnit>,
+        /// Its text.
+        symbol: String,
+        /// The unit in SI.
+        si: f64,
+    },
 }
 
 /// Angular velocity of one revolution per minute [rad/s].
@@ -41,6 +51,7 @@ impl OutputUnit {
         let unit = match self {
             Self::Acceleration => "m_per_s2",
             Self::AngularAcceleration => "rad_per_s2",
+            Self::Shown { usual, .. } => return usual.key(name),
             other => other.suffix(),
         };
         match unit {
@@ -63,6 +74,7 @@ impl OutputUnit {
             Self::Energy => ("J", "mJ", 1e3, ENERGY),
             Self::Number => ("", "", 1.0, NUMBER),
             Self::External(unit) => (unit, unit, 1.0, NUMBER),
+            Self::Shown { usual, symbol, .. } => (usual.suffix(), symbol, 1.0, usual.kind()),
         }
     }
 
@@ -76,6 +88,7 @@ impl OutputUnit {
         match self {
             Self::AngularVelocity => si / RAD_PER_S_PER_RPM,
             Self::Angle => si.to_degrees(),
+            Self::Shown { usual, .. } => usual.to_file(si),
             _ => si,
         }
     }
@@ -92,7 +105,15 @@ impl OutputUnit {
 
     /// An SI value in the unit of [`Self::symbol`].
     pub fn to_shown(&self, si: f64) -> f64 {
-        self.to_file(si) * self.row().2
+        match self {
+            Self::Shown { si: one, .. } => si / one,
+            usual => usual.to_file(si) * usual.row().2,
+        }
+    }
+
+    /// The same quantities, shown in another unit.
+    pub(super) fn shown_in(self, unit: &ShownUnit) -> Self {
+        Self::Shown { usual: Box::new(self), symbol: unit.symbol.clone(), si: unit.si }
     }
 
     /// A number as shown, with its unit, e.g. `30 µm`.

@@ -9,10 +9,12 @@ use super::elements::{limit_states, loads, outputs};
 use super::faults::{Fault, FaultKind, Faults};
 use super::joints::joints;
 use super::life::life;
-use super::model::{ExternalSimulator, Life, LimitState, Scene, StudySettings};
+use super::limit_state::LimitState;
+use super::model::{ExternalSimulator, Life, Scene, StudySettings};
 use super::quantity::{ACCELERATION, Quantity};
 use super::section::{COUNT_LIMIT, Section, VALUE_LIMIT};
 use super::simulator::{Model, cycles, external, simulator};
+use super::units::Units;
 use super::variables::{Changed, Changes, MeasuredVariable, correlations, variables};
 use super::wear_model::wear_model;
 use crate::accuracy::{AccuracyNameError, LevelsError, NamedAccuracy};
@@ -81,7 +83,8 @@ pub(super) fn resolve(
         Some(scene) if cx.fault_count() == 0 => {
             let (variables, measured): (Vec<_>, Vec<_>) =
                 read.into_iter().filter_map(|(_, read)| read).unzip();
-            let scene = Scene { variables, correlations: correlated, ..scene };
+            let mut scene = Scene { variables, correlations: correlated, ..scene };
+            scene.units.add_limits(&scene.outputs, &scene.limit_states, document);
             let measured = measured.into_iter().flatten().collect();
             let used = cx.parameters.borrow().used();
             Ok(Resolved { scene, conditions, measured, seen, used })
@@ -119,6 +122,7 @@ struct Parts {
     simulator: Option<Option<ExternalSimulator>>,
     model: Model,
     limit_states: Vec<Option<LimitState>>,
+    units: Option<Units>,
     study: Option<(StudySettings, Levels)>,
 }
 
@@ -140,8 +144,9 @@ impl Parts {
             check_size(file, life, model.outputs.len());
         }
         let limit_states = limit_states(file, &model.outputs);
+        let units = Units::read(file);
         let study = study(file, simulator.is_none() || is_cycle, variables);
-        Parts { head, simulator, model, limit_states, study }
+        Parts { head, simulator, model, limit_states, units, study }
     }
 
     /// What the random variables may change.
@@ -171,6 +176,7 @@ impl Parts {
             variables: Vec::new(),
             correlations: Vec::new(),
             limit_states: self.limit_states.into_iter().collect::<Option<_>>()?,
+            units: self.units?,
             control_points_of_model,
             wear: wear?,
             life: life?,

@@ -15,6 +15,7 @@ mod mistakes;
 mod places;
 mod random;
 mod reference;
+mod shown_units;
 mod simulator;
 mod starts;
 mod units;

@@ -7,7 +7,7 @@ use super::experiment::{
 use super::kinematics::Linkage;
 use super::published::{Goal, Number, Standing};
 use super::tables::{Tables, cell, head};
-use common::scene::{SceneSource, published_results};
+use common::scene::{OutputUnit, SceneSource, published_results};
 use coordinator::presentation::report::palette::Ink;
 use coordinator::presentation::report::polar::{Polar, Stroke, freest, full_scale};
 use std::error::Error;
@@ -193,7 +193,8 @@ fn whole_lives(tables: &mut Tables, life: &WholeLife) -> Result<(), Box<dyn Erro
 pub fn figure(run: &Measured) -> Result<String, Box<dyn Error>> {
     let wear = &run.depths[JOINT];
     let (turn, _) = turned(&run.places[JOINT]).ok_or("one worn place")?;
-    let mut polar = Polar::new(0.5, full_scale(wear.iter().copied().fold(0.0, f64::max), 1e-6));
+    let mut polar =
+        Polar::new(0.5, full_scale(&OutputUnit::Length, wear.iter().copied().fold(0.0, f64::max)));
     polar.filled(wear, Ink::Series(0));
     polar.closed(wear, Stroke { ink: Ink::Series(0), width: 2.2, opacity: 1.0 });
     polar.circle(0.0, Stroke { ink: Ink::Muted, width: 1.2, opacity: 1.0 });
@@ -207,5 +208,5 @@ pub fn figure(run: &Measured) -> Result<String, Box<dyn Error>> {
             .collect();
         polar.curve(&arc, Stroke { ink: Ink::Limit, width: 3.0, opacity: 1.0 });
     }
-    Ok(polar.finish("joint 1", freest(wear)).document(&maud::html! {}))
+    Ok(polar.finish("joint 1", freest(wear), &OutputUnit::Length).document(&maud::html! {}))
 }

@@ -6,19 +6,27 @@
 //! coordinator run --scene four-bar --method monte-carlo --samples 1000 --out direct
 //! cargo run --release -p coordinator --example verify -- study --against direct
 //! cargo run --release -p coordinator --example verify -- direct --initial 40 --max-evaluations 100
+//!
+//! coordinator run --scene four-bar --method monte-carlo --accuracy reference --samples 100 --out reference
+//! cargo run --release -p coordinator --example verify -- direct --finer reference --study study
 //! ```
 
 mod against;
+mod finer;
 mod rounds;
 
 use against::{Verification, verify};
 use clap::Parser;
+use common::accuracy::Accuracy;
 use common::scene::{Scene, SceneSource};
+use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, StoreError};
+use coordinator::results::summary::StudySummary;
 use coordinator::statistics::learning::LearningFunction;
 use coordinator::statistics::reliability::REACH;
 use coordinator::statistics::surrogate::{Kernel, Trend};
 use coordinator::study::{Observed, Settings, SimulatedPoint, StoredOutcome};
+use finer::{finer_reliability, print_finer};
 use rounds::{Replayed, replay};
 use std::collections::HashSet;
 use std::error::Error;
@@ -35,6 +43,12 @@ struct Arguments {
     /// Folder of a study whose simulations are compared with the surrogates of the first one
     #[arg(long)]
     against: Option<PathBuf>,
+    /// Folder of a direct study of the same samples, or the first of them, at a finer accuracy
+    #[arg(long, conflicts_with = "against")]
+    finer: Option<PathBuf>,
+    /// Folders of studies whose intervals are compared with R(n) at the finer accuracy
+    #[arg(long, num_args = 1.., requires = "finer")]
+    study: Vec<PathBuf>,
     /// Use the first N samples only
     #[arg(long)]
     samples: Option<usize>,
@@ -91,7 +105,10 @@ impl Study {
         let mut outcomes = Vec::new();
         campaign.for_each(|stored| -> Result<(), StoreError> {
             let outcome = stored.outcome.map(Observed::from_evaluation);
-            outcomes.push(StoredOutcome { sample: stored.sample, outcome });
+            // Other levels are corrections of the working accuracy.
+            if stored.level == 0 {
+                outcomes.push(StoredOutcome { sample: stored.sample, outcome });
+            }
             Ok(())
         })?;
         Ok(Self { source, settings, outcomes })
@@ -105,15 +122,18 @@ impl Study {
         self.outcomes.iter().cloned().filter_map(point).collect()
     }
 
-    /// True if the evaluations of both can be compared.
+    /// Its accuracy.
+    fn accuracy(&self) -> Accuracy {
+        self.settings.accuracy.setting.accuracy
+    }
+
+    /// True if both are of the same mechanism and life.
     fn is_like(&self, other: &Self) -> bool {
         let [a, b] = [self, other].map(|study| study.source.nominal());
-        let accuracy = |study: &Self| study.settings.accuracy.setting.accuracy;
         a.variables == b.variables
             && a.limit_states == b.limit_states
             && a.outputs == b.outputs
             && a.life.checkpoints() == b.life.checkpoints()
-            && accuracy(self) == accuracy(other)
     }
 }
 
@@ -121,6 +141,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse();
     let study = Study::read(&arguments.dir)?;
     let scene = study.source.nominal();
+    if let Some(finer) = &arguments.finer {
+        let finer = Study::read(finer)?;
+        if !study.is_like(&finer) {
+            return Err("the studies differ in their scenes".into());
+        }
+        let summary = |dir: &PathBuf| -> Result<(String, StudySummary), Box<dyn Error>> {
+            let found = CampaignFile::look(dir)?.document(SUMMARY_DOCUMENT)?;
+            Ok((dir.display().to_string(), found.ok_or("the study is not finished")?))
+        };
+        let studies = arguments.study.iter().map(summary).collect::<Result<Vec<_>, _>>()?;
+        print_finer(&finer_reliability(&study, &finer)?, &studies);
+        return Ok(());
+    }
     let Some(against) = &arguments.against else {
         let mut samples = study.simulated();
         if samples.len() < 2 {
@@ -136,7 +169,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Ok(());
     };
     let other = Study::read(against)?;
-    if !study.is_like(&other) {
+    if !study.is_like(&other) || study.accuracy() != other.accuracy() {
         return Err("the studies differ in their scenes or accuracies".into());
     }
     let bits = |sample: &[f64]| sample.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();

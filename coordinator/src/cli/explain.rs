@@ -144,8 +144,9 @@ fn motion(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let what = match body.motion {
             Motion::Fixed => "fixed, no unknowns".to_owned(),
             Motion::Driven { drive: Drive::ConstantSpeed { speed, .. }, .. } => {
-                let speed = OutputUnit::AngularVelocity.to_shown(speed);
-                format!("turns at {speed:.1} r/min, prescribed, no unknowns")
+                let unit = scene.units.of(OutputUnit::AngularVelocity);
+                let speed = unit.after(&format!("{:.1}", unit.to_shown(speed)));
+                format!("turns at {speed}, prescribed, no unknowns")
             }
             Motion::Driven { drive: Drive::Angle(_), .. } => {
                 "angle by a table over time, prescribed, no unknowns".to_owned()
@@ -261,7 +262,7 @@ fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
 fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
     writeln!(out, "Outputs at every checkpoint, and the limit states")?;
     for (i, output) in scene.outputs.iter().enumerate() {
-        let unit = output.kind.unit();
+        let unit = scene.unit_of(output);
         // As scenes write it.
         let symbol = unit.symbol().replace('\u{b5}', "u");
         let (description, local) = (output.kind.description(scene), local_pressures(scene, output));

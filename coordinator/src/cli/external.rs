@@ -11,6 +11,7 @@ use common::scene::{
 };
 use coordinator::farm::evaluate::external::on_slots;
 use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
+use coordinator::presentation::report::format::shortest;
 use std::fmt::Write;
 use std::sync::Arc;
 use worker::evaluation_slots::EvaluationSlots;
@@ -118,12 +119,12 @@ pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -
     writeln!(out, "  identity for workers: {}\n", SimulatorId::new(simulator, scene))?;
     writeln!(out, "Outputs at every checkpoint, and the limit states")?;
     for (i, output) in scene.outputs.iter().enumerate() {
-        let unit = output.kind.unit();
+        let unit = scene.unit_of(output);
         let single = matches!(output.kind, OutputKind::External { single: true, .. });
         let values = if single { ": one value for the whole life" } else { "" };
         writeln!(out, "  {}{values}", unit.axis(&output.name))?;
         for limit in scene.limit_states.iter().filter(|limit| limit.output == i) {
-            let shown = |value: f64| unit.after(&value.to_string());
+            let shown = |value: f64| unit.after(&shortest(unit.to_shown(value), 7));
             writeln!(out, "     limit state {}: {}", limit.name, failed(limit, shown))?;
         }
     }

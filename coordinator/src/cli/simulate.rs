@@ -8,7 +8,7 @@ use super::{
 };
 use clap::Args;
 use common::outputs::{Evaluation, NarrowGroove};
-use common::scene::{Fault, Faults, Output, Scene, SceneSource};
+use common::scene::{Fault, Faults, Output, OutputUnit, Scene, SceneSource};
 use coordinator::presentation::motion_cautions::cautions;
 use coordinator::presentation::nominal_life::nominal_lives;
 use coordinator::presentation::report::format::{count as grouped, duration, three_digits};
@@ -110,7 +110,7 @@ impl Simulated<'_> {
         let cycles = evaluation.cycles.last().copied().unwrap_or_default();
         let mut text = format!("{}: {}\n", scene.name, self.work());
         for (i, output) in scene.outputs.iter().enumerate() {
-            text += &line(output, evaluation, i);
+            text += &line(output, &scene.unit_of(output), evaluation, i);
         }
         for life in nominal_lives(scene, evaluation) {
             text += &format!("limit state {}", life.line(cycles));
@@ -167,8 +167,7 @@ impl Simulated<'_> {
 }
 
 /// An output at the start and at the end of life, with its stated numerical error.
-fn line(output: &Output, evaluation: &Evaluation, i: usize) -> String {
-    let unit = output.kind.unit();
+fn line(output: &Output, unit: &OutputUnit, evaluation: &Evaluation, i: usize) -> String {
     let shown = |value: f64| three_digits(unit.to_shown(value));
     let last = |rows: &[Vec<f64>]| rows.get(i).and_then(|row| row.last()).copied();
     let start = evaluation.start.get(i).copied().flatten();

@@ -65,7 +65,7 @@ pub fn nominal_lives<'s>(scene: &'s Scene, evaluation: &Evaluation) -> Vec<Nomin
         NominalLife {
             errors: [errors.first(), errors.last()].map(|error| error.copied().unwrap_or(0.0)),
             limit,
-            unit: scene.outputs[limit.output].kind.unit(),
+            unit: scene.unit_of(&scene.outputs[limit.output]),
             unworn,
             first: history[0],
             largest: history.iter().copied().fold(f64::NEG_INFINITY, f64::max),

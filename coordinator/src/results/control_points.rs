@@ -30,7 +30,7 @@ pub struct ControlPointsRow {
 /// The rows of an evaluation of `scene` with these `diagnostics`; none where the points were not compared.
 pub fn control_points_rows(scene: &Scene, diagnostics: &Diagnostics) -> Vec<ControlPointsRow> {
     let row = |found: &PointsError| {
-        let unit = scene.outputs.iter().find(|output| output.name == found.output)?.kind.unit();
+        let unit = scene.unit_of(scene.outputs.iter().find(|output| output.name == found.output)?);
         let [value, with_twice, with_four_times] = found.values.map(|value| unit.to_shown(value));
         Some(ControlPointsRow {
             output: found.output.clone(),

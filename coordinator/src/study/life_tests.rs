@@ -47,6 +47,7 @@ fn scene() -> Scene {
         variables: (0..D).map(variable).collect(),
         correlations: vec![],
         limit_states: vec![limit("wear", 0, 30e-6), limit("asymmetry", 1, 2.618)],
+        units: common::scene::Units::default(),
         control_points_of_model: false,
         wear: WearModel::default(),
         life: Life { period: 0.125, cycles: 72_000, checkpoint_every: 1000, settle_cycles: 1, turn_of: None },

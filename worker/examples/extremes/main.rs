@@ -71,7 +71,7 @@ fn print(scene: &Scene, row: &Row) {
     }
     for compared in &row.compared {
         let output = &scene.outputs[compared.output];
-        let unit = output.kind.unit();
+        let unit = scene.unit_of(output);
         let [value, stated, difference] =
             [compared.value, compared.error, compared.difference].map(|si| unit.to_shown(si));
         let (name, cycles) = (&output.name, compared.cycles);

@@ -84,7 +84,7 @@ fn changes(answer: &WhatIf, scene: &Scene) -> Vec<Vec<String>> {
     });
     let thresholds = changes.thresholds.iter().map(|changed| {
         let state = scene.limit_states.iter().find(|state| state.name == changed.limit_state);
-        let unit = state.map(|state| scene.outputs[state.output].kind.unit());
+        let unit = state.map(|state| scene.unit_of(&scene.outputs[state.output]));
         let shown = |value: f64| match &unit {
             Some(unit) => unit.after(&shortest(unit.to_shown(value), 6)),
             None => shortest(value, 6),

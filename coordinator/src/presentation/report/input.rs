@@ -185,7 +185,7 @@ impl ReportInput {
 
     /// The unit a limit state's output is shown in.
     pub fn unit_of(&self, state: &LimitState) -> OutputUnit {
-        self.scene.outputs[state.output].kind.unit()
+        self.scene.unit_of(&self.scene.outputs[state.output])
     }
 
     /// The name of a limit state's output, as words.

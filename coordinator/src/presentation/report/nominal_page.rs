@@ -81,7 +81,7 @@ impl NominalView<'_> {
         let lives = known.map(|evaluation| nominal_lives(scene, evaluation));
         let rows = scene.limit_states.iter().enumerate().map(|(k, limit)| {
             let output = &scene.outputs[limit.output];
-            let shown = |value: f64| with_unit(&output.kind.unit(), value);
+            let shown = |value: f64| with_unit(&scene.unit_of(output), value);
             let known = lives.as_ref().map(|lives| &lives[k]);
             let of = |value: &dyn Fn(&NominalLife) -> Option<String>| {
                 known.and_then(value).unwrap_or_else(|| UNKNOWN.to_owned())

@@ -5,6 +5,7 @@
 //! Catmull, Rom (1974), A class of local interpolating splines: the spline of closed curves.
 
 use super::{Drawing, Ink, tick_label};
+use common::scene::OutputUnit;
 use maud::{Markup, html};
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -15,17 +16,19 @@ const OUTER: f64 = 124.0;
 /// Half the edge of the drawing [drawing units].
 const HALF: f64 = 160.0;
 
-/// Value at the outermost ring: the next round number not below `largest`, at least `least`.
-pub fn full_scale(largest: f64, least: f64) -> f64 {
-    if !(largest.is_finite() && largest > least) {
-        return least;
+/// Value at the outermost ring [m]: the next round number of the unit not below `largest` [m], at least a micrometre.
+pub fn full_scale(unit: &OutputUnit, largest: f64) -> f64 {
+    if !(largest.is_finite() && largest > 1e-6) {
+        return 1e-6;
     }
+    let largest = unit.to_shown(largest);
     let decade = 10f64.powf(largest.log10().floor());
     [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0]
         .map(|factor| factor * decade)
         .into_iter()
         .find(|scale| *scale >= largest * (1.0 - 1e-9))
         .unwrap_or(10.0 * decade)
+        / unit.to_shown(1.0)
 }
 
 /// How a curve is drawn.
@@ -148,9 +151,9 @@ impl Polar {
         self.path(path, stroke, Some("round"));
     }
 
-    /// The drawing with a title in its corner, and the values of two rings [um] between spoke `free`, from 0 to 11, and
+    /// The drawing with a title in its corner, and the values of two rings in this unit between spoke `free`, from 0 to 11, and
     /// the next.
-    pub fn finish(self, title: &str, free: usize) -> Drawing {
+    pub fn finish(self, title: &str, free: usize, unit: &OutputUnit) -> Drawing {
         let muted = Ink::Muted.hex();
         let directions = [
             (0, OUTER + 5.0, 4.5, "start"),
@@ -161,7 +164,7 @@ impl Polar {
         let rings = [2, 4].map(|ring| {
             let value = self.full * f64::from(ring) / 4.0;
             let [x, y] = self.place(spoke_angle(free) + TAU / 24.0, value);
-            (format!("{x:.1}"), format!("{:.1}", y + 4.0), tick_label(value * 1e6))
+            (format!("{x:.1}"), format!("{:.1}", y + 4.0), unit.after(&tick_label(unit.to_shown(value))))
         });
         let content = html! {
             rect x=(-HALF) y=(-HALF) width=(2.0 * HALF) height=(2.0 * HALF) fill=(Ink::Paper.hex()) {}
@@ -170,7 +173,7 @@ impl Polar {
                 text x=(x) y=(y) text-anchor=(anchor) fill=(muted) { (degrees) "°" }
             }
             @for (x, y, value) in rings {
-                text x=(x) y=(y) text-anchor="middle" fill=(muted) { (value) " µm" }
+                text x=(x) y=(y) text-anchor="middle" fill=(muted) { (value) }
             }
             text x=(6.0 - HALF) y=(18.0 - HALF) fill=(Ink::Ink.hex()) { (title) }
         };
@@ -207,7 +210,7 @@ mod tests {
     #[test]
     fn the_scale_is_a_round_number_above_the_largest_value() {
         for (largest, scale) in [(3.1e-5, 4e-5), (4e-5, 4e-5), (9.9e-6, 1e-5), (1e-6, 1e-6), (0.0, 1e-6)] {
-            assert!((full_scale(largest, 1e-6) / scale - 1.0).abs() < 1e-9, "{largest}");
+            assert!((full_scale(&OutputUnit::Length, largest) / scale - 1.0).abs() < 1e-9, "{largest}");
         }
     }
 
@@ -218,7 +221,7 @@ mod tests {
         let mut polar = Polar::new(0.5, 2e-5);
         polar.filled(&wear, Ink::Series(0));
         polar.closed(&wear, LINE);
-        let svg = polar.finish("A & B", freest(&wear)).document(&html! {});
+        let svg = polar.finish("A & B", freest(&wear), &OutputUnit::Length).document(&html! {});
         let document = roxmltree::Document::parse(&svg).unwrap();
         let path = document.descendants().filter_map(|node| node.attribute("d")).next_back().unwrap();
         assert!(path.contains(&format!(" 0.00 -{OUTER:.2}C")), "{path}");
@@ -229,7 +232,7 @@ mod tests {
     fn places_lie_at_their_distance_and_angle() {
         let mut polar = Polar::new(0.0, 2e-5);
         polar.curve(&[[1e-5, 0.0], [0.0, -2e-5]], LINE);
-        let svg = polar.finish("1", 1).content;
+        let svg = polar.finish("1", 1, &OutputUnit::Length).content;
         assert!(svg.contains("d=\"M62.0 0.0L0.0 124.0\""), "{svg}");
     }
 
@@ -238,7 +241,7 @@ mod tests {
         let mut polar = Polar::new(0.5, 1e-5);
         polar.closed(&[f64::NAN; 8], LINE);
         polar.curve(&[[f64::NAN, 0.0]], LINE);
-        let svg = polar.finish("1", freest(&[f64::NAN; 8])).document(&html! {});
+        let svg = polar.finish("1", freest(&[f64::NAN; 8]), &OutputUnit::Length).document(&html! {});
         assert!(!svg.contains("NaN") && roxmltree::Document::parse(&svg).is_ok());
     }
 }

@@ -223,7 +223,8 @@ pub fn stated_errors(input: &ReportInput) -> Option<Markup> {
     let cycles = nominal.cycles.last()?;
     let rows =
         input.scene.outputs.iter().zip(&nominal.histories).enumerate().map(|(k, (output, history))| {
-            let last = |row: &[f64]| with_unit(&output.kind.unit(), row.last().copied().unwrap_or(f64::NAN));
+            let unit = input.scene.unit_of(output);
+            let last = |row: &[f64]| with_unit(&unit, row.last().copied().unwrap_or(f64::NAN));
             let error = nominal.errors.get(k).map_or(UNKNOWN.to_owned(), |errors| last(errors));
             [words(&output.name), last(history), error]
         });

@@ -1,9 +1,9 @@
 //! The scene as its author wrote it, as far as a resolved scene does not have it: parameters, formulas, and the names of points and
 //! materials.
 
-use common::scene::SceneSource;
 use common::scene::expression::{ExpressionError, evaluate};
 use common::scene::quantity::Quantity;
+use common::scene::{SceneSource, Units};
 use std::collections::BTreeMap;
 use toml::{Table, Value};
 
@@ -19,6 +19,8 @@ pub struct WrittenScene {
     pub formulas: Vec<(String, String)>,
     /// What operating conditions change, by the path of the key: `conditions.NAME.changes.KEY`.
     pub changes: Vec<(String, String)>,
+    /// Units in which quantities are shown.
+    pub units: Units,
     /// Names by the path of their key: points, materials, files that values are from.
     names: BTreeMap<String, String>,
     /// Values of the quantities that are written [SI].
@@ -30,7 +32,7 @@ impl WrittenScene {
     pub fn new(text: &str) -> Self {
         let Ok(source) = SceneSource::parse(text, "scene.toml") else { return Self::default() };
         let document = source.document();
-        let mut written = Self::default();
+        let mut written = Self { units: source.nominal().units.clone(), ..Self::default() };
         let table = |name: &str| document.get(name).and_then(Value::as_table);
         let parameters: Vec<&String> = table("parameters").into_iter().flat_map(Table::keys).collect();
         written.parameters = table("parameters")

@@ -32,6 +32,7 @@ pub(super) fn scene() -> Scene {
         variables: vec![variable("k"), variable("K")],
         correlations: vec![],
         limit_states: vec![limit],
+        units: common::scene::Units::default(),
         control_points_of_model: false,
         wear: WearModel::default(),
         life: Life { period: 0.125, cycles: 2000, checkpoint_every: 1000, settle_cycles: 1, turn_of: None },

@@ -14,7 +14,7 @@ use super::tables::{self};
 use super::{Figure, FigureFiles, Page, ReportInput, captioned, table_of};
 use super::{levels, sliders, studied, variants, words};
 use common::outputs::JointSummary;
-use common::scene::JointKind;
+use common::scene::{JointKind, OutputUnit};
 use maud::{Markup, PreEscaped, html};
 
 /// The script that shows the values of a chart at the pointer.
@@ -300,18 +300,21 @@ pub(super) fn worn_guides(input: &ReportInput) -> Markup {
     if worn.is_empty() {
         return html! {};
     }
+    let units = &input.scene.units;
+    let [depth, force] = [OutputUnit::Length, OutputUnit::Force].map(|usual| units.of(usual));
     let deepest = |depths: &[f64], face: usize| {
         let (left, right) = depths.split_at(depths.len() / 2);
-        fixed(1e6 * [left, right][face].iter().copied().fold(0.0, f64::max), 2)
+        fixed(depth.to_shown([left, right][face].iter().copied().fold(0.0, f64::max)), 2)
     };
+    let head = |of: &str| units.head(&format!("{of} [µm]"));
     let table = table_of::<&JointSummary>(
         &[
             ("guide", &|guide| guide.name.clone()),
-            ("left face [µm]", &|guide| deepest(&guide.wear_depth, 0)),
-            ("right face [µm]", &|guide| deepest(&guide.wear_depth, 1)),
-            ("slider, left [µm]", &|guide| deepest(&guide.journal_wear_depth, 0)),
-            ("slider, right [µm]", &|guide| deepest(&guide.journal_wear_depth, 1)),
-            ("peak force [N]", &|guide| fixed(guide.peak_force, 2)),
+            (&head("left face"), &|guide| deepest(&guide.wear_depth, 0)),
+            (&head("right face"), &|guide| deepest(&guide.wear_depth, 1)),
+            (&head("slider, left"), &|guide| deepest(&guide.journal_wear_depth, 0)),
+            (&head("slider, right"), &|guide| deepest(&guide.journal_wear_depth, 1)),
+            (&units.head("peak force [N]"), &|guide| fixed(force.to_shown(guide.peak_force), 2)),
         ],
         worn,
     );

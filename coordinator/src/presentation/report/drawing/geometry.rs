@@ -6,6 +6,9 @@ use crate::presentation::report::mechanism::{self, Pose, of_body, place};
 use common::scene::{Drive, Form, Load, Motion, OutputUnit, Scene, Table, Value, filled};
 use serde::Serialize;
 
+/// Usual unit of lengths; a shorter or longer length has one that suits it.
+pub const LENGTH_UNIT: &str = "mm";
+
 /// Distance below which two points of a drawing are one [m].
 const SAME_POINT: f64 = 1e-9;
 
@@ -22,6 +25,9 @@ pub struct DrawnMechanism {
     pub drives: Vec<DrawnDrive>,
     /// Acceleration of gravity `(2,)` [m/s^2].
     pub gravity_m_s2: [f64; 2],
+    /// Unit of the scale.
+    #[serde(skip)]
+    pub length_unit: String,
 }
 
 /// Motion of a body that does not move.
@@ -146,7 +152,8 @@ impl DrawnMechanism {
         let loads = scene.loads.iter().map(|load| self::load(scene, poses, load));
         let drives = scene.bodies.iter().zip(poses).filter_map(|(body, (pivot, angle))| {
             let Motion::Driven { drive, .. } = &body.motion else { return None };
-            let (speed, counter_clockwise) = drive_in_words(drive);
+            let unit = scene.units.of(OutputUnit::AngularVelocity);
+            let (speed, counter_clockwise) = drive_in_words(drive, &unit);
             let angle_deg = angle.to_degrees().rem_euclid(360.0);
             Some(DrawnDrive { body: body.name.clone(), pivot_m: *pivot, angle_deg, speed, counter_clockwise })
         });
@@ -156,6 +163,7 @@ impl DrawnMechanism {
             loads: loads.collect(),
             drives: drives.collect(),
             gravity_m_s2: scene.gravity,
+            length_unit: scene.units.symbol(LENGTH_UNIT).to_owned(),
         };
         let [low, high] = drawn.extent();
         let size = (high[0] - low[0]).max(high[1] - low[1]);
@@ -249,8 +257,7 @@ fn range(table: &Table, scale: f64) -> String {
 }
 
 /// A drive in words, and whether it begins counter-clockwise.
-fn drive_in_words(drive: &Drive) -> (String, bool) {
-    let unit = OutputUnit::AngularVelocity;
+fn drive_in_words(drive: &Drive, unit: &OutputUnit) -> (String, bool) {
     match drive {
         Drive::ConstantSpeed { speed, .. } => {
             (unit.after(&seven_digits(unit.to_shown(speed.abs()))), *speed >= 0.0)

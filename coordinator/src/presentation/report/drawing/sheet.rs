@@ -1,11 +1,11 @@
 //! The drawing of a mechanism as SVG: bodies with their names, joints, supports, sliders on rails, drives, loads and a scale.
 
 use super::geometry::{
-    DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, FIXED, LoadSymbol, middle_of,
+    DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, FIXED, LENGTH_UNIT, LoadSymbol, middle_of,
 };
 use super::labels::{Label, LabelArea, LetterSize, PlacedLabel, place_labels};
 use super::symbols::{self, arrow, coordinate, path_along};
-use crate::presentation::report::format::three_digits;
+use crate::presentation::report::format::{three_digits, unit_scale};
 use crate::presentation::report::mechanism::extent;
 use crate::presentation::report::{Drawing, Ink};
 use maud::{Markup, html};
@@ -97,7 +97,7 @@ fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
         drawn.joints.iter().zip(&joints).partition(|(joint, _)| joint.rail_m.is_some());
     let joints = on_rails.into_iter().chain(others).map(|(_, symbol)| symbol);
     let mut area = bounds(&covered, &labels);
-    let bar = scale_bar(units);
+    let bar = scale_bar(units, &drawn.length_unit);
     area.to[1] += 44.0;
     let size = [area.to[0] - area.from[0], area.to[1] - area.from[1]];
     let [x, y, width, height] = [area.from[0], area.from[1], size[0], size[1]].map(coordinate);
@@ -123,16 +123,22 @@ fn bounds(points: &[[f64; 2]], labels: &[PlacedLabel]) -> LabelArea {
     }
 }
 
-/// Length of the scale bar [m]: 1, 2 or 5 times a power of ten, about a sixth of the drawing.
-fn scale_bar(units: f64) -> f64 {
-    let most = 0.25 * ROOM[0] / units;
+/// Length of the scale bar [m]: 1, 2 or 5 times a power of ten of the unit, about a sixth of the drawing.
+fn scale_bar(units: f64, unit: &str) -> f64 {
+    let one = if unit == LENGTH_UNIT { 1.0 } else { unit_scale(unit) };
+    let most = 0.25 * ROOM[0] / units / one;
     let power = 10f64.powf(most.log10().floor());
-    [5.0, 2.0, 1.0].map(|digit| digit * power).into_iter().find(|length| *length <= most).unwrap_or(power)
+    one * [5.0, 2.0, 1.0]
+        .map(|digit| digit * power)
+        .into_iter()
+        .find(|length| *length <= most)
+        .unwrap_or(power)
 }
 
 /// A length as the scale bar names it.
-pub fn length_in_words(length: f64) -> String {
+pub fn length_in_words(length: f64, unit: &str) -> String {
     let (value, unit) = match length {
+        _ if unit != LENGTH_UNIT => (length / unit_scale(unit), unit),
         l if l >= 0.9995 => (l, "m"),
         l if l >= 0.9995e-3 => (1e3 * l, "mm"),
         l => (1e6 * l, "µm"),
@@ -343,7 +349,7 @@ fn foot(drawn: &DrawnMechanism, area: LabelArea, length: f64, units: f64) -> Mar
     let from = [area.to[0] - 150.0, y - 12.0 * f64::from(gy < 0.0)];
     html! {
         path d=(bar) fill="none" stroke=(ink) stroke-width="2" {}
-        text x=(coordinate(x + units + 9.0)) y=(coordinate(y + 5.0)) fill=(ink) { (length_in_words(length)) }
+        text x=(coordinate(x + units + 9.0)) y=(coordinate(y + 5.0)) fill=(ink) { (length_in_words(length, &drawn.length_unit)) }
         @if size > 0.0 {
             (arrow(from, [from[0] + 24.0 * gx / size, from[1] - 24.0 * gy / size], Ink::Ink))
             text x=(coordinate(from[0] + 30.0)) y=(coordinate(y + 5.0)) fill=(ink) {

@@ -111,6 +111,7 @@ fn the_sketch_has_every_name() {
 
 #[test]
 fn lengths_have_the_unit_that_suits_them() {
-    let found = [2e-6, 0.02, 0.5, 1.0, 20.0].map(length_in_words);
+    let found = [2e-6, 0.02, 0.5, 1.0, 20.0].map(|length| length_in_words(length, "mm"));
     assert_eq!(found, ["2\u{a0}µm", "20\u{a0}mm", "500\u{a0}mm", "1\u{a0}m", "20\u{a0}m"]);
+    assert_eq!(length_in_words(0.0508, "in"), "2\u{a0}in");
 }

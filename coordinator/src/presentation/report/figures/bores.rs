@@ -8,7 +8,7 @@ use crate::presentation::report::polar::{Polar, Stroke, freest, full_scale};
 use crate::presentation::report::{Figure, Ink, ReportInput, csv};
 use crate::results::csv_table::number;
 use common::outputs::CycleHistory;
-use common::scene::{Joint, JointKind};
+use common::scene::{Joint, JointKind, OutputUnit};
 
 /// Radius of the unworn bore, as a share of the outermost ring's.
 const BORE: f64 = 0.5;
@@ -27,7 +27,8 @@ pub fn bores(input: &ReportInput) -> Vec<Figure> {
     };
     let bores = || nominal.joints.iter().enumerate().filter(|(index, _)| is_bore(*index));
     let largest = bores().map(|(_, joint)| deepest(&joint.wear_depth)).fold(0.0, f64::max);
-    let full = full_scale(largest, 1e-6);
+    let (depth, force) = units(input);
+    let full = full_scale(&depth, largest);
     let worn = bores().filter(|(_, joint)| !joint.wear_depth.is_empty());
     worn.map(|(index, joint)| {
         let end = (nominal.cycles.last().copied().unwrap_or(0), joint.wear_depth.as_slice());
@@ -50,10 +51,10 @@ pub fn bores(input: &ReportInput) -> Vec<Figure> {
         let deepest_point = (0..wear.len()).max_by(|a, b| wear[*a].total_cmp(&wear[*b])).unwrap_or(0);
         let degrees = |k: usize| 360.0 * k as f64 / wear.len() as f64;
         let caption = format!(
-            "Largest depth {} µm at {}°; peak force {} N.",
-            fixed(1e6 * deepest(wear), 2),
+            "Largest depth {} at {}°; peak force {}.",
+            depth.after(&fixed(depth.to_shown(deepest(wear)), 2)),
             fixed(degrees(deepest_point), 0),
-            fixed(joint.peak_force, 2)
+            force.after(&fixed(force.to_shown(joint.peak_force), 2))
         );
         let rows = lives.iter().flat_map(|(cycles, wear)| {
             wear.iter()
@@ -64,7 +65,7 @@ pub fn bores(input: &ReportInput) -> Vec<Figure> {
             name: format!("bore-{}", file_name(&joint.name)),
             title: format!("Bore of joint {}", joint.name),
             caption,
-            drawing: polar.finish(&format!("joint {}", joint.name), freest(wear)),
+            drawing: polar.finish(&format!("joint {}", joint.name), freest(wear), &depth),
             csv: csv(&["cycles", "angle [deg]", "wear depth [um]"], rows),
         }
     })
@@ -139,11 +140,17 @@ pub fn orbits(input: &ReportInput) -> Vec<Figure> {
         let far = orbits.cycles.iter().flat_map(|(.., orbit)| orbit).map(|e| e[0].hypot(e[1]));
         far.chain(orbits.wear.iter().map(|depth| orbits.clearance + depth)).fold(orbits.clearance, f64::max)
     };
-    let full = full_scale(all.iter().map(reach).fold(0.0, f64::max), 1e-6);
-    all.iter().map(|orbits| orbit(orbits, full)).collect()
+    let (depth, _) = units(input);
+    let full = full_scale(&depth, all.iter().map(reach).fold(0.0, f64::max));
+    all.iter().map(|orbits| orbit(orbits, full, &depth)).collect()
 }
 
-fn orbit(orbits: &Orbits<'_>, full: f64) -> Figure {
+/// Units of depths and forces.
+fn units(input: &ReportInput) -> (OutputUnit, OutputUnit) {
+    (input.scene.units.of(OutputUnit::Length), input.scene.units.of(OutputUnit::Force))
+}
+
+fn orbit(orbits: &Orbits<'_>, full: f64, unit: &OutputUnit) -> Figure {
     let name = &orbits.joint.name;
     let mut polar = Polar::new(0.0, full);
     polar.circle(orbits.clearance, Stroke { ink: Ink::Muted, width: 1.4, opacity: 1.0 });
@@ -159,17 +166,15 @@ fn orbit(orbits: &Orbits<'_>, full: f64) -> Figure {
             *farthest = farthest.max(x.hypot(*y));
         }
     }
+    let shown = |length: f64| unit.after(&fixed(unit.to_shown(length), 1));
     let farthest = |cycle: &str| {
         let orbit = orbits.cycles.iter().find(|(name, ..)| *name == cycle)?;
         let far = orbit.2.iter().map(|e| e[0].hypot(e[1])).fold(0.0, f64::max);
-        Some(format!("{cycle} cycle {} µm", fixed(1e6 * far, 1)))
+        Some(format!("{cycle} cycle {}", shown(far)))
     };
     let far: Vec<String> = ["first", "last"].into_iter().filter_map(farthest).collect();
-    let caption = format!(
-        "Radial clearance {} µm; largest eccentricity: {}.",
-        fixed(1e6 * orbits.clearance, 1),
-        far.join(", ")
-    );
+    let caption =
+        format!("Radial clearance {}; largest eccentricity: {}.", shown(orbits.clearance), far.join(", "));
     let rows = orbits.cycles.iter().flat_map(|(cycle, history, orbit)| {
         history.time.iter().zip(orbit).map(move |(time, [x, y])| {
             vec![cycle.to_string(), number(1e3 * time), number(1e6 * x), number(1e6 * y)]
@@ -179,7 +184,7 @@ fn orbit(orbits: &Orbits<'_>, full: f64) -> Figure {
         name: format!("orbit-{}", file_name(name)),
         title: format!("Orbit of journal {name}"),
         caption,
-        drawing: polar.finish(&format!("joint {name}"), freest(&reached)),
+        drawing: polar.finish(&format!("joint {name}"), freest(&reached), unit),
         csv: csv(&["cycle", "time [ms]", "x [um]", "y [um]"], rows),
     }
 }

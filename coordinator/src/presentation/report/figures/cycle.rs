@@ -14,40 +14,39 @@ struct BodyQuantity {
     values: fn(&BodyTrace) -> &[f64],
     unit: OutputUnit,
     name: &'static str,
-    symbol: &'static str,
 }
 
-static SPEED: BodyQuantity = BodyQuantity {
-    values: |body| &body.speed,
-    unit: OutputUnit::AngularVelocity,
-    name: "angular velocity",
-    symbol: "r/min",
-};
+static SPEED: BodyQuantity =
+    BodyQuantity { values: |body| &body.speed, unit: OutputUnit::AngularVelocity, name: "angular velocity" };
 static ANGLE: BodyQuantity =
-    BodyQuantity { values: |body| &body.angle, unit: OutputUnit::Angle, name: "angle", symbol: "°" };
+    BodyQuantity { values: |body| &body.angle, unit: OutputUnit::Angle, name: "angle" };
 
 /// Joint forces, angles and angular velocities of the settled first cycle of the unworn nominal mechanism.
 pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
     let Some(cycle) = input.nominal.as_ref().and_then(|nominal| nominal.first_cycle.as_ref()) else {
         return vec![];
     };
+    let units = &input.scene.units;
+    let [angle, speed] = [&ANGLE, &SPEED].map(|quantity| units.of(quantity.unit.clone()));
     let extremes = cycle.bodies.iter().map(|body| {
-        let (low, high) = range(body.angle.iter().map(|angle| ANGLE.unit.to_shown(*angle)));
-        format!("{}: {}° to {}°", body.label, fixed(low, 3), fixed(high, 3))
+        let (low, high) = range(body.angle.iter().map(|value| angle.to_shown(*value)));
+        let [low, high] = [low, high].map(|value| angle.after(&fixed(value, 3)).replace(" deg", "°"));
+        format!("{}: {low} to {high}", body.label)
     });
     let extremes = format!("{}.", extremes.collect::<Vec<_>>().join("; "));
-    let traces = |shown: &BodyQuantity| -> Traces {
-        let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, (shown.values)(body), &shown.unit));
+    let traces = |shown: &BodyQuantity, unit: &OutputUnit| -> Traces {
+        let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, (shown.values)(body), unit));
         cycle.bodies.iter().map(trace).collect()
     };
     let title = "Joint forces of the first cycle";
-    let of_angles = ["angles", "Angles of the first cycle", "angle [°]"];
+    let of_angles = ["angles", "Angles of the first cycle", &axis(&angle, ANGLE.name)];
     let of_speeds =
-        ["angular-velocities", "Angular velocities of the first cycle", "angular velocity [r/min]"];
+        ["angular-velocities", "Angular velocities of the first cycle", &axis(&speed, SPEED.name)];
+    let force = units.of(OutputUnit::Force);
     let figures = [
-        forces(cycle, "joint-forces", title, "Unworn nominal mechanism, settled."),
-        over_time(cycle, of_angles, traces(&ANGLE), &extremes),
-        over_time(cycle, of_speeds, traces(&SPEED), "Of the bodies above, with the same signs."),
+        forces(cycle, &force, ["joint-forces", title, "Unworn nominal mechanism, settled."]),
+        over_time(cycle, of_angles, traces(&ANGLE, &angle), &extremes),
+        over_time(cycle, of_speeds, traces(&SPEED, &speed), "Of the bodies above, with the same signs."),
     ];
     figures.into_iter().flatten().collect()
 }
@@ -64,11 +63,12 @@ pub fn last_cycle(input: &ReportInput) -> Vec<Figure> {
             OutputKind::AngleDifference { a, b } => (a, b, &ANGLE),
             _ => return None,
         };
+        let unit = input.scene.units.of(quantity.unit.clone());
         let difference = |cycle: &CycleHistory| -> Option<Points> {
             let values =
                 |label: &str| cycle.bodies.iter().find(|body| body.label == label).map(quantity.values);
             let pairs = values(&a.label)?.iter().zip(values(&b.label)?);
-            Some(trace(cycle, &pairs.map(|(a, b)| a - b).collect::<Vec<f64>>(), &quantity.unit))
+            Some(trace(cycle, &pairs.map(|(a, b)| a - b).collect::<Vec<f64>>(), &unit))
         };
         let cycles = [("first cycle", first), ("last cycle", last)];
         let pair = |(name, cycle): (&str, &CycleHistory)| Some((name.to_owned(), difference(cycle)?));
@@ -83,27 +83,31 @@ pub fn last_cycle(input: &ReportInput) -> Vec<Figure> {
         );
         let name = &format!("difference-{}", file_name(&output.name));
         let title = &format!("{} against {}", super::capital(&a.label), b.label);
-        let label = &format!("difference [{}]", quantity.symbol);
+        let label = &axis(&unit, "difference");
         over_time(first, [name, title, label], traces, &super::capital(&caption))
     };
     let (title, state) =
         ("Joint forces of the last cycle", "Nominal mechanism, bores worn to the end of life.");
-    let forces = forces(last, "joint-forces-worn", title, state);
+    let forces = forces(last, &input.scene.units.of(OutputUnit::Force), ["joint-forces-worn", title, state]);
     input.scene.outputs.iter().filter_map(of_output).chain(forces).collect()
 }
 
-/// Force of every joint over a cycle, with their peaks.
-fn forces(cycle: &CycleHistory, name: &str, title: &str, state: &str) -> Option<Figure> {
-    let force = |(joint, force): &(String, Vec<f64>)| {
-        (format!("joint {joint}"), trace(cycle, force, &OutputUnit::Force))
-    };
+/// Label of an axis with its unit, degrees with their sign.
+fn axis(unit: &OutputUnit, what: &str) -> String {
+    unit.axis(what).replace("[deg]", "[°]")
+}
+
+/// Force of every joint over a cycle, with their peaks; `[name, title, what it is of]`.
+fn forces(cycle: &CycleHistory, unit: &OutputUnit, [name, title, state]: [&str; 3]) -> Option<Figure> {
+    let force = |(joint, force): &(String, Vec<f64>)| (format!("joint {joint}"), trace(cycle, force, unit));
     let forces = cycle.joint_force.iter().map(force).collect();
     let peak = |(name, force): &(String, Vec<f64>)| {
-        format!("{name}: {} N", fixed(force.iter().copied().fold(0.0, f64::max), 2))
+        let largest = force.iter().copied().fold(0.0, f64::max);
+        format!("{name}: {}", unit.after(&fixed(unit.to_shown(largest), 2)))
     };
     let peaks: Vec<String> = cycle.joint_force.iter().map(peak).collect();
     let caption = format!("{state} Peaks of joints {}.", peaks.join(", "));
-    over_time(cycle, [name, title, "joint force [N]"], forces, &caption)
+    over_time(cycle, [name, title, &axis(unit, "joint force")], forces, &caption)
 }
 
 /// Values over the time [ms] of a cycle in the unit shown.

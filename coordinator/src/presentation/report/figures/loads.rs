@@ -1,7 +1,7 @@
 //! Loads that vary by curves over the angle of the crank, before anything is simulated: a table that acts at the wrong angle is seen.
 
 use super::range;
-use crate::presentation::report::format::{fixed, three_digits};
+use crate::presentation::report::format::{fixed, three_digits, unit_scale};
 use crate::presentation::report::mechanism::Pose;
 use crate::presentation::report::{Axis, Figure, Ink, Plot, Points, Series, Shape};
 use common::scene::monotone::monotone_value;
@@ -12,7 +12,7 @@ pub struct VaryingLoads {
     /// What they vary over, with its unit, e.g. `angle of crank [deg]`.
     over: String,
     /// Name, unit and values of each over the angle [deg], or the time [s] without a driven body.
-    loads: Vec<(String, &'static str, Points)>,
+    loads: Vec<(String, String, Points)>,
 }
 
 impl VaryingLoads {
@@ -27,7 +27,9 @@ impl VaryingLoads {
                 Over::Time => monotone_value(&curve.table, times[k]),
                 Over::Angle(body) => monotone_value(&curve.table, angle(&cycle[k], body)),
             };
-            (name, kind.si, (0..cycle.len()).map(|k| (at(k), value(k))).collect())
+            let unit = scene.units.symbol(kind.si);
+            let shown = |k: usize| (at(k), value(k) / unit_scale(unit));
+            (name, unit.to_owned(), (0..cycle.len()).map(shown).collect())
         });
         let loads: Vec<_> = loads.filter(|_| cycle.len() > 1).collect();
         let of_crank = |body: usize| format!("angle of {} [deg]", scene.bodies[body].name);
@@ -36,7 +38,7 @@ impl VaryingLoads {
 
     /// A line for each load: its range, and where it is largest in size.
     pub fn lines(&self) -> Vec<String> {
-        let line = |(name, unit, points): &(String, &str, Points)| {
+        let line = |(name, unit, points): &(String, String, Points)| {
             let (low, high) = range(points.iter().map(|point| point.1));
             let largest = points.iter().copied().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
             let place = largest.map_or(0.0, |point| point.0);
@@ -55,7 +57,7 @@ impl VaryingLoads {
 
     /// A figure for each unit of the loads.
     pub fn figures(&self) -> Vec<Figure> {
-        let mut units: Vec<&str> = self.loads.iter().map(|load| load.1).collect();
+        let mut units: Vec<&str> = self.loads.iter().map(|load| load.1.as_str()).collect();
         units.dedup();
         let figure = |(k, unit): (usize, &&str)| {
             let of_unit = self.loads.iter().filter(|load| load.1 == *unit);

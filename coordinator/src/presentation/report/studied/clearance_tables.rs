@@ -2,7 +2,7 @@
 
 use super::exact::ExactTexts;
 use super::mechanism_tables::stated;
-use crate::presentation::report::format::{UNKNOWN, seven_digits};
+use crate::presentation::report::format::UNKNOWN;
 use crate::presentation::report::{WrittenScene, captioned, table};
 use common::scene::{
     Clearance, ContactDamping, ControlPoints, GuideClearance, Joint, JointKind, Material, Scene,
@@ -86,10 +86,10 @@ pub(super) fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
                 nominal_clearance(scene, written, name, clearance),
                 "um",
             ),
-            false => rounded(clearance.radial_clearance(), 1e6, "µm"),
+            false => texts.rounded(clearance.radial_clearance(), "µm"),
         };
         let radius = match by_clearance {
-            true => rounded(clearance.bushing_radius, 1e3, "mm"),
+            true => texts.rounded(clearance.bushing_radius, "mm"),
             false => texts.value(&key("bushing_radius"), clearance.bushing_radius, "mm"),
         };
         let wall = clearance
@@ -138,11 +138,6 @@ fn nominal_clearance(scene: &Scene, written: &WrittenScene, joint: &str, clearan
     let variable = scene.variables.iter().find(|variable| variable.changes.contains(&key));
     let mean = variable.map(|variable| variable.distribution.parent_mean());
     mean.or(written.quantity(&key)).unwrap_or(clearance.radial_clearance())
-}
-
-/// A value that follows from others.
-fn rounded(value: f64, factor: f64, unit: &str) -> String {
-    format!("{}\u{a0}{unit}", seven_digits(factor * value))
 }
 
 fn damping(damping: &ContactDamping, texts: &ExactTexts<'_>, key: &str) -> String {

@@ -59,11 +59,19 @@ pub struct ExactTexts<'a>(pub &'a WrittenScene);
 impl ExactTexts<'_> {
     /// The quantity at a key [SI] in this unit.
     pub fn value(&self, key: &str, value: f64, unit: &str) -> String {
-        if !self.0.has_formula(key) {
-            return exact(value, unit);
+        let shown = self.0.units.symbol(unit);
+        // A unit that the scene chooses stays, also where it has no exact number.
+        let is_exact = shown == unit || number(value, shown).is_some();
+        if is_exact && !self.0.has_formula(key) {
+            return exact(value, shown);
         }
-        let scale = unit_scale(unit);
-        format!("{}\u{a0}{}", seven_digits(value / scale), unit.replace("^2", "²"))
+        self.rounded(value, unit)
+    }
+
+    /// A value that follows from others, with seven digits.
+    pub fn rounded(&self, value: f64, unit: &str) -> String {
+        let unit = self.0.units.symbol(unit);
+        format!("{}\u{a0}{}", seven_digits(value / unit_scale(unit)), unit.replace("^2", "²"))
     }
 
     /// A plain number at a key.
@@ -73,6 +81,7 @@ impl ExactTexts<'_> {
 
     /// A pair at a key [SI] in this unit, which only an entry that has no exact number of it states.
     pub fn pair(&self, key: &str, pair: [f64; 2], unit: &str) -> String {
+        let unit = self.0.units.symbol(unit);
         let entry = |axis: usize| {
             let text = self.value(&format!("{key}.{}", ["x", "y"][axis]), pair[axis], unit);
             match text.strip_suffix(&format!("\u{a0}{}", unit.replace("^2", "²"))) {

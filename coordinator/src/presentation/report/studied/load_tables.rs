@@ -14,8 +14,9 @@ pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
     let mut rows: Vec<[String; 4]> = scene.loads.iter().map(|load| row(scene, written, load)).collect();
     if scene.gravity != [0.0; 2] {
         let pair = ExactTexts(written).pair("gravity", scene.gravity, "m/s^2");
+        let unit = written.units.symbol("m/s^2").replace("^2", "²");
         rows.push(
-            ["gravity", "gravity", "every body", &format!("acceleration {pair} m/s²")].map(str::to_owned),
+            ["gravity", "gravity", "every body", &format!("acceleration {pair} {unit}")].map(str::to_owned),
         );
     }
     let head = ["load", "type", "acts on [mm]", "values"];
@@ -60,7 +61,7 @@ fn in_words(texts: &ExactTexts<'_>, key: &Key, path: &str, value: Value) -> Opti
             format!("{name} {}", texts.value(path, number, unit(kind)))
         }
         (Value::Pair(pair), Form::Pair(kind)) => {
-            format!("{name} {} {}", texts.pair(path, pair, unit(kind)), unit(kind))
+            format!("{name} {} {}", texts.pair(path, pair, unit(kind)), texts.0.units.symbol(unit(kind)))
         }
         (Value::Pair([x, y]), _) => format!("along ({}, {})", exact_number(x), exact_number(y)),
         (Value::Curve(_), _) => "by its curve".to_owned(),
@@ -86,7 +87,8 @@ fn value_of(value: f64, unit: &str) -> String {
 
 /// One row per curve, with all its points.
 fn curves(scene: &Scene, written: &WrittenScene) -> Vec<[String; 5]> {
-    let row = |of: String, key: String, over: String, table: &Table, [argument, value]: [&str; 2]| {
+    let row = |of: String, key: String, over: String, table: &Table, units: [&str; 2]| {
+        let [argument, value] = units.map(|unit| written.units.symbol(unit));
         let points: Vec<String> = table
             .at
             .iter()

@@ -22,7 +22,7 @@ use super::tables;
 use super::{Figure, Page, ReportInput, VaryingLoads, WrittenScene, captioned};
 use crate::results::scene_summary::limit_rows;
 use common::scene::{ContactLaw, Joint, JointKind, Scene, SimulatorKind, WearingSurfaces};
-use maud::{Markup, Render, html};
+use maud::{Markup, PreEscaped, Render, html};
 
 /// Random variables beyond this number are listed in the appendix.
 const VARIABLES_IN_CHAPTER: usize = 12;
@@ -93,7 +93,7 @@ pub fn mechanism(scene: &Scene, source: &str) -> Markup {
 
 /// Bodies, joints and loads of a mechanism.
 fn elements(scene: &Scene, written: &WrittenScene) -> Markup {
-    html! {
+    let tables = html! {
         (mechanism_tables::bodies(scene, written))
         (mechanism_tables::starts(scene, written))
         (mechanism_tables::joints(scene, written))
@@ -102,7 +102,9 @@ fn elements(scene: &Scene, written: &WrittenScene) -> Markup {
         (clearance_tables::guides(scene, written))
         (clearance_tables::guide_wear(scene, written))
         (load_tables::tables(scene, written))
-    }
+    };
+    // Their heads name usual units.
+    PreEscaped(written.units.head(&tables.into_string()))
 }
 
 /// Adds the chapters of the appendix with what is too long for that chapter.
@@ -209,10 +211,8 @@ mod tests {
     use crate::test_study;
     use common::scene::SceneSource;
 
-    /// Every name of the scene with every word of the language is in the chapter or in the appendix.
-    #[test]
-    fn every_part_of_a_scene_is_listed() {
-        let source = include_str!("../../../../../common/tests/scenes/everything.toml");
+    /// The chapter and the appendix of a scene.
+    fn text_of(source: &str) -> (Scene, String) {
         let scene = SceneSource::parse(source, "everything").unwrap().nominal().clone();
         let mut input = test_study::report_input();
         input.scene = scene.clone();
@@ -220,7 +220,35 @@ mod tests {
         input.summary.identify(&scene, source, "");
         let mut page = Page::new("", chapter(&input, &html! {}), FigureFiles::Absent);
         appendix(&mut page, &input);
-        let text = page.html(None).replace('\u{a0}', " ");
+        (scene, page.html(None).replace('\u{a0}', " "))
+    }
+
+    /// The scene with every word of the language.
+    const EVERYTHING: &str = include_str!("../../../../../common/tests/scenes/everything.toml");
+
+    #[test]
+    fn quantities_are_shown_in_the_units_of_the_scene() {
+        let units = "\n[units]\nlength = \"in\"\ndepth = \"mil\"\nforce = \"lbf\"\ntorque = \"lbf in\"\nspeed = \"in/s\"\n\
+                     pressure = \"psi\"\nmass = \"lb\"\nacceleration = \"ft/s^2\"\nvolume = \"in^3\"\n";
+        let (_, text) = text_of(&format!("{EVERYTHING}{units}"));
+        for said in
+            ["points [in]", "centre of mass [in]", " lb</td>", " psi</td>", "lbf in", " in/s", " ft/s²"]
+        {
+            assert!(text.contains(said), "{said} in {text}");
+        }
+        let tables = text.split_once("Bodies; inertia").unwrap().1;
+        let written = ["parameters", "formulas", "variables", "<code>"];
+        for line in tables.split("<tr>").filter(|line| !written.iter().any(|name| line.contains(name))) {
+            for unit in [" mm<", " mm,", " mm;", "[mm]", " µm<", " N<", " N,", " N m<", " GPa", " g<"] {
+                assert!(!line.contains(unit), "{unit} in {line}");
+            }
+        }
+    }
+
+    /// Every name of the scene with every word of the language is in the chapter or in the appendix.
+    #[test]
+    fn every_part_of_a_scene_is_listed() {
+        let (scene, text) = text_of(EVERYTHING);
         let names = scene.bodies.iter().map(|body| &body.name);
         let names = names.chain(scene.joints.iter().map(|joint| &joint.name));
         let names = names.chain(scene.variables.iter().map(|variable| &variable.name));

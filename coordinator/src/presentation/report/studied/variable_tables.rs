@@ -155,15 +155,16 @@ pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Marku
     let outputs = scene.outputs.iter().map(|output| {
         [
             ("output", output.name.clone()),
-            ("unit", output.kind.unit().symbol().to_owned()),
+            ("unit", scene.unit_of(output).symbol().to_owned()),
             ("quantity", output.kind.description(scene)),
             ("of", subjects(scene, written, output)),
         ]
     });
     let limits = rows.iter().zip(&scene.limit_states).map(|(row, limit)| {
-        let unit = scene.outputs[limit.output].kind.unit();
+        let unit = scene.unit_of(&scene.outputs[limit.output]);
         let shown = |key: &str, value: f64| match &unit {
             OutputUnit::External(_) => unit.after(&exact_number(value)),
+            OutputUnit::Shown { .. } => unit.after(&seven_digits(unit.to_shown(value))),
             own => {
                 ExactTexts(written).value(&format!("limit_states.{}.{key}", limit.name), value, own.symbol())
             }

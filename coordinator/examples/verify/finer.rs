@@ -1,0 +1,153 @@
+//! Studies against R(n) at a finer accuracy. Direct simulation at that accuracy is dear; here the samples of a direct study at a working
+//! accuracy are corrected by a plane through the differences that a few of them show at the finer one, and what the plane leaves is
+//! counted at those few, so that the estimate has no bias, however good the plane is (control variates):
+//!
+//!   R(n) = mean_N 1(y_j + plane_j not failed) + mean_M [1(f_i not failed) - 1(y_i + plane_-i,i not failed)],
+//!
+//! N samples with results y, of which M have a result f at the finer accuracy; plane_-i is fitted without pair i. The variance is the sum of
+//! those of the two means.
+//!
+//! # Source
+//! Glasserman (2003), Monte Carlo Methods in Financial Engineering, Springer, section 4.1.
+
+use crate::Study;
+use crate::against::{first_failures, observations};
+use coordinator::results::summary::StudySummary;
+use coordinator::statistics::design::InputModel;
+use coordinator::statistics::reliability::REACH;
+use coordinator::study::{Problem, SimulatedPoint};
+use faer::Mat;
+use faer::linalg::solvers::SolveLstsq;
+use std::collections::HashMap;
+use std::error::Error;
+
+/// R(n) at the finer accuracy per curve and checkpoint, and its variance.
+pub struct FinerReliability {
+    /// Names of the curves, the system last.
+    pub curves: Vec<String>,
+    /// Checkpoints [cycles].
+    pub cycles: Vec<u32>,
+    /// R(n) `(curves)(m,)` [1].
+    pub reliability: Vec<Vec<f64>>,
+    /// Variances `(curves)(m,)` [1].
+    pub variance: Vec<Vec<f64>>,
+    /// Pairs.
+    pub pairs: usize,
+}
+
+/// Estimates R(n) from a direct study and the same samples at a finer accuracy, as many as there are.
+pub fn finer_reliability(direct: &Study, finer: &Study) -> Result<FinerReliability, Box<dyn Error>> {
+    let scene = direct.source.nominal();
+    let problem = Problem::from_scene(scene);
+    let bits = |sample: &[f64]| sample.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
+    // The first evaluation is the nominal point, which is no sample.
+    let samples: Vec<SimulatedPoint> = direct.simulated().split_off(1);
+    let at_finer: HashMap<Vec<u64>, SimulatedPoint> =
+        finer.simulated().into_iter().skip(1).map(|point| (bits(&point.sample), point)).collect();
+    let (places, fine): (Vec<usize>, Vec<&SimulatedPoint>) = samples
+        .iter()
+        .enumerate()
+        .filter_map(|(j, point)| Some((j, at_finer.get(&bits(&point.sample))?)))
+        .unzip();
+    let basis = |j: usize| basis_of(&problem.inputs, &samples[j].sample);
+    let columns = problem.inputs.dimension() + 1;
+    if places.len() < 3 * columns {
+        return Err(format!("{} samples at both accuracies, expected {}", places.len(), 3 * columns).into());
+    }
+    let x = Mat::from_fn(places.len(), columns, |i, k| basis(places[i])[k]);
+    let (qr, q) = (x.qr(), x.qr().compute_thin_Q());
+    // How much of its own difference each pair has in the plane.
+    let leverage: Vec<f64> = (0..places.len()).map(|i| q.row(i).iter().map(|v| v * v).sum()).collect();
+    let mut corrected = samples.clone();
+    let mut left_out: Vec<SimulatedPoint> = fine.iter().map(|point| (*point).clone()).collect();
+    for output in 0..scene.outputs.len() {
+        for n in 0..problem.checkpoints.len() {
+            let value = |point: &SimulatedPoint| point.observed.histories[output][n];
+            let difference =
+                Mat::from_fn(places.len(), 1, |i, _| value(fine[i]) - value(&samples[places[i]]));
+            let plane = qr.solve_lstsq(&difference);
+            let at = |j: usize| basis(j).iter().enumerate().map(|(k, b)| b * plane[(k, 0)]).sum::<f64>();
+            for (j, point) in corrected.iter_mut().enumerate() {
+                point.observed.histories[output][n] += at(j);
+            }
+            for (i, place) in places.iter().enumerate() {
+                let residual = (difference[(i, 0)] - at(*place)) / (1.0 - leverage[i]);
+                left_out[i].observed.histories[output][n] -= residual;
+            }
+        }
+    }
+    let firsts = |points: &[SimulatedPoint]| {
+        let mut modes = first_failures(&problem, &observations(scene, &problem, points));
+        let system = (0..points.len()).map(|j| modes.iter().map(|mode| mode[j]).min().unwrap_or(0)).collect();
+        modes.push(system);
+        modes
+    };
+    let fine: Vec<SimulatedPoint> = fine.into_iter().cloned().collect();
+    let [all, fine, left_out] = [&corrected, &fine, &left_out].map(|points| firsts(points));
+    let survives = |first: u32, n: usize| f64::from(u8::from(first as usize > n));
+    let (mut reliability, mut variance) = (Vec::new(), Vec::new());
+    for curve in 0..all.len() {
+        let moments = |values: Vec<f64>| {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+            (mean, squares / (values.len() as f64 * (values.len() as f64 - 1.0)))
+        };
+        let at = |n: usize| {
+            let (counted, of_samples) = moments(all[curve].iter().map(|first| survives(*first, n)).collect());
+            let pairs = fine[curve].iter().zip(&left_out[curve]);
+            let (rest, of_pairs) = moments(pairs.map(|(a, b)| survives(*a, n) - survives(*b, n)).collect());
+            (counted + rest, of_samples + of_pairs)
+        };
+        let (of_curve, its_variance) = (0..problem.checkpoints.len()).map(at).unzip();
+        reliability.push(of_curve);
+        variance.push(its_variance);
+    }
+    let curves =
+        scene.limit_states.iter().map(|limit| limit.name.clone()).chain(["total".to_owned()]).collect();
+    let cycles = scene.life.checkpoints();
+    Ok(FinerReliability { curves, cycles, reliability, variance, pairs: places.len() })
+}
+
+/// One, and the standardised coordinates of a sample.
+fn basis_of(inputs: &InputModel, sample: &[f64]) -> Vec<f64> {
+    std::iter::once(1.0).chain(inputs.standardise(sample)).collect()
+}
+
+/// Prints R(n) where some units fail, and for each study how its 95 % intervals hold it.
+pub fn print_finer(truth: &FinerReliability, studies: &[(String, StudySummary)]) {
+    println!("R(n) at the finer accuracy from {} pairs, ± 95 %", truth.pairs);
+    println!("cycles | {}", truth.curves.join(" | "));
+    let of_interest = |curve: usize, n: usize| (0.01..0.99).contains(&truth.reliability[curve][n]);
+    for (n, cycles) in truth.cycles.iter().enumerate() {
+        let cell = |curve: usize| {
+            format!("{:.4} ± {:.4}", truth.reliability[curve][n], REACH * truth.variance[curve][n].sqrt())
+        };
+        if (0..truth.curves.len()).any(|curve| of_interest(curve, n)) {
+            println!("{cycles} | {}", (0..truth.curves.len()).map(cell).collect::<Vec<_>>().join(" | "));
+        }
+    }
+    println!(
+        "study | evaluations | held of checkpoints with 0.01 < R < 0.99 | held, truth within its own error | largest difference | widest interval"
+    );
+    for (name, summary) in studies {
+        let (mut all, mut held, mut within, mut largest, mut widest) = (0, 0, 0, 0.0_f64, 0.0_f64);
+        for (curve, name) in truth.curves.iter().enumerate() {
+            for (n, row) in summary.reliability.iter().enumerate() {
+                let Some(interval) = row.interval.get(name) else { continue };
+                widest = widest.max(0.5 * (interval.upper - interval.lower));
+                let (r, own) = (truth.reliability[curve][n], REACH * truth.variance[curve][n].sqrt());
+                if !of_interest(curve, n) {
+                    continue;
+                }
+                all += 1;
+                held += usize::from((interval.lower..=interval.upper).contains(&r));
+                within += usize::from(interval.lower - own <= r && r <= interval.upper + own);
+                largest = largest.max((row.reliability[name] - r).abs());
+            }
+        }
+        println!(
+            "{name} | {} | {held} of {all} | {within} of {all} | {largest:.4} | ± {widest:.4}",
+            summary.evaluations.total
+        );
+    }
+}
