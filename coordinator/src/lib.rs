@@ -66,4 +66,4 @@ pub mod results;
 pub mod statistics;
 pub mod study;
 #[cfg(test)]
-mod test_study;
+mod tests;

@@ -9,6 +9,7 @@ use super::model::Scene;
 use super::output::OutputKind;
 use super::output_values::HeldInput;
 use super::quantity::{ANGLE, ANGULAR_VELOCITY, Kind, LENGTH};
+use super::units::Units;
 
 /// A sentence with texts in the places of the keys in braces.
 pub fn filled(sentence: &str, text: impl Fn(&str) -> String) -> String {
@@ -30,28 +31,35 @@ impl Load {
 
 impl JointKind {
     /// What an ideal joint of one condition is, in words; `None` for the others.
-    pub fn coupling(&self) -> Option<String> {
-        let range = |table: &Table| {
-            let [low, high] = table.range();
-            format!("{:.3} to {:.3} mm", low * 1e3, high * 1e3)
+    pub fn coupling(&self, units: &Units) -> Option<String> {
+        let length = |length: f64| units.text(length, "mm", 3);
+        let between = |[low, high]: [f64; 2], word: &str| {
+            let (low, high) = (length(low), length(high));
+            let unit = format!(" {}", units.symbol("mm"));
+            format!("{} {word} {high}", low.strip_suffix(&unit).unwrap_or(&low))
         };
+        let range = |table: &Table| between(table.range(), "to");
         Some(match self {
             JointKind::Slot { axis } => format!("pin in a slot along {:.3} deg", axis.to_degrees()),
             JointKind::LinearDrive(Drive::ConstantSpeed { start_angle: length, speed }) => {
-                format!("linear drive from {:.3} mm at {:.3} mm/s", length * 1e3, speed * 1e3)
+                format!(
+                    "linear drive from {} at {}",
+                    units.text(*length, "mm", 3),
+                    units.text(*speed, "mm/s", 3)
+                )
             }
             JointKind::LinearDrive(Drive::Angle(table) | Drive::Speed { table, .. }) => {
                 format!("linear drive, {} by a table over time", range(table))
             }
             JointKind::Mesh(Mesh { form, radii: [a, b], .. }) => {
-                let radii = format!("{:.3} and {:.3} mm", a * 1e3, b * 1e3);
+                let radii = between([*a, *b], "and");
                 match form {
                     MeshForm::Gear => format!("gear pair, pitch radii {radii}, ratio {:.6}", -a / b),
                     MeshForm::InternalGear => {
                         format!("internal gear, pitch radii {radii}, ratio {:.6}", a / b)
                     }
                     MeshForm::Belt => format!("belt on radii {radii}, ratio {:.6}", a / b),
-                    MeshForm::Rack => format!("rack on a wheel of pitch radius {:.3} mm", b * 1e3),
+                    MeshForm::Rack => format!("rack on a wheel of pitch radius {}", length(*b)),
                 }
             }
             JointKind::Cam { direction: [x, y], lift } => {
@@ -101,7 +109,7 @@ fn in_words(form: Form, value: &Value, scene: &Scene) -> String {
             _ => format!("({x}, {y})"),
         },
         Value::Number(number) => match form {
-            Form::Number(kind, _) | Form::NumberOr(kind, ..) => quantity(*number, kind),
+            Form::Number(kind, _) | Form::NumberOr(kind, ..) => quantity(*number, kind, &scene.units),
             _ => number.to_string(),
         },
         Value::Curve(curve) => {
@@ -129,11 +137,12 @@ fn in_words(form: Form, value: &Value, scene: &Scene) -> String {
 }
 
 /// A quantity [SI] with its unit, lengths and angles with three decimals.
-fn quantity(value: f64, kind: Kind) -> String {
+fn quantity(value: f64, kind: Kind, units: &Units) -> String {
     match kind {
-        LENGTH => format!("{:.3} mm", value * 1e3),
-        ANGLE => format!("{:.3} deg", value.to_degrees()),
-        ANGULAR_VELOCITY => format!("{:.1} r/min", value * 30.0 / std::f64::consts::PI),
+        LENGTH => units.text(value, "mm", 3),
+        ANGLE => units.text(value, "deg", 3),
+        ANGULAR_VELOCITY => units.text(value, "r/min", 1),
+        other if units.symbol(other.si) != other.si => units.text(value, other.si, 3),
         other => format!("{value} {}", other.si),
     }
 }

@@ -87,7 +87,13 @@ impl Units {
             .collect();
         section.finish();
         let all: Option<Vec<_>> = read.into_iter().collect();
+        let si =
+            |usual: &str| read_unit(&usual.replace('³', "^3")).map(|unit| unit.multiply / unit.divide).ok();
+        // The usual unit needs no choice.
+        let chosen =
+            |usual: &str, unit: &ShownUnit| si(usual).is_none_or(|si| (unit.si / si - 1.0).abs() > 1e-12);
         let stated = all?.into_iter().filter_map(|(usual, unit)| Some((usual, unit?)));
+        let stated = stated.filter(|(usual, unit)| chosen(usual, unit));
         Some(Self { by_usual: stated.collect(), ..Self::default() })
     }
 
@@ -120,6 +126,20 @@ impl Units {
     /// Symbol of the unit that stands for a usual one.
     pub fn symbol<'u>(&'u self, usual: &'u str) -> &'u str {
         self.shown(usual).map_or(usual, |unit| &unit.symbol)
+    }
+
+    /// A quantity [SI] with so many decimals of its usual unit, or six digits of the unit that stands for that.
+    pub fn text(&self, si: f64, usual: &str, decimals: usize) -> String {
+        match self.shown(usual) {
+            Some(unit) => {
+                let rounded: Result<f64, _> = format!("{:.5e}", si / unit.si).parse();
+                format!("{} {}", rounded.unwrap_or(f64::NAN), unit.symbol)
+            }
+            None => {
+                let unit = read_unit(usual).map_or(1.0, |unit| unit.multiply / unit.divide);
+                format!("{:.decimals$} {usual}", si / unit)
+            }
+        }
     }
 
     /// The unit that stands for a usual one of outputs.

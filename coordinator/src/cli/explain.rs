@@ -152,7 +152,7 @@ fn motion(out: &mut String, scene: &Scene) -> std::fmt::Result {
                 "angle by a table over time, prescribed, no unknowns".to_owned()
             }
             Motion::Driven { .. } => "speed by a table over time, prescribed, no unknowns".to_owned(),
-            Motion::Free { mass, .. } => format!("rigid, {:.4} g, three unknowns", mass * 1e3),
+            Motion::Free { mass, .. } => format!("rigid, {}, three unknowns", scene.units.text(mass, "g", 4)),
         };
         writeln!(out, "  {}: {what}", body.name)?;
     }
@@ -166,30 +166,31 @@ fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
             (&scene.bodies[joint.journal.body].name, &scene.bodies[joint.bushing.body].name);
         let what = match &joint.kind {
             JointKind::Revolute => {
-                format!("{journal} turns on {bushing}, {}", ideal(joint, "a pin of radius"))
+                format!("{journal} turns on {bushing}, {}", ideal(scene, joint, "a pin of radius"))
             }
             JointKind::Prismatic { .. } => {
-                format!("{journal} slides on {bushing}, {}", ideal(joint, "a guide of length"))
+                format!("{journal} slides on {bushing}, {}", ideal(scene, joint, "a guide of length"))
             }
             JointKind::Fixed { .. } => format!("{journal} is fixed to {bushing}, no wear"),
             JointKind::Clearance(clearance) => {
-                let (wide, wear) = (clearance.radial_clearance() * 1e6, wear(clearance));
+                let (wide, wear) = (scene.units.text(clearance.radial_clearance(), "um", 2), wear(clearance));
                 let contact = contact(clearance);
                 format!(
-                    "journal of {journal} in bushing of {bushing}, clearance {wide:.2} um, {wear}\n     {contact}"
+                    "journal of {journal} in bushing of {bushing}, clearance {wide}, {wear}\n     {contact}"
                 )
             }
             JointKind::Guide(guide) => {
                 let wear = guide.wear.as_ref().map_or("does not wear".to_owned(), guide_wear);
-                let (wide, damping) = (guide.clearance * 1e6, damping(&guide.contact_damping));
+                let (wide, damping) =
+                    (scene.units.text(guide.clearance, "um", 2), damping(&guide.contact_damping));
                 format!(
-                    "{journal} slides in a guide of {bushing}, {wide:.2} um of clearance on each side, {wear}\n     corners and \
+                    "{journal} slides in a guide of {bushing}, {wide} of clearance on each side, {wear}\n     corners and \
                      faces on an elastic foundation, {damping}, friction {}",
                     guide.friction
                 )
             }
             kind => {
-                let coupling = kind.coupling().unwrap_or_default();
+                let coupling = kind.coupling(&scene.units).unwrap_or_default();
                 format!("{journal} and {bushing}, {coupling}, ideal, no wear")
             }
         };
@@ -199,11 +200,15 @@ fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
 }
 
 /// What is modelled of an ideal joint; its friction acts on `on`, a pin or guide.
-fn ideal(joint: &Joint, on: &str) -> String {
+fn ideal(scene: &Scene, joint: &Joint, on: &str) -> String {
     match joint.friction {
         None => "ideal, no wear".to_owned(),
         Some(IdealFriction { coefficient, size, .. }) => {
-            format!("ideal, friction {coefficient} on {on} {} mm, no wear", size * 1e3)
+            let size = match scene.units.symbol("mm") {
+                "mm" => format!("{} mm", size * 1e3),
+                _ => scene.units.text(size, "mm", 3),
+            };
+            format!("ideal, friction {coefficient} on {on} {size}, no wear")
         }
     }
 }

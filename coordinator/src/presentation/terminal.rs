@@ -229,7 +229,7 @@ pub fn while_waiting<T>(quiet: bool, doing: String, work: impl FnOnce(&dyn Fn(St
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     fn batch(size: usize, planned: usize, purpose: &str) -> Progress {
         Progress::BatchStarted { size, planned, budget: 400, purpose: purpose.into() }

@@ -190,7 +190,7 @@ pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn the_summary_has_the_keys_of_the_contract_and_reads_back() {

@@ -66,7 +66,7 @@ fn learned(
     let mut settings = LearnSettings::new(3);
     settings.ranks = false;
     change(&mut settings);
-    let summary = crate::test_study::study().summary;
+    let summary = crate::tests::test_study::study().summary;
     learn(source.nominal(), &summary, model, &data, &[], &[], &settings)
 }
 

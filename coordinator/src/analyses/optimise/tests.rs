@@ -334,7 +334,7 @@ fn issue_a_target_is_met_only_by_the_whole_interval_with_the_numerical_errors() 
     assert_eq!(states(&found), [MetWithinErrors, MetWithinErrors, Met], "{}", markdown(&found));
     assert!(markdown(&found).contains("Met within the stated errors only"), "{}", markdown(&found));
     // Numerical errors that reach below the target of the third.
-    let mut summary = crate::test_study::study().summary;
+    let mut summary = crate::tests::test_study::study().summary;
     let row = &mut summary.reliability[0];
     row.cycles = 1;
     summary.limit_states = ["a", "b", "c"].map(str::to_owned).to_vec();

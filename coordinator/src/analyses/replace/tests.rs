@@ -143,7 +143,7 @@ fn issue_inspections_counted_the_failures_of_all_limit_states_whatever_the_curve
 
 #[test]
 fn what_the_study_does_not_know_is_a_bound() {
-    let mut summary = crate::test_study::study().summary;
+    let mut summary = crate::tests::test_study::study().summary;
     let curve = LifeCurveRow {
         limit_state: "total".to_owned(),
         cycles: vec![0.0, 500.0, 1000.0],
@@ -155,7 +155,7 @@ fn what_the_study_does_not_know_is_a_bound() {
     summary.curves = vec![curve];
     let report = replace(&summary, "total", &COSTS, None).unwrap();
     assert!(report.mean_life_is_bound && report.no_minimum && report.age.value == 1000.0);
-    let text = answer(&report, &crate::test_study::scene()).text();
+    let text = answer(&report, &crate::tests::test_study::scene()).text();
     assert!(text.contains("no best age") && text.contains("at least") && text.contains("at most"), "{text}");
     let known = replace(&summary, "wear", &COSTS, None).unwrap_err().to_string();
     assert!(known.contains("allowed: total"), "{known}");
@@ -181,7 +181,7 @@ fn issue_a_constant_hazard_has_no_best_age_and_runs_to_failure() {
         cycles,
         ..LifeCurveRow::default()
     };
-    let mut summary = crate::test_study::study().summary;
+    let mut summary = crate::tests::test_study::study().summary;
     let fall = crate::results::life_summary::UnresolvedFall { from: 0, to: 200, checkpoint_every: 40 };
     (summary.curves, summary.unresolved_fall) = (vec![curve], Some(fall));
     // The straight line from 1 to R(200) has its least cost before 200 cycles for no cost of a failure, its steps at no other.
@@ -192,7 +192,7 @@ fn issue_a_constant_hazard_has_no_best_age_and_runs_to_failure() {
         let rate = report.run_to_failure;
         assert!((rate.value * 1000.0 / failure - 1.0).abs() < 5e-3, "{rate:?}");
         assert!(rate.lower * 1000.0 < failure && failure < rate.upper * 1000.0, "{rate:?}");
-        let text = answer(&report, &crate::test_study::scene()).text();
+        let text = answer(&report, &crate::tests::test_study::scene()).text();
         assert!(text.contains("no best age") && text.contains("run to failure"), "{text}");
     }
 }

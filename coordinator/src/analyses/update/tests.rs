@@ -47,7 +47,7 @@ fn study() -> (SceneSource, Settings, LifeModel) {
 fn updated(text: &str, particles: usize) -> FleetReport {
     let (source, settings, model) = study();
     let units = unit_file::parse(text, "units.csv", &source, &model, None).unwrap().units;
-    let summary = crate::test_study::study().summary;
+    let summary = crate::tests::test_study::study().summary;
     let mut fleet = FleetSettings::new(settings.seed);
     fleet.population = 40_000;
     fleet.monte_carlo.particles = particles;

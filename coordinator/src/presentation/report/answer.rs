@@ -190,7 +190,7 @@ impl Answer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn an_answer_has_the_same_parts_in_every_form() {

@@ -184,7 +184,7 @@ pub fn curve_cells<'s>(summary: &'s StudySummary, name: &'s str) -> impl Iterato
 mod tests {
     use super::*;
     use crate::presentation::report::life::life_and_limits;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     fn two() -> [ComparedStudy; 2] {
         let summary = test_study::study().summary;

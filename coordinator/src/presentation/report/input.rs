@@ -300,7 +300,7 @@ fn add_grooves(grooved: &mut Vec<GroovedJoint>, grooves: &[NarrowGroove]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn an_unfinished_study_has_a_caution() {

@@ -156,11 +156,11 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::results::level_summary::LevelsRow;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn the_largest_part_and_the_levels_are_named() {
-        let mut summary = crate::test_study::study().summary;
+        let mut summary = crate::tests::test_study::study().summary;
         let text = parts_and_levels(&summary).join("\n");
         assert!(text.contains("largest part reduced by finer levels"), "{text}");
         let row = DifferenceRow {

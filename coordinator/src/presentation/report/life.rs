@@ -210,7 +210,7 @@ pub fn leaders(summary: &StudySummary) -> Vec<(u32, &str)> {
 mod tests {
     use super::*;
     use crate::results::life_summary::LifeCurveRow;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     fn summary(curves: &[(&str, &[f64])]) -> StudySummary {
         let mut summary = test_study::study().summary;

@@ -174,7 +174,7 @@ pub fn shapes(poses: &[Pose], joint: &Joint) -> Vec<Vec<[f64; 2]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn the_orbit_is_in_the_frame_of_the_bushing() {

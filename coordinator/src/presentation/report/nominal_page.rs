@@ -107,7 +107,7 @@ impl NominalView<'_> {
 mod tests {
     use super::*;
     use crate::study::{Settings, blank};
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn a_page_has_limits_drawing_histories_bores_and_cycles() {

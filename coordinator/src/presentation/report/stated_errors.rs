@@ -47,7 +47,7 @@ impl StatedErrorCollector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn typical_is_the_median_and_largest_the_largest() {

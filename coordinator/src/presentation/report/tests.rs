@@ -1,6 +1,6 @@
 use super::*;
 use crate::results::summary::Convergence;
-use crate::test_study;
+use crate::tests::test_study;
 
 /// Cells with the digits that they lack before the decimal point, which only a style sheet shows, removed.
 fn without_pads(html: &str) -> String {

@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn issue_a_study_without_a_simulated_failure_stated_a_tiny_bound_alone() {
-        let mut summary = crate::test_study::study().summary;
+        let mut summary = crate::tests::test_study::study().summary;
         assert_eq!(no_simulated_failure(&summary), None);
         summary.simulations_beyond_a_limit = Some(0);
         let said = no_simulated_failure(&summary).unwrap();
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn issue_rows_that_few_studies_have_were_missing_in_the_schema() {
-        let mut summary = crate::test_study::study().summary;
+        let mut summary = crate::tests::test_study::study().summary;
         summary.simulations_beyond_a_limit = Some(3);
         let curves = vec!["play".to_owned()];
         summary.untested = Some(UntestedRow { curves, samples: 11, bound: 0.2384, predicted: 0.5 });
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn issue_an_outlier_was_called_noise() {
-        let mut summary = crate::test_study::study().summary;
+        let mut summary = crate::tests::test_study::study().summary;
         (summary.surrogates[0].outlier, summary.surrogates[0].noise_share) = (Some(4610.0), Some(0.98));
         let said = steps_and_noise(&summary).remove(0);
         assert!(said.starts_with("outlier: ") && said.contains("4610 interquartile ranges"), "{said}");

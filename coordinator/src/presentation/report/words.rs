@@ -209,7 +209,7 @@ mod tests {
 
     #[test]
     fn issue_failures_without_a_leading_limit_state_were_denied() {
-        let mut summary = crate::test_study::study().summary;
+        let mut summary = crate::tests::test_study::study().summary;
         let names = summary.limit_states.clone();
         for row in &mut summary.reliability {
             row.reliability.extend(names.iter().map(|name| (name.clone(), 0.955)));

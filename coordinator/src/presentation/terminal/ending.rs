@@ -91,7 +91,7 @@ fn over_life(summary: &StudySummary) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn a_spent_budget_names_the_command_that_goes_on() {

@@ -141,7 +141,7 @@ fn rounded(value: f64) -> f64 {
 mod tests {
     use super::drawing::FRAMES;
     use super::*;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn the_picture_has_every_body_and_joint_and_the_data_move_them() {

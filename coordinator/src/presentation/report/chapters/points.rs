@@ -68,7 +68,7 @@ fn cells_of(point: &FailurePointRow, variable: &RandomVariable) -> [String; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn the_table_has_values_in_units_and_distances() {

@@ -126,7 +126,7 @@ fn signatures(input: &ReportInput) -> Markup {
 mod tests {
     use super::*;
     use crate::presentation::report::{FigureFiles, page, render};
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn times_are_stated_to_the_second() {

@@ -183,7 +183,7 @@ pub fn numerical(input: &ReportInput) -> Vec<Figure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn values_are_in_the_unit_shown_and_the_share_within_is_counted() {

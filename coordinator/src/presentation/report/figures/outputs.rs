@@ -221,7 +221,7 @@ fn origin(summary: &StudySummary) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn the_three_checkpoints_straddle_the_governing_one() {

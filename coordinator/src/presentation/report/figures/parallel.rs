@@ -110,7 +110,7 @@ fn drawing(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Drawin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn failures_are_those_up_to_the_governing_checkpoint() {

@@ -262,7 +262,7 @@ fn figure(scale: Scale, summary: &StudySummary, curves: &[(&str, &LifeCurveRow)]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_study;
+    use crate::tests::test_study;
 
     #[test]
     fn the_density_contains_all_failures_and_the_hazard_is_larger() {

@@ -208,7 +208,7 @@ fn formulas(written: &WrittenScene) -> Markup {
 mod tests {
     use super::*;
     use crate::presentation::report::page::FigureFiles;
-    use crate::test_study;
+    use crate::tests::test_study;
     use common::scene::SceneSource;
 
     /// The chapter and the appendix of a scene.
@@ -228,9 +228,14 @@ mod tests {
 
     #[test]
     fn quantities_are_shown_in_the_units_of_the_scene() {
-        let units = "\n[units]\nlength = \"in\"\ndepth = \"mil\"\nforce = \"lbf\"\ntorque = \"lbf in\"\nspeed = \"in/s\"\n\
-                     pressure = \"psi\"\nmass = \"lb\"\nacceleration = \"ft/s^2\"\nvolume = \"in^3\"\n";
-        let (_, text) = text_of(&format!("{EVERYTHING}{units}"));
+        let units = ["in", "mil", "lbf", "lbf in", "in/s", "psi", "lb", "ft/s^2", "in^3"];
+        let keys =
+            ["length", "depth", "force", "torque", "speed", "pressure", "mass", "acceleration", "volume"];
+        let (head, rest) = EVERYTHING.split_once("[units]\n").unwrap();
+        let chosen: String =
+            keys.iter().zip(units).map(|(key, unit)| format!("{key} = \"{unit}\"\n")).collect();
+        let (_, rest) = rest.split_once("\n\n").unwrap();
+        let (_, text) = text_of(&format!("{head}[units]\n{chosen}\n{rest}"));
         for said in
             ["points [in]", "centre of mass [in]", " lb</td>", " psi</td>", "lbf in", " in/s", " ft/s²"]
         {
@@ -259,7 +264,7 @@ mod tests {
         for said in [
             "<td>200 g</td>",
             "<td>far (20, 0); near (0, 0)</td>",
-            "≥ 500 µm</td>",
+            "≥ 0.5 mm</td>",
             "flores, e = 1",
             "hunt-crossley, 7.5 s/m",
             "206 GPa",
