@@ -374,7 +374,7 @@ mod tests {
             "limit state out_of_range: failed from 2.0000 um down and from 9.0000 um on",
             "limit state too_loud: failed from 20.0000 mJ on",
             "limit state too_askew: failed from 3.0000 deg on",
-            "limit state too_far: failed from 500.0000 um on",
+            "limit state too_far: failed from 0.5000 mm on",
             "Random variables: dependent by a Gaussian copula",
             "truncated normal, mean 5500, std 100, from 5000 to 6000 mN",
             "lognormal, mean 0.05, std 0.01, from 0",

@@ -2,8 +2,9 @@
 # A worker of an earlier commit, with the same protocol but another digest of the simulation, against this coordinator: it is refused by
 # name and gets no evaluation, and `--mixed-builds` admits it and records its build with each of its results.
 #   tests/examples/real/older_worker.sh [COMMIT]
-# Without COMMIT it is the last one of which these sources differ. It is built in a worktree of its own, in the profile PROFILE (release);
-# OLDER_WORKER names one that was built before, and then the programs of this commit are those in the target directory.
+# Without COMMIT it is the last one of which these sources differ. It is built in a worktree and a target directory of its own, in the
+# profile PROFILE (release): Cargo takes two checkouts in one target directory for one. OLDER_WORKER names one that was built before. The
+# programs of this commit are those in the target directory.
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 : "${PROFILE:=release}" "${CARGO_TARGET_DIR:=$PWD/target}"
@@ -50,10 +51,9 @@ if [ -n "${OLDER_WORKER:-}" ]; then
     cp "$OLDER_WORKER" "$work/older-worker"
 else
     git worktree add --quiet --detach "$work/sources" "$older"
-    (cd "$work/sources" && cargo build --quiet --profile "$PROFILE" -p worker --bin worker)
-    cp "$CARGO_TARGET_DIR/$folder/worker" "$work/older-worker"
-    # The worktree shares the target directory: the program of this one is put back.
-    cargo build --quiet --profile "$PROFILE" -p coordinator -p worker --bins
+    (cd "$work/sources" && CARGO_TARGET_DIR=$work/target cargo build --quiet --profile "$PROFILE" -p worker --bin worker)
+    cp "$work/target/$folder/worker" "$work/older-worker"
+    rm -rf "$work/target"
 fi
 PATH=$CARGO_TARGET_DIR/$folder:$PATH
 

@@ -8,6 +8,7 @@ use crate::results::summary::{ReliabilityRow, Round, ScaleRow, SensitivityRow, W
 use crate::statistics::reliability::REACH;
 use common::outputs::COUNTERS;
 use common::random::Distribution;
+use common::scene::{OutputUnit, Units};
 use maud::{Markup, Render, html};
 
 /// Cells of one row.
@@ -197,12 +198,13 @@ pub fn diagnostics(input: &ReportInput) -> Markup {
                 flight,
             ))
         }
-        @if !work.grooved.is_empty() { (grooves(&work.grooved)) }
+        @if !work.grooved.is_empty() { (grooves(&work.grooved, &input.scene.units)) }
     }
 }
 
 /// The joints with such grooves.
-fn grooves(grooved: &[GroovedJoint]) -> Markup {
+fn grooves(grooved: &[GroovedJoint], units: &Units) -> Markup {
+    let depth = units.of(OutputUnit::Length);
     table_of::<&GroovedJoint>(
         &[
             ("groove narrower than the journal", &|joint| format!("joint {}", joint.widest.joint)),
@@ -210,7 +212,7 @@ fn grooves(grooved: &[GroovedJoint]) -> Markup {
             ("first at cycle", &|joint| count(joint.since.into())),
             ("angle [deg]", &|joint| fixed(joint.widest.angle.to_degrees(), 0)),
             ("width [deg]", &|joint| fixed(joint.widest.width.to_degrees(), 0)),
-            ("stays open [µm]", &|joint| three_digits(1e6 * joint.widest.open)),
+            (&units.head("stays open [µm]"), &|joint| three_digits(depth.to_shown(joint.widest.open))),
         ],
         grooved,
     )
@@ -295,7 +297,8 @@ mod tests {
             width: 0.2,
             open: 2e-6,
         };
-        let page = grooves(&[GroovedJoint { evaluations: 3, since: 2000, widest }]).into_string();
+        let page =
+            grooves(&[GroovedJoint { evaluations: 3, since: 2000, widest }], &Units::default()).into_string();
         for part in ["joint a", ">3<", "2\u{a0}000", "57", "11", "2.00"] {
             assert!(page.contains(part), "{part}: {page}");
         }

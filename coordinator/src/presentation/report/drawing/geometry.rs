@@ -1,9 +1,9 @@
 //! What a drawing of a mechanism shows, as data in SI: bodies, joints, loads and drives in one position of the cycle, for the
 //! drawing, the sketch in the terminal and other programs.
 
-use crate::presentation::report::format::seven_digits;
+use crate::presentation::report::format::{seven_digits, unit_scale};
 use crate::presentation::report::mechanism::{self, Pose, of_body, place};
-use common::scene::{Drive, Form, Load, Motion, OutputUnit, Scene, Table, Value, filled};
+use common::scene::{Drive, Form, Load, Motion, OutputUnit, Scene, Table, Units, Value, filled};
 use serde::Serialize;
 
 /// Usual unit of lengths; a shorter or longer length has one that suits it.
@@ -241,7 +241,7 @@ fn load(scene: &Scene, poses: &[Pose], load: &Load) -> DrawnLoad {
         [Value::Body(body), Value::Number(size), ..] => LoadSymbol::Turn(middle(*body), *size >= 0.0),
         other => unreachable!("no symbol for a load with the values {other:?}"),
     };
-    DrawnLoad { name: load.name(), size: size_of(load), symbol }
+    DrawnLoad { name: load.name(), size: size_of(load, &scene.units), symbol }
 }
 
 /// The value that is largest in size, with its sign; 0 for none.
@@ -277,28 +277,30 @@ fn drive_in_words(drive: &Drive, unit: &OutputUnit) -> (String, bool) {
 }
 
 /// Size of a load in words.
-fn size_of(load: &Load) -> String {
+fn size_of(load: &Load, units: &Units) -> String {
     let values = load.values();
     let is_zero = |value: &Value| *value == Value::Number(0.0);
     filled(load.kind().words[0].1, |keys| {
         let mut named = keys.split('|').filter_map(|name| values.iter().find(|(key, _)| key.name == name));
         let shown = named.clone().find(|(_, value)| !is_zero(value)).or_else(|| named.next_back());
-        shown.map_or_else(String::new, |(key, value)| size(key.form, value))
+        shown.map_or_else(String::new, |(key, value)| size(key.form, value, units))
     })
 }
 
 /// The size of a value of this form, with its unit.
-fn size(form: Form, value: &Value) -> String {
+fn size(form: Form, value: &Value, units: &Units) -> String {
+    let unit = match form {
+        Form::Number(kind, _) | Form::NumberOr(kind, ..) | Form::Pair(kind) | Form::Curve(kind) => {
+            units.symbol(kind.si)
+        }
+        _ => "",
+    };
+    let scale = 1.0 / unit_scale(unit);
     let number = match value {
-        Value::Number(number) => seven_digits(number.abs()),
-        Value::Pair([x, y]) => seven_digits(x.hypot(*y)),
-        Value::Curve(curve) => range(&curve.table, 1.0),
+        Value::Number(number) => seven_digits(scale * number.abs()),
+        Value::Pair([x, y]) => seven_digits(scale * x.hypot(*y)),
+        Value::Curve(curve) => range(&curve.table, scale),
         _ => String::new(),
     };
-    match form {
-        Form::Number(kind, _) | Form::NumberOr(kind, ..) | Form::Pair(kind) | Form::Curve(kind) => {
-            format!("{number} {}", kind.si.replace("^2", "²"))
-        }
-        _ => number,
-    }
+    if unit.is_empty() { number } else { format!("{number} {}", unit.replace("^2", "²")) }
 }
