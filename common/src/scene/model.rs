@@ -7,6 +7,7 @@ use super::joint::Joint;
 use super::limit_state::LimitState;
 use super::load::Load;
 use super::output::Output;
+use super::output_unit::OutputUnit;
 use super::output_values::Attachment;
 use super::units::Units;
 use super::wear_model::WearModel;
@@ -163,6 +164,11 @@ pub struct UmBridgeModel {
 }
 
 impl Scene {
+    /// Unit in which an output is shown.
+    pub fn unit_of(&self, output: &Output) -> OutputUnit {
+        self.units.of_output(output)
+    }
+
     /// Lever arm of a place: its vector from the base point of its body, in the body's frame `(2,)` [m].
     pub fn arm(&self, place: &Attachment) -> [f64; 2] {
         let origin = self.bodies[place.body].motion.base_point();

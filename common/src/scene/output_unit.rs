@@ -2,7 +2,6 @@
 //! program every output is in SI units.
 
 use super::quantity::*;
-use super::units::ShownUnit;
 use serde::{Deserialize, Serialize};
 
 /// Physical dimension of an output, with its units in files and in text.
@@ -35,11 +34,20 @@ pub enum OutputUnit {
     Shown {
         /// The unit without that choice.
         usual: Box<OutputUnit>,
-        /// Its text.
+        /// How the scene writes the chosen one, e.g. `mil`.
         symbol: String,
-        /// The unit in SI.
+        /// Size of the chosen one in SI.
         si: f64,
     },
+}
+
+/// A unit that a scene chooses for what people read.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShownUnit {
+    /// How the scene writes it, e.g. `mil`.
+    pub symbol: String,
+    /// Size of the unit in SI.
+    pub si: f64,
 }
 
 /// Angular velocity of one revolution per minute [rad/s].
@@ -111,7 +119,7 @@ impl OutputUnit {
         }
     }
 
-    /// The same quantities, shown in another unit.
+    /// This unit, with values converted to a chosen one where people read them.
     pub(super) fn shown_in(self, unit: &ShownUnit) -> Self {
         Self::Shown { usual: Box::new(self), symbol: unit.symbol.clone(), si: unit.si }
     }

@@ -5,46 +5,34 @@
 use super::context::{is_number_with_unit, number_and_unit, read_quantity};
 use super::expression::read_unit;
 use super::limit_state::LimitState;
-use super::model::Scene;
 use super::output::{Output, OutputKind};
-use super::output_unit::OutputUnit;
+use super::output_unit::{OutputUnit, ShownUnit};
 use super::quantity::*;
 use super::section::Section;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use toml::{Table, Value};
 
-/// A unit in which quantities are shown.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ShownUnit {
-    /// Its text.
-    pub symbol: String,
-    /// The unit in SI.
-    pub si: f64,
+/// Reads the unit of a kind of quantities at this key; the outer `None` if it is faulty.
+fn read_shown(section: &mut Section, key: &'static str, kind: Kind) -> Option<Option<ShownUnit>> {
+    if section.get(key).is_none() {
+        return Some(None);
+    }
+    let symbol = section.text(key, &format!("the unit of {}", kind.in_words()))?;
+    match read_quantity(&format!("1 {symbol}"), kind) {
+        Ok(si) => Some(Some(ShownUnit { symbol: symbol.to_owned(), si })),
+        Err(fault) => {
+            section.fault(key, fault);
+            None
+        }
+    }
 }
 
-impl ShownUnit {
-    /// Reads the unit of a kind of quantities at this key; the outer `None` if it is faulty.
-    fn read(section: &mut Section, key: &'static str, kind: Kind) -> Option<Option<Self>> {
-        if section.get(key).is_none() {
-            return Some(None);
-        }
-        let symbol = section.text(key, &format!("the unit of {}", kind.in_words()))?;
-        match read_quantity(&format!("1 {symbol}"), kind) {
-            Ok(si) => Some(Some(Self { symbol: symbol.to_owned(), si })),
-            Err(fault) => {
-                section.fault(key, fault);
-                None
-            }
-        }
-    }
-
-    /// The unit in which a limit is written, if it is a number with one.
-    fn of_limit(limit: &str) -> Option<Self> {
-        let (_, symbol) = number_and_unit(limit).filter(|_| is_number_with_unit(limit))?;
-        let unit = read_unit(symbol).ok().filter(|_| !symbol.is_empty())?;
-        Some(Self { symbol: symbol.to_owned(), si: unit.multiply / unit.divide })
-    }
+/// The unit in which a limit is written, if it is a number with one.
+fn of_limit(limit: &str) -> Option<ShownUnit> {
+    let (_, symbol) = number_and_unit(limit).filter(|_| is_number_with_unit(limit))?;
+    let unit = read_unit(symbol).ok().filter(|_| !symbol.is_empty())?;
+    Some(ShownUnit { symbol: symbol.to_owned(), si: unit.multiply / unit.divide })
 }
 
 /// The units that a scene chooses.
@@ -83,7 +71,7 @@ impl Units {
         let mut section = file.section_if_any("units")?;
         let read: Vec<_> = Self::KEYS
             .iter()
-            .map(|(key, usual, kind, _)| Some((*usual, ShownUnit::read(&mut section, key, *kind)?)))
+            .map(|(key, usual, kind, _)| Some((*usual, read_shown(&mut section, key, *kind)?)))
             .collect();
         section.finish();
         let all: Option<Vec<_>> = read.into_iter().collect();
@@ -111,7 +99,7 @@ impl Units {
             let limit = ["threshold", "upper"].iter().find_map(|key| row.get(key)?.as_str());
             let is_fixed =
                 matches!(output.kind, OutputKind::External { .. }) || self.shown(usual.symbol()).is_some();
-            let Some(unit) = limit.and_then(ShownUnit::of_limit).filter(|_| !is_fixed) else { continue };
+            let Some(unit) = limit.and_then(of_limit).filter(|_| !is_fixed) else { continue };
             // The same size by another name, as `um`, is shown as usual.
             if (usual.to_shown(unit.si) - 1.0).abs() > 1e-12 {
                 self.by_output.entry(output.name.clone()).or_insert(unit);
@@ -128,7 +116,7 @@ impl Units {
         self.shown(usual).map_or(usual, |unit| &unit.symbol)
     }
 
-    /// A quantity [SI] with so many decimals of its usual unit, or six digits of the unit that stands for that.
+    /// A quantity [SI] with this number of decimals of its usual unit, or with six digits of the unit that stands for it.
     pub fn text(&self, si: f64, usual: &str, decimals: usize) -> String {
         match self.shown(usual) {
             Some(unit) => {
@@ -139,6 +127,15 @@ impl Units {
                 let unit = read_unit(usual).map_or(1.0, |unit| unit.multiply / unit.divide);
                 format!("{:.decimals$} {usual}", si / unit)
             }
+        }
+    }
+
+    /// Unit in which an output is shown.
+    pub(super) fn of_output(&self, output: &Output) -> OutputUnit {
+        let usual = output.kind.unit();
+        match self.by_output.get(&output.name) {
+            Some(unit) => usual.shown_in(unit),
+            None => self.of(usual),
         }
     }
 
@@ -156,16 +153,5 @@ impl Units {
         self.by_usual.iter().fold(head.to_owned(), |head, (usual, unit)| {
             head.replace(&bracketed(usual), &bracketed(&unit.symbol))
         })
-    }
-}
-
-impl Scene {
-    /// Unit in which an output is shown.
-    pub fn unit_of(&self, output: &Output) -> OutputUnit {
-        let usual = output.kind.unit();
-        match self.units.by_output.get(&output.name) {
-            Some(unit) => usual.shown_in(unit),
-            None => self.units.of(usual),
-        }
     }
 }

@@ -92,5 +92,7 @@ fn the_schema_of_the_units_follows_from_its_table() {
         "properties": properties,
         "additionalProperties": false,
     });
-    compare("../coordinator/schemas/scene.schema.json", |text| with_definition(&text, "units", &definition));
+    compare("../coordinator/schemas/scene.schema.json", |text| {
+        with_definition(&text, "shown_units", &definition)
+    });
 }

@@ -27,12 +27,8 @@ fn scene() -> Scene {
     let body = |label: &str| SignedBody { body: 0, sign: 1.0, label: label.into() };
     let speed = OutputKind::AngularVelocityDifference { a: body("right"), b: body("left") };
     let output = |name: &str, kind| Output { name: name.into(), kind };
-    let limit = |name: &str, output, threshold| LimitState {
-        name: name.into(),
-        output,
-        threshold,
-        fails: Fails::Above,
-    };
+    let fails = Fails::Above;
+    let limit = |name: &str, output, threshold| LimitState { name: name.into(), output, threshold, fails };
     Scene {
         name: "made-up".into(),
         title: "Two modes over 72 checkpoints".into(),
