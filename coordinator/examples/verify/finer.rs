@@ -2,10 +2,12 @@
 //! accuracy are corrected by a plane through the differences that a few of them show at the finer one, and what the plane leaves is
 //! counted at those few, so that the estimate has no bias, however good the plane is (control variates):
 //!
-//!   R(n) = mean_N 1(y_j + plane_j not failed) + mean_M [1(f_i not failed) - 1(y_i + plane_-i,i not failed)],
+//!   R(n) = mean_P 1(s_p + plane_p not failed) + mean_N [1(y_j + plane_j not failed) - 1(s_j + plane_j not failed)]
+//!        + mean_M [1(f_i not failed) - 1(y_i + plane_-i,i not failed)],
 //!
-//! N samples with results y, of which M have a result f at the finer accuracy; plane_-i is fitted without pair i. The variance is the sum of
-//! those of the two means.
+//! N samples with results y, of which M have a result f at the finer accuracy; plane_-i is fitted without pair i. s is the prediction of
+//! surrogates that were fitted to other samples of the direct study, P a large population: it takes most of the sampling error away.
+//! The variance is the sum of those of the three means.
 //!
 //! # Source
 //! Glasserman (2003), Monte Carlo Methods in Financial Engineering, Springer, section 4.1.
@@ -13,13 +15,20 @@
 use crate::Study;
 use crate::against::{first_failures, observations};
 use coordinator::results::summary::StudySummary;
-use coordinator::statistics::design::InputModel;
+use coordinator::statistics::design::{InputModel, Population};
+use coordinator::statistics::learning::Mode;
 use coordinator::statistics::reliability::REACH;
-use coordinator::study::{Problem, SimulatedPoint};
+use coordinator::study::{Problem, SimulatedPoint, Surrogate, learn_from_results};
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 use std::collections::HashMap;
 use std::error::Error;
+
+/// First samples, to which the surrogates are fitted.
+const FITTED: usize = 200;
+/// Points of the population, classified in blocks.
+const POPULATION: usize = 200_000;
+const BLOCK: usize = 2000;
 
 /// R(n) at the finer accuracy per curve and checkpoint, and its variance.
 pub struct FinerReliability {
@@ -51,6 +60,9 @@ pub fn finer_reliability(direct: &Study, finer: &Study) -> Result<FinerReliabili
         .unzip();
     let basis = |j: usize| basis_of(&problem.inputs, &samples[j].sample);
     let columns = problem.inputs.dimension() + 1;
+    if samples.len() < 2 * FITTED {
+        return Err(format!("{} samples, expected {}", samples.len(), 2 * FITTED).into());
+    }
     if places.len() < 3 * columns {
         return Err(format!("{} samples at both accuracies, expected {}", places.len(), 3 * columns).into());
     }
@@ -58,14 +70,16 @@ pub fn finer_reliability(direct: &Study, finer: &Study) -> Result<FinerReliabili
     let (qr, q) = (x.qr(), x.qr().compute_thin_Q());
     // How much of its own difference each pair has in the plane.
     let leverage: Vec<f64> = (0..places.len()).map(|i| q.row(i).iter().map(|v| v * v).sum()).collect();
+    let mut planes = vec![vec![Vec::new(); problem.checkpoints.len()]; scene.outputs.len()];
     let mut corrected = samples.clone();
     let mut left_out: Vec<SimulatedPoint> = fine.iter().map(|point| (*point).clone()).collect();
-    for output in 0..scene.outputs.len() {
-        for n in 0..problem.checkpoints.len() {
+    for (output, of_output) in planes.iter_mut().enumerate() {
+        for (n, coefficients) in of_output.iter_mut().enumerate() {
             let value = |point: &SimulatedPoint| point.observed.histories[output][n];
             let difference =
                 Mat::from_fn(places.len(), 1, |i, _| value(fine[i]) - value(&samples[places[i]]));
             let plane = qr.solve_lstsq(&difference);
+            *coefficients = (0..columns).map(|k| plane[(k, 0)]).collect();
             let at = |j: usize| basis(j).iter().enumerate().map(|(k, b)| b * plane[(k, 0)]).sum::<f64>();
             for (j, point) in corrected.iter_mut().enumerate() {
                 point.observed.histories[output][n] += at(j);
@@ -76,11 +90,37 @@ pub fn finer_reliability(direct: &Study, finer: &Study) -> Result<FinerReliabili
             }
         }
     }
+    let learned = learn_from_results(scene, scene, &direct.settings, &direct.outcomes[..=FITTED])?;
+    let surrogates = learned.assessment.surrogates;
+    let (m, modes) = (problem.checkpoints.len(), &problem.modes);
+    // First failures by the surrogates and the planes of standardised points `(n * d,)`.
+    let predicted = |z: &[f64]| -> Vec<Vec<u32>> {
+        let d = columns - 1;
+        let points = Mat::from_fn(d, z.len() / d, |k, j| z[j * d + k]);
+        let of_mode = |(mode, surrogate): (&Mode, &Surrogate)| {
+            let mean = surrogate.model.predict(points.as_ref()).mean;
+            let plane = |n: usize, j: usize| {
+                let plane = &planes[mode.output][n];
+                plane[0] + z[j * d..(j + 1) * d].iter().zip(&plane[1..]).map(|(z, b)| z * b).sum::<f64>()
+            };
+            let failed = |n: usize, j: usize| mean[(n, j)] + plane(n, j) >= surrogate.threshold.value;
+            let first = |j: usize| (0..m).find(|n| failed(*n, j)).unwrap_or(m) as u32;
+            (0..points.ncols()).map(first).collect::<Vec<u32>>()
+        };
+        with_system(modes.iter().zip(&surrogates).map(of_mode).collect())
+    };
+    let population = Population::draw(problem.inputs.clone(), POPULATION, direct.settings.seed + 1);
+    let mut of_population = vec![Vec::new(); modes.len() + 1];
+    for from in (0..POPULATION).step_by(BLOCK) {
+        let z: Vec<f64> =
+            (from..POPULATION.min(from + BLOCK)).flat_map(|j| population.standardised(j).to_vec()).collect();
+        of_population.iter_mut().zip(predicted(&z)).for_each(|(all, block)| all.extend(block));
+    }
+    let others: Vec<f64> =
+        samples[FITTED..].iter().flat_map(|point| problem.inputs.standardise(&point.sample)).collect();
+    let of_others = predicted(&others);
     let firsts = |points: &[SimulatedPoint]| {
-        let mut modes = first_failures(&problem, &observations(scene, &problem, points));
-        let system = (0..points.len()).map(|j| modes.iter().map(|mode| mode[j]).min().unwrap_or(0)).collect();
-        modes.push(system);
-        modes
+        with_system(first_failures(&problem, &observations(scene, &problem, points)))
     };
     let fine: Vec<SimulatedPoint> = fine.into_iter().cloned().collect();
     let [all, fine, left_out] = [&corrected, &fine, &left_out].map(|points| firsts(points));
@@ -93,10 +133,14 @@ pub fn finer_reliability(direct: &Study, finer: &Study) -> Result<FinerReliabili
             (mean, squares / (values.len() as f64 * (values.len() as f64 - 1.0)))
         };
         let at = |n: usize| {
-            let (counted, of_samples) = moments(all[curve].iter().map(|first| survives(*first, n)).collect());
+            let (counted, of_points) =
+                moments(of_population[curve].iter().map(|first| survives(*first, n)).collect());
+            let pairs = all[curve][FITTED..].iter().zip(&of_others[curve]);
+            let (missed, of_samples) =
+                moments(pairs.map(|(a, b)| survives(*a, n) - survives(*b, n)).collect());
             let pairs = fine[curve].iter().zip(&left_out[curve]);
             let (rest, of_pairs) = moments(pairs.map(|(a, b)| survives(*a, n) - survives(*b, n)).collect());
-            (counted + rest, of_samples + of_pairs)
+            (counted + missed + rest, of_points + of_samples + of_pairs)
         };
         let (of_curve, its_variance) = (0..problem.checkpoints.len()).map(at).unzip();
         reliability.push(of_curve);
@@ -106,6 +150,14 @@ pub fn finer_reliability(direct: &Study, finer: &Study) -> Result<FinerReliabili
         scene.limit_states.iter().map(|limit| limit.name.clone()).chain(["total".to_owned()]).collect();
     let cycles = scene.life.checkpoints();
     Ok(FinerReliability { curves, cycles, reliability, variance, pairs: places.len() })
+}
+
+/// The first failures of the limit states, and those of the system.
+fn with_system(mut modes: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
+    let points = modes.first().map_or(0, Vec::len);
+    let system = (0..points).map(|j| modes.iter().map(|mode| mode[j]).min().unwrap_or(0)).collect();
+    modes.push(system);
+    modes
 }
 
 /// One, and the standardised coordinates of a sample.
