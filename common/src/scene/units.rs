@@ -38,7 +38,7 @@ fn of_limit(limit: &str) -> Option<ShownUnit> {
 /// The units that a scene chooses.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Units {
-    /// By the usual unit in the place of which each stands.
+    /// Chosen units by the usual unit that each replaces.
     by_usual: BTreeMap<&'static str, ShownUnit>,
     /// Of single outputs, by their names.
     by_output: BTreeMap<String, ShownUnit>,
@@ -111,12 +111,12 @@ impl Units {
         self.by_usual.get(if usual == "um" { "µm" } else { usual })
     }
 
-    /// Symbol of the unit that stands for a usual one.
+    /// Symbol of the unit in which quantities with this usual unit are shown.
     pub fn symbol<'u>(&'u self, usual: &'u str) -> &'u str {
         self.shown(usual).map_or(usual, |unit| &unit.symbol)
     }
 
-    /// A quantity [SI] with this number of decimals of its usual unit, or with six digits of the unit that stands for it.
+    /// A quantity [SI] with this number of decimals of its usual unit, or with six digits of the chosen unit.
     pub fn text(&self, si: f64, usual: &str, decimals: usize) -> String {
         match self.shown(usual) {
             Some(unit) => {
@@ -139,7 +139,7 @@ impl Units {
         }
     }
 
-    /// The unit that stands for a usual one of outputs.
+    /// The unit in which outputs with this usual unit are shown.
     pub fn of(&self, usual: OutputUnit) -> OutputUnit {
         match self.shown(usual.symbol()) {
             Some(unit) => usual.shown_in(unit),
@@ -147,7 +147,7 @@ impl Units {
         }
     }
 
-    /// The head of a column with the usual unit in brackets, with the unit that stands for it.
+    /// The head of a column, with the chosen unit in the place of the usual one in its brackets.
     pub fn head(&self, head: &str) -> String {
         let bracketed = |unit: &str| format!("[{unit}]");
         self.by_usual.iter().fold(head.to_owned(), |head, (usual, unit)| {

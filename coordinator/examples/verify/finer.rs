@@ -1,13 +1,15 @@
 //! Studies against R(n) at a finer accuracy. Direct simulation at that accuracy is dear; here the samples of a direct study at a working
 //! accuracy are corrected by a plane through the differences that a few of them show at the finer one, and what the plane leaves is
-//! counted at those few, so that the estimate has no bias, however good the plane is (control variates):
+//! counted at those few, so that the estimate is right, but for terms of order 1/M, however good the plane is (control variates):
 //!
 //!   R(n) = mean_P 1(s_p + plane_p not failed) + mean_N [1(y_j + plane_j not failed) - 1(s_j + plane_j not failed)]
 //!        + mean_M [1(f_i not failed) - 1(y_i + plane_-i,i not failed)],
 //!
 //! N samples with results y, of which M have a result f at the finer accuracy; plane_-i is fitted without pair i. s is the prediction of
 //! surrogates that were fitted to other samples of the direct study, P a large population: it takes most of the sampling error away.
-//! The variance is the sum of those of the three means.
+//! The variance is the sum of those of the three means. That of the last one is at least p / M, with the share p of the N samples whose
+//! state changes when the residual f_i - y_i - plane_-i,i of one pair, another for each sample, is added: a difference that no pair shows
+//! is an error too.
 //!
 //! # Source
 //! Glasserman (2003), Monte Carlo Methods in Financial Engineering, Springer, section 4.1.
@@ -123,7 +125,16 @@ pub fn finer_reliability(direct: &Study, finer: &Study) -> Result<FinerReliabili
         with_system(first_failures(&problem, &observations(scene, &problem, points)))
     };
     let fine: Vec<SimulatedPoint> = fine.into_iter().cloned().collect();
-    let [all, fine, left_out] = [&corrected, &fine, &left_out].map(|points| firsts(points));
+    let mut shifted = corrected.clone();
+    for (j, point) in shifted.iter_mut().enumerate() {
+        let (f, rest) = (&fine[j % fine.len()].observed, &left_out[j % fine.len()].observed);
+        for (output, history) in point.observed.histories.iter_mut().enumerate() {
+            let residuals = f.histories[output].iter().zip(&rest.histories[output]).map(|(a, b)| a - b);
+            history.iter_mut().zip(residuals).for_each(|(value, residual)| *value += residual);
+        }
+    }
+    let [all, fine, left_out, shifted] =
+        [&corrected, &fine, &left_out, &shifted].map(|points| firsts(points));
     let survives = |first: u32, n: usize| f64::from(u8::from(first as usize > n));
     let (mut reliability, mut variance) = (Vec::new(), Vec::new());
     for curve in 0..all.len() {
@@ -140,6 +151,9 @@ pub fn finer_reliability(direct: &Study, finer: &Study) -> Result<FinerReliabili
                 moments(pairs.map(|(a, b)| survives(*a, n) - survives(*b, n)).collect());
             let pairs = fine[curve].iter().zip(&left_out[curve]);
             let (rest, of_pairs) = moments(pairs.map(|(a, b)| survives(*a, n) - survives(*b, n)).collect());
+            let differ = |(a, b): (&u32, &u32)| survives(*a, n) != survives(*b, n);
+            let differing = shifted[curve].iter().zip(&all[curve]).filter(|pair| differ(*pair)).count();
+            let of_pairs = of_pairs.max(differing as f64 / (samples.len() * places.len()) as f64);
             (counted + missed + rest, of_points + of_samples + of_pairs)
         };
         let (of_curve, its_variance) = (0..problem.checkpoints.len()).map(at).unzip();

@@ -3,7 +3,7 @@
 use common::build::Build;
 use common::wire::{self, Claim, Notice, Offers, PROTOCOL_VERSION, WorkerId, keys};
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tests::deployed::{
     HOST, LoggedProcess, NAMED, certificates, changed_configuration, configuration, has_openssl, session,
     try_session, user, with_users,
@@ -153,11 +153,13 @@ fn a_full_coordinator_says_how_many_sessions_it_accepts() {
         std::fs::write(&plain, "{}").unwrap();
         let listening = start_coordinator(folder.path(), "full", "tcp/127.0.0.1:0", Some(&few));
         // The coordinator's own first question may have the one session for a moment.
+        let begun = Instant::now();
         let connected = loop {
             match try_session(&plain, &listening.1) {
                 Ok(session) => break session,
-                Err(_) => std::thread::sleep(Duration::from_millis(50)),
+                Err(error) => assert!(begun.elapsed() < Duration::from_secs(30), "no session: {error}"),
             }
+            std::thread::sleep(Duration::from_millis(50));
         };
         let case = (
             plain.as_path(),
