@@ -4,7 +4,15 @@
 use std::process::Command;
 
 fn main() {
-    for sources in ["src", "schemas", "../common/src", "../common/scenes", "../worker/src", "../Cargo.lock"] {
+    for sources in [
+        "src",
+        "schemas",
+        "statistics/src",
+        "../common/src",
+        "../common/scenes",
+        "../worker/src",
+        "../Cargo.lock",
+    ] {
         println!("cargo::rerun-if-changed={sources}");
     }
     let described =

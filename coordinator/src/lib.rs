@@ -63,7 +63,7 @@ pub mod analyses;
 pub mod farm;
 pub mod presentation;
 pub mod results;
-pub mod statistics;
+pub use statistics;
 pub mod study;
 #[cfg(test)]
 mod tests;

@@ -7,8 +7,8 @@ use super::{
 use crate::results::summary::Round;
 use crate::statistics::design::{InputModel, Population};
 use crate::statistics::learning::{Mode, StoppingTargets};
-use crate::statistics::models;
 use crate::statistics::reliability::reliability_curve;
+use crate::tests::models;
 use common::random::{Correlation, Distribution, GaussianCopula, standard_normal_cdf, standard_normal_pdf};
 
 /// The four-branch system with k = 7 as an output that fails at 0.

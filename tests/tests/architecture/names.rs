@@ -1,6 +1,6 @@
 //! One type name, one meaning within a crate.
 
-use super::{crate_sources, none, root};
+use super::{CRATES, crate_sources, none, root};
 use std::collections::BTreeMap;
 
 /// Type names that stand twice in a crate, with the reason. At most five.
@@ -10,7 +10,7 @@ const TWICE: [(&str, &str, &str); 0] = [];
 fn a_type_name_has_one_meaning_in_a_crate() {
     assert!(TWICE.len() <= 5, "{} exceptions", TWICE.len());
     let mut found = Vec::new();
-    for name in ["common", "worker", "coordinator"] {
+    for name in CRATES {
         let mut places: BTreeMap<String, Vec<String>> = BTreeMap::new();
         for (file, source) in crate_sources(name) {
             for type_name in &source.types {
@@ -40,7 +40,7 @@ fn a_type_name_has_one_meaning_in_a_crate() {
 fn predicates_do_not_act() {
     let mut found = Vec::new();
     let mut read = 0;
-    for name in ["common", "worker", "coordinator"] {
+    for name in CRATES {
         for file in crate_sources(name).into_keys() {
             let path = format!("{name}/src/{}", file.display());
             let text = std::fs::read_to_string(root().join(&path)).unwrap();

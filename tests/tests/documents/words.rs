@@ -9,7 +9,8 @@ use std::path::Path;
 const AVOIDED: [&str; 6] = ["whoever", "nobody", "somebody", "takes notice", "held against", "so many"];
 
 /// Sources of the programs, and the scenes.
-const SOURCES: [&str; 4] = ["common/src", "common/scenes", "worker/src", "coordinator/src"];
+const SOURCES: [&str; 5] =
+    ["common/src", "common/scenes", "worker/src", "coordinator/src", "coordinator/statistics/src"];
 
 /// The avoided words in a text, whose line breaks count as spaces.
 fn avoided(text: &str) -> Vec<&'static str> {
