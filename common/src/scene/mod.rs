@@ -94,7 +94,7 @@ pub use output::{Output, OutputKind};
 pub use output_unit::OutputUnit;
 pub use output_values::{Attachment, ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
 pub use section::{Section, VALUE_LIMIT};
-pub use simulator::REQUEST_FILE;
+pub use simulator::{LEVEL_COST, REQUEST_FILE};
 pub use source::{SceneSource, published_results};
 pub use units::Units;
 pub use variable_law::{DEFAULT_LAW, LAWS};

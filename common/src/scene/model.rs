@@ -74,6 +74,8 @@ pub struct ExternalSimulator {
     pub gives: Gives,
     /// Names of its levels of accuracy, from the coarsest to the finest; empty if it has none.
     pub levels: Vec<String>,
+    /// Cost of an evaluation over that of one at the next coarser level [1].
+    pub level_cost: f64,
 }
 
 /// What a simulator gives in reply to a sample.

@@ -17,7 +17,7 @@ use super::model::{
     SimulatorKind, UmBridgeModel,
 };
 use super::output::{Output, OutputKind};
-use super::quantity::TIME;
+use super::quantity::{NUMBER, TIME};
 use super::section::{CHECKPOINT_LIMIT, COUNT_LIMIT, Section, record};
 use super::wear_model::{WearModel, wear_model};
 use std::path::{Component, Path};
@@ -27,6 +27,9 @@ use toml::{Table, Value};
 const TIMEOUT: f64 = 600.0;
 /// Default of the name of a model, as is customary for UM-Bridge servers.
 const USUAL_MODEL: &str = "forward";
+/// Cost of an evaluation over that of one at the next coarser level [1]: half the time steps and half the blocks. Measured at the drive:
+/// 2.2 to 4.1 (`wall_s` of `campaign.db`).
+pub const LEVEL_COST: f64 = 4.0;
 /// The file with the request in the working folder of an evaluation.
 pub const REQUEST_FILE: &str = "request.json";
 
@@ -37,6 +40,7 @@ pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>>
     let life_or_cycle = gives(&mut section);
     let read = record!(ExternalSimulator {
         levels: levels(&mut section, life_or_cycle.as_ref()),
+        level_cost: level_cost(&mut section),
         kind: kind(&mut section),
         timeout: section.quantity_or("timeout", TIME, Range::Positive, TIMEOUT),
         version: section.text_or("version", "a text, e.g. \"2024.1\"", "").map(str::to_owned),
@@ -141,6 +145,16 @@ fn levels(section: &mut Section, gives: Option<&Gives>) -> Option<Vec<String>> {
         return Some(names);
     }
     None
+}
+
+/// Reads the cost of a level over that of the one before [1].
+fn level_cost(section: &mut Section) -> Option<f64> {
+    if section.peek("level_cost").is_some() && section.peek("levels").is_none() {
+        section.get("level_cost");
+        section.inconsistent("level_cost", "belongs to levels, of which there are none");
+        return None;
+    }
+    section.quantity_or("level_cost", NUMBER, Range::Within(1.0, 1000.0), LEVEL_COST)
 }
 
 fn program(section: &mut Section) -> Option<Program> {

@@ -126,8 +126,9 @@ const FMU: &str = include_str!("../../../deploy/python/examples/fmu/slider-crank
 
 fn known() -> BTreeSet<String> {
     // Keys that exclude one of these scenes.
-    let mut known =
-        BTreeSet::from(["extends", "without", "above", "source", "levels", "python"].map(str::to_owned));
+    let mut known = BTreeSet::from(
+        ["extends", "without", "above", "source", "levels", "level_cost", "python"].map(str::to_owned),
+    );
     for text in SIMULATORS.into_iter().chain([EVERYTHING, CYCLE, FMU]) {
         SceneSource::parse(text, "scene").unwrap();
         language(&text.parse().unwrap(), "", &mut known);

@@ -134,6 +134,21 @@ fn an_fmu_is_run_with_its_mapping() {
 }
 
 #[test]
+fn the_cost_of_a_level_belongs_to_levels() {
+    let read = |keys: &str| SceneSource::parse(&beam("timeout = \"2 min\"", keys), "beam.toml");
+    let cost = |keys: &str| read(keys).unwrap().nominal().simulator.as_ref().unwrap().level_cost;
+    let levels = "levels = [\"coarse\", \"fine\"]";
+    assert_eq!((cost(levels), cost(&format!("{levels}\nlevel_cost = 30"))), (4.0, 30.0));
+    for (keys, said) in [
+        ("level_cost = 8".to_owned(), "belongs to levels"),
+        (format!("{levels}\nlevel_cost = 0.5"), "1 to 1000"),
+    ] {
+        let found = read(&keys).unwrap_err().to_string();
+        assert!(found.contains("simulator.level_cost") && found.contains(said), "{keys}: {found}");
+    }
+}
+
+#[test]
 fn without_a_life_there_is_one_checkpoint() {
     let text = beam("[life]\ncycles = 300\ncheckpoint_every = 100\n", "");
     let life = SceneSource::parse(&text, "beam.toml").unwrap().nominal().life;

@@ -3,7 +3,7 @@
 //!
 //! The first chunk has [`FIRST`] pairs at the second level, [`THIRD`] of them at the third level too. With n pairs and m points at the third
 //! level, whose scatter moves some R(n) by A and by B, more pairs or more points at the third level follow, whichever reduces A^2 + B^2 more
-//! for its cost, A^2 / n / c against B^2 / m / c^2, where c = [`COST`] is the cost of a level over that of the coarser one. They end when
+//! for its cost, A^2 / n / c against B^2 / m / c^2, where c is the cost of a level over that of the coarser one, that of the scene or [`LEVEL_COST`]. They end when
 //! hypot(A, B) is no larger than the error of the surrogates, when the whole half width of R(n) is that of `--target-error`, or with the
 //! cost of [`MOST`] times the evaluations at the working accuracy. The points are the nominal one and those farthest from it and from each
 //! other, weighted by their nearness to a limit. Then the surrogates are fitted to the corrected results; if they no longer meet the targets
@@ -26,7 +26,7 @@ use crate::results::summary::Round;
 use crate::statistics::design::deviation;
 use crate::statistics::learning::{Figures, farthest};
 use crate::statistics::reliability::REACH;
-use common::scene::{LimitState, Scene};
+use common::scene::{LEVEL_COST, LimitState, Scene};
 use std::collections::VecDeque;
 
 /// Pairs of the first chunk.
@@ -37,9 +37,6 @@ const NEXT: usize = 3;
 const THIRD: usize = 3;
 /// Points of each later chunk of points at the third level.
 const NEXT_THIRD: usize = 2;
-/// Cost of an evaluation over that of one at the next coarser level [1]: half the time steps and half the blocks. Measured at the drive:
-/// 2.2 to 4.1 (`wall_s` of `campaign.db`).
-const COST: f64 = 4.0;
 /// Cost of all pairs over that of the evaluations at the working accuracy [1].
 const MOST: f64 = 1.5;
 
@@ -141,11 +138,12 @@ impl<'a> PairedCampaign<'a> {
         }
         let scatter = self.current().and_then(|correction| self.scatter_to_reduce(&correction));
         let Some([of_pairs, of_thirds]) = scatter else { return vec![] };
-        let gains = [of_pairs / paired as f64, of_thirds / (COST * thirds as f64)];
+        let level_cost = self.scene.simulator.as_ref().map_or(LEVEL_COST, |simulator| simulator.level_cost);
+        let gains = [of_pairs / paired as f64, of_thirds / (level_cost * thirds as f64)];
         let has_more = self.simulated.iter().any(|one| one.finer[0].is_some() && !one.requested[1]);
         let (level, count) =
             if thirds > 0 && has_more && gains[1] > gains[0] { (2, NEXT_THIRD) } else { (1, NEXT) };
-        let cost = |pairs: usize, thirds: usize| COST * (pairs as f64 + COST * thirds as f64);
+        let cost = |pairs: usize, thirds: usize| level_cost * (pairs as f64 + level_cost * thirds as f64);
         let spent = cost(paired, thirds) + if level == 1 { cost(count, 0) } else { cost(0, count) };
         if spent > MOST * self.simulated.len() as f64 {
             return vec![];
