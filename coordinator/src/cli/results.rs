@@ -117,12 +117,12 @@ fn of_state(summary: &StudySummary, state: &str) -> Vec<AnswerPart> {
     };
     let bounded = summary.variables.iter().any(|row| row.lower.is_some() || row.upper.is_some());
     let mut meaning = format!(
-        "{state}, at {}: change of the failure probability if the mean or the standard deviation (std) of a variable increases by \
-         one standard deviation{}, with 95 % intervals",
+        "{state}, at {}: derivatives of the failure probability by the mean and the standard deviation (std) of a variable{}, times \
+         its standard deviation: to first order the change for an increase by one; ± 1.96 standard errors of sampling alone",
         number_of_cycles(cycles).replace('\u{a0}', ""),
         if bounded { ", with the bounds of bounded variables held" } else { "" }
     );
-    let mut head = vec!["variable", "mean + 1 std", "std + 1 std"];
+    let mut head = vec!["variable", "mean", "std"];
     if summary.sobol.iter().any(|row| row.limit_state == *state && row.cycles == cycles) {
         meaning += "\nSobol indices: share of the variance of the output by the variable alone (first order), and with its interactions (total)";
         head.extend(["Sobol first order", "Sobol total"]);

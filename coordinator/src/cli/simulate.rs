@@ -11,7 +11,7 @@ use common::outputs::{Evaluation, NarrowGroove};
 use common::scene::{Fault, Faults, Output, OutputUnit, Scene, SceneSource};
 use coordinator::presentation::motion_cautions::cautions;
 use coordinator::presentation::nominal_life::nominal_lives;
-use coordinator::presentation::report::format::{count as grouped, duration, three_digits};
+use coordinator::presentation::report::format::{count as grouped, duration, three_digits, with_unit};
 use coordinator::presentation::report::nominal_page::NominalView;
 use coordinator::results::control_points::control_points_rows;
 use coordinator::results::result_files::write_text;
@@ -116,11 +116,11 @@ impl Simulated<'_> {
             text += &format!("limit state {}", life.line(cycles));
         }
         for NarrowGroove { joint, since, angle, open, .. } in &evaluation.diagnostics.narrow_grooves {
+            let shown = |usual, value: f64| with_unit(&scene.units.of(usual), value);
             text += &format!(
-                "joint {joint}: a groove at {:.0} deg is narrower than the journal, which stays {} µm above its bottom; \
-                 first at {} cycles\n",
-                angle.to_degrees(),
-                three_digits(1e6 * open),
+                "joint {joint}: a groove at {} is narrower than the journal, which stays {} above its bottom; first at {} cycles\n",
+                shown(OutputUnit::Angle, *angle),
+                shown(OutputUnit::Length, *open),
                 grouped((*since).into())
             );
         }

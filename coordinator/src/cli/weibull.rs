@@ -58,8 +58,12 @@ pub fn weibull(arguments: &WeibullArguments, as_json: bool) -> Result<(), Comman
         end: end.map_or(f64::INFINITY, |row| f64::from(row.cycles)),
     };
     let lives = read_lives(file, &question)?;
-    let mut report = WeibullReport::new(lives, *confidence, *reliability)
-        .map_err(|error| CommandError::refused(file.display(), error.to_string()))?;
+    let mut report = WeibullReport::new(lives, *confidence, *reliability).map_err(|error| {
+        let of_mode = mode.as_ref().filter(|_| error.failed == 0);
+        let fault =
+            of_mode.map_or(error.to_string(), |mode| format!("--mode {mode}: no unit has failed by it"));
+        CommandError::refused(file.display(), fault)
+    })?;
     if let Some(summary) = &summary {
         report.compare(summary, mode.as_deref().unwrap_or("total")).map_err(CommandError::bad_input)?;
     }

@@ -30,7 +30,7 @@ pub fn whole(life: f64) -> String {
 }
 
 /// Width of an interval of lives below which decimals are shown [cycles].
-const FRACTIONAL: f64 = 3.0;
+const FRACTIONAL: f64 = 10.0;
 
 /// A life in cycles with two digits of the half-width of its interval, e.g. `63 220` for 63 215 within 264 cycles.
 pub fn rounded_cycles(life: f64, width: f64) -> String {
@@ -298,6 +298,7 @@ mod tests {
         assert_eq!(rounded_cycles(63_215.4, 264.0), "63\u{a0}220");
         assert_eq!(rounded_cycles(63_215.4, 14.0), "63\u{a0}215");
         assert_eq!([rounded_cycles(28.134, 0.21), rounded_cycles(3.04, 2.5)], ["28.13", "3.0"]);
+        assert_eq!([5.676, 6.2743].map(|life| rounded_cycles(life, 3.1)), ["5.7", "6.3"]);
         assert_eq!(with_width(0.373_04, 0.004_31), "0.3730 ± 0.0043");
         assert_eq!(with_width(1.973e-4, 6.2e-6), "1.973e\u{2212}4 ± 6.2e\u{2212}6");
         assert_eq!(with_width(0.5, f64::NAN), "0.500");

@@ -182,11 +182,11 @@ pub fn learn_from_results(
     settings: &Settings,
     stored: &[StoredOutcome],
 ) -> Result<CampaignResult, StudyError> {
-    learn_with_surrogates(changed, studied, settings, stored, &[])
+    learn_with_surrogates(changed, studied, settings, stored, None)
 }
 
-/// Does the same with the surrogates of another campaign of these results, see [`Campaign::with_surrogates`]; fits them if there
-/// are none.
+/// Does the same with the surrogates of another campaign of these results and the scene for whose limits that fitted them, see
+/// [`Campaign::with_surrogates`]; fits them if there are none.
 ///
 /// # Errors
 /// [`StudyError`].
@@ -195,11 +195,11 @@ pub fn learn_with_surrogates(
     studied: &Scene,
     settings: &Settings,
     stored: &[StoredOutcome],
-    surrogates: &[Surrogate],
+    fitted: Option<(&Scene, &[Surrogate])>,
 ) -> Result<CampaignResult, StudyError> {
     let mut campaign = campaign_from_results(changed, studied, settings, stored, 0);
-    if surrogates.len() == changed.limit_states.len() {
-        let same = changed.limit_states == studied.limit_states;
+    if let Some((scene, surrogates)) = fitted.filter(|(_, all)| all.len() == changed.limit_states.len()) {
+        let same = changed.limit_states == scene.limit_states;
         let thresholds = if same { Thresholds::Same } else { Thresholds::Others };
         campaign = campaign.with_surrogates(surrogates, thresholds);
     }

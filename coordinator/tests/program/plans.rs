@@ -165,5 +165,5 @@ fn a_study_with_variants_is_a_prior_and_is_compared_with_lives() {
     let message = refused(&["weibull", &file, "--study", &study]);
     assert!(message.contains("fleet.csv:2:3") && message.contains("fleet.csv:3:6"), "{message}");
     std::fs::write(&file, "unit,cycles,state\nA,900,failed\nB,10,running\n").unwrap();
-    assert!(refused(&["weibull", &file]).contains("at least two failures"));
+    assert!(refused(&["weibull", &file]).contains("failures at different lives"));
 }

@@ -35,15 +35,18 @@ pub struct DesignAnswer {
 }
 
 impl DesignStudy<'_> {
-    /// The design with these values, assessed on its own population from `outcomes`, with the surrogates of an earlier
-    /// assessment of the same outcomes, if there are any.
-    pub(super) fn assess(
+    /// The design assessed on its own population from `outcomes`, with the surrogates of the first design that was assessed with them,
+    /// which becomes `first` if there is none.
+    fn assess(
         &self,
         design: &Scene,
         outcomes: &[StoredOutcome],
-        surrogates: &[Surrogate],
+        first: &mut Option<(Scene, Vec<Surrogate>)>,
     ) -> Result<CampaignResult, StudyError> {
-        learn_with_surrogates(design, self.augmented, self.settings, outcomes, surrogates)
+        let fitted = first.as_ref().map(|(scene, surrogates)| (scene, &surrogates[..]));
+        let learned = learn_with_surrogates(design, self.augmented, self.settings, outcomes, fitted)?;
+        first.get_or_insert_with(|| (design.clone(), learned.assessment.surrogates.clone()));
+        Ok(learned)
     }
 }
 
@@ -56,21 +59,17 @@ pub fn answers(
     designs: &[Vec<f64>],
     outcomes: &[StoredOutcome],
 ) -> Result<Vec<DesignAnswer>, AnalysisError> {
-    let mut surrogates: Vec<Surrogate> = vec![];
-    let mut found = Vec::with_capacity(designs.len());
+    let (mut first, mut found) = (None, Vec::with_capacity(designs.len()));
     for values in designs {
         let started = Instant::now();
         let scene = study.space.scene_at(values)?;
-        let learned = study.assess(&scene, outcomes, &surrogates)?;
+        let learned = study.assess(&scene, outcomes, &mut first)?;
         found.push(DesignAnswer {
             values: values.clone(),
             summary: result_of(&scene, study.settings, &learned, started).summary,
             surrogate_error: learned.assessment.errors.largest(),
             first_failures: learned.assessment.first_failures(),
         });
-        if surrogates.is_empty() {
-            surrogates = learned.assessment.surrogates;
-        }
     }
     Ok(found)
 }
@@ -160,13 +159,10 @@ fn assess(
     outcomes: &[StoredOutcome],
     target: f64,
 ) -> Result<(), AnalysisError> {
-    let mut surrogates: Vec<Surrogate> = vec![];
+    let mut first = None;
     for candidate in candidates.iter_mut().filter(|candidate| candidate.error > target) {
-        let learned = study.assess(&candidate.scene, outcomes, &surrogates)?;
+        let learned = study.assess(&candidate.scene, outcomes, &mut first)?;
         candidate.error = learned.assessment.errors.largest();
-        if surrogates.is_empty() {
-            surrogates = learned.assessment.surrogates;
-        }
     }
     Ok(())
 }

@@ -82,13 +82,13 @@ fn ranges_and_designs_that_cannot_be_are_named() {
 
 /// Wear w = t (1 + 0.1 a + 2 (m - 0.4)^2) at the share t of the life, with a standard normal a and the mean m of the variable
 /// b, whose own scatter is small; it fails from 1 on. The best mean is 0.4.
-fn bowl() -> DesignSpace {
+fn bowl(range: &str) -> DesignSpace {
     let text = "scene = { name = \"bowl\" }\nsimulator = { program = [\"closure\"] }\n\
         life = { cycles = 1000, checkpoint_every = 100 }\noutputs = [{ name = \"w\" }]\n\
         limit_states = [{ name = \"wear\", output = \"w\", threshold = 1 }]\n\
         variables = [{ name = \"a\", distribution = \"normal\", mean = 0, std = 1 },\n\
         { name = \"b\", distribution = \"normal\", mean = 0, std = 0.02 }]";
-    DesignSpace::new(SceneSource::parse(text, "bowl").unwrap(), &["b.mean=-0.5..1".to_owned()]).unwrap()
+    DesignSpace::new(SceneSource::parse(text, "bowl").unwrap(), &[range.to_owned()]).unwrap()
 }
 
 fn histories(x: &[f64]) -> Vec<Vec<f64>> {
@@ -97,8 +97,36 @@ fn histories(x: &[f64]) -> Vec<Vec<f64>> {
 }
 
 #[test]
+fn a_design_at_the_limit_of_the_scene_is_not_answered_with_that_of_another() {
+    let space = bowl("wear.threshold=0.8..1");
+    let augmented = space.augmented().unwrap();
+    let scene = augmented.nominal();
+    let cycles = scene.life.checkpoints();
+    let settings =
+        Settings { samples: 20_000, initial: 12, max_evaluations: 30, seed: 5, ..Settings::from(scene) };
+    let (mut journal, mut outcomes) = (InMemoryJournal::default(), vec![]);
+    let evaluate =
+        |request: &Request| Ok(Evaluation::from_histories(cycles.clone(), histories(&request.sample)));
+    run(scene, &settings, &mut LocalEvaluator::new(1, evaluate), &mut journal, &mut Silent).unwrap();
+    outcomes.extend(journal.outcomes().values().map(|(sample, finished)| StoredOutcome {
+        sample: sample.clone(),
+        outcome: finished.outcome.clone().map(Observed::from_evaluation),
+    }));
+    let study = DesignStudy { space: &space, augmented: scene, settings: &settings };
+    // 0.32 + 2 std^2 is the mean of 2 (b - 0.4)^2, 1.6 std its spread.
+    let exact = |limit: f64, t: f64| standard_normal_cdf((limit / t - 1.3208) / 0.1_f64.hypot(0.032));
+    for answer in answers(&study, &space.grid(5), &outcomes).unwrap() {
+        for row in &answer.summary.reliability[4..9] {
+            let (r, limit) = (row.reliability["total"], answer.values[0]);
+            let exact = exact(limit, f64::from(row.cycles) / 1000.0);
+            assert!((r - exact).abs() < 4.0 * row.standard_error["total"] + 0.004, "{limit}: {r} {exact}");
+        }
+    }
+}
+
+#[test]
 fn one_study_answers_for_every_design_and_finds_the_best() {
-    let space = bowl();
+    let space = bowl("b.mean=-0.5..1");
     let augmented = space.augmented().unwrap();
     let scene = augmented.nominal();
     let cycles = scene.life.checkpoints();

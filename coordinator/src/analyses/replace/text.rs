@@ -156,13 +156,13 @@ fn rates(rates: &[RateRow]) -> AnswerPart {
     })
 }
 
-/// Replacement above a measured level, if it was asked for.
+/// Replacement at measured levels, if it was asked for.
 fn inspections(report: &ReplacementReport, scene: &Scene) -> Vec<AnswerPart> {
     let Some(first) = report.inspections.first() else { return vec![] };
     let output = scene.outputs.iter().find(|output| output.name == first.output);
     let unit = output.map(|output| scene.unit_of(output));
     let meaning = format!(
-        "Replacement above a measured {}, at a last age in any case; lives and ages in cycles, cost with 95 % limits by the number \
+        "Replacement at levels of a measured {}, at a last age in any case; lives and ages in cycles, cost with 95 % limits by the number \
          of units, the upper one with failures that none of them shows",
         first.output
     );

@@ -82,7 +82,7 @@ pub fn ask(study: &FinishedStudy<'_>, changed: &Scene) -> Result<WhatIf, StudyEr
     let started = Instant::now();
     let FinishedStudy { scene, simulated, settings, outcomes, summary } = *study;
     let before = learn_from_results(scene, simulated, settings, outcomes)?;
-    let fitted = &before.assessment.surrogates;
+    let fitted = Some((scene, &before.assessment.surrogates[..]));
     let after = learn_with_surrogates(changed, simulated, settings, outcomes, fitted)?;
     let summaries = [(scene, &before), (changed, &after)]
         .map(|(scene, learned)| result_of(scene, settings, learned, started).summary);

@@ -1,21 +1,48 @@
 //! Parts of the interval of R and the levels of accuracy that correct it, in words and as tables; the stated numerical errors in words.
 
-use super::format::{count, fixed, percent};
+use super::format::{count, fixed, percent, three_digits};
 use super::life::governing;
 use super::{ReportInput, table, table_of};
 use crate::results::level_summary::DifferenceRow;
 use crate::results::reliability_summary::ErrorParts;
-use crate::results::summary::StudySummary;
+use crate::results::summary::{ReliabilityRow, StudySummary};
 use crate::statistics::reliability::REACH;
 use common::scene::LimitState;
 use maud::{Markup, html};
 
-/// Names of the parts of an interval, and what reduces each.
-pub const PARTS: [(&str, &str); 3] = [
-    ("samples", "a larger population, `--samples`"),
-    ("surrogates", "more simulations, `--max-evaluations` and a smaller `--target-error`"),
-    ("numerical error", "finer levels or a finer accuracy, `--levels`"),
-];
+/// Names of the parts of an interval.
+pub const PARTS: [&str; 3] = ["samples", "surrogates", "numerical error"];
+
+/// What reduces a part of the interval of a row, by its place in [`PARTS`], with its half width [1]; `None` where nothing of the program does.
+fn remedy(summary: &StudySummary, row: &ReliabilityRow, place: usize, width: f64) -> Option<&'static str> {
+    let r = row.reliability.get("total")?;
+    let of_counting = REACH * (r * (1.0 - r) / summary.population.max(1) as f64).sqrt();
+    let is_counting = width <= BEYOND_COUNTING * of_counting;
+    match place {
+        0 if summary.conditional.is_some() => None,
+        0 if !is_counting && summary.failures.barred_share > 0.0 => {
+            Some("simulations that give a result where they fail")
+        }
+        0 if !is_counting && summary.untested.is_some() => Some("more simulations, `--max-evaluations`"),
+        0 => Some("a larger population, `--samples`"),
+        1 => Some("more simulations, `--max-evaluations` and a smaller `--target-error`"),
+        _ if !summary.of_mechanism() => Some("smaller errors, or `levels`, of the simulator"),
+        _ if summary.is_direct() => Some("a finer accuracy, `--accuracy`"),
+        _ => Some("finer levels or a finer accuracy, `--levels`"),
+    }
+}
+
+/// Half width over that of counting samples beyond which the part of the samples has another reason [1].
+const BEYOND_COUNTING: f64 = 1.5;
+
+/// The half width of a part of the interval, by its place in [`PARTS`].
+fn half_width(summary: &StudySummary, place: usize, width: f64) -> String {
+    match (place, width) {
+        (2, 0.0) if !summary.of_mechanism() && summary.levels.is_none() => "not stated".to_owned(),
+        (_, width) if width == 0.0 || width >= 1e-4 => fixed(width, 4),
+        _ => three_digits(width),
+    }
+}
 
 /// Half widths of the 95 % interval by each part, in the order of [`PARTS`] [1].
 pub fn half_widths(parts: &ErrorParts) -> [f64; 3] {
@@ -28,18 +55,16 @@ pub fn parts_and_levels(summary: &StudySummary) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some((row, parts)) = governing(summary).and_then(|row| Some((row, row.parts.get("total")?))) {
         let widths = half_widths(parts);
-        let is_shown = |(place, _): &(usize, &(&str, &str))| !(summary.is_direct() && *place == 1);
-        let shown = PARTS.iter().enumerate().filter(is_shown);
-        let each: Vec<String> =
-            shown.clone().map(|(place, (name, _))| format!("{name} {}", fixed(widths[place], 4))).collect();
-        let largest =
-            shown.max_by(|a, b| widths[a.0].total_cmp(&widths[b.0])).map_or("", |(_, (_, what))| what);
+        let is_shown = |place: &usize| !(summary.is_direct() && *place == 1);
+        let shown = (0..PARTS.len()).filter(is_shown);
+        let each = shown.clone().map(|i| format!("{} {}", PARTS[i], half_width(summary, i, widths[i])));
+        let each: Vec<String> = each.collect();
+        let largest = shown.max_by(|a, b| widths[*a].total_cmp(&widths[*b])).filter(|i| widths[*i] > 0.0);
+        let remedy = largest.and_then(|i| remedy(summary, row, i, widths[i]));
+        let remedy = remedy.map_or(String::new(), |what| format!("; largest part reduced by {what}"));
         let at = format!(" at {} cycles", count(row.cycles.into()));
         let at = if summary.is_static() { "" } else { &at };
-        lines.push(format!(
-            "parts of the interval of R total{at}, half widths: {}; largest part reduced by {largest}",
-            each.join(", ")
-        ));
+        lines.push(format!("parts of the interval of R total{at}, half widths: {}{remedy}", each.join(", ")));
     }
     if let Some(levels) = &summary.levels {
         let [pairs, thirds] = levels.pairs;
@@ -69,12 +94,13 @@ fn signed_percent(share: f64) -> String {
 /// Parts of the intervals of all curves where R of the system is nearest 1/2, and the differences of the levels.
 pub fn tables(summary: &StudySummary) -> Markup {
     let Some(row) = governing(summary).filter(|row| !row.parts.is_empty()) else { return html! {} };
-    let [samples, surrogates, numerical] = PARTS.map(|(name, _)| name);
+    let [samples, surrogates, numerical] = PARTS;
     let head = ["half width of the 95 % interval of R", samples, surrogates, numerical, "all"];
     let cells = |name: &str| {
         let widths = row.parts.get(name).map(half_widths).unwrap_or_default();
         let all = widths.iter().map(|width| width * width).sum::<f64>().sqrt();
-        let numbers = widths.into_iter().chain([all]).map(|width| fixed(width, 4));
+        let numbers = [widths[0], widths[1], widths[2], all].into_iter().enumerate();
+        let numbers = numbers.map(|(place, width)| half_width(summary, place, width));
         std::iter::once(format!("{name}, {} cycles", count(row.cycles.into()))).chain(numbers)
     };
     let parts = table(&head, summary.curve_names().map(cells));
@@ -156,6 +182,7 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::results::level_summary::LevelsRow;
+    use crate::results::summary::ConditionRow;
     use crate::tests::test_study;
 
     #[test]
@@ -181,6 +208,32 @@ mod tests {
         assert!(tables(&summary).0.contains("not observed") || tables(&summary).0.contains("2.0"));
         summary.reliability.iter_mut().for_each(|row| row.parts.clear());
         assert!(tables(&summary).0.is_empty());
+    }
+
+    #[test]
+    fn advice_is_given_where_it_helps() {
+        let summary = crate::tests::test_study::study().summary;
+        let said = |change: &dyn Fn(&mut StudySummary), parts: [f64; 3]| {
+            let mut summary = summary.clone();
+            summary.levels = None;
+            change(&mut summary);
+            let [sampling, surrogate, numerical] = parts;
+            for row in &mut summary.reliability {
+                row.parts.insert("total".to_owned(), ErrorParts { sampling, surrogate, numerical });
+            }
+            parts_and_levels(&summary)[0].clone()
+        };
+        let condition = ConditionRow { probability: 1e-3, coefficient_of_variation: 0.1, levels: 2 };
+        let rare = said(&|summary| summary.conditional = Some(condition), [6e-8, 1e-9, 0.0]);
+        assert!(rare.contains("samples 1.18e\u{2212}7,") && !rare.contains("reduced by"), "{rare}");
+        let failing = said(&|summary| summary.failures.barred_share = 0.12, [0.06, 0.0, 0.0]);
+        assert!(failing.contains("reduced by simulations that give a result"), "{failing}");
+        let direct = said(&|summary| summary.method = "monte-carlo".to_owned(), [0.001, 0.0, 0.01]);
+        assert!(direct.contains("reduced by a finer accuracy, `--accuracy`"), "{direct}");
+        let simulator = said(&|summary| summary.accuracy_settings = None, [0.001, 0.0, 0.0]);
+        assert!(simulator.contains("numerical error not stated"), "{simulator}");
+        let certain = said(&|_| {}, [0.0; 3]);
+        assert!(certain.ends_with("numerical error 0.0000"), "{certain}");
     }
 
     #[test]

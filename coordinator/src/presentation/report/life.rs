@@ -81,7 +81,14 @@ fn between_checkpoints(summary: &StudySummary, key: &str, level: f64) -> LifeAt 
 }
 
 /// The life of mechanisms that exceed a limit in their first cycle.
-pub const FAILED_UNWORN: &str = "failed unworn";
+const FAILED_UNWORN: &str = "failed unworn";
+/// A life of which nothing is known.
+const NOT_KNOWN: &str = "not known";
+
+/// The unit of a life in words, if it is a number of cycles.
+pub fn unit_of_life(life: &str) -> &'static str {
+    if [FAILED_UNWORN, NOT_KNOWN].contains(&life) { "" } else { "cycles" }
+}
 
 /// A life in words and its limits, e.g. `63 420` and `63 200 to 63 640`, with two digits of the width of the interval.
 pub fn life_and_limits(life: LifeAt) -> (String, String) {
@@ -106,7 +113,7 @@ pub fn life_and_limits(life: LifeAt) -> (String, String) {
             (format!("before {}", whole(upper.ceil())), String::new())
         }
         LifeAt::Between { lower, upper: None } => (format!("after {}", whole(lower.floor())), String::new()),
-        LifeAt::Beyond { lower, .. } if lower < 1.0 => ("not known".to_owned(), String::new()),
+        LifeAt::Beyond { lower, .. } if lower < 1.0 => (NOT_KNOWN.to_owned(), String::new()),
         LifeAt::Beyond { lower, .. } => (format!("beyond {}", whole(lower.floor())), String::new()),
     }
 }
@@ -187,13 +194,17 @@ pub fn rows_that_matter(summary: &StudySummary, margin: usize) -> &[ReliabilityR
 /// A limit state leads once it has failed this share of the mechanisms more than any other.
 const LEAD: f64 = 1e-3;
 
-/// The limit state with the most failures at each row, where any has failed: (cycles from, name), one entry
-/// per change of the leader; the cycles are those of the first checkpoint where it leads.
+/// The limit state that has been the first failure of most mechanisms at each row, or has failed most where first failures are not known:
+/// (cycles from, name), one entry per change of the leader; the cycles are those of the first checkpoint where it leads.
 pub fn leaders(summary: &StudySummary) -> Vec<(u32, &str)> {
     let mut leaders: Vec<(u32, &str)> = Vec::new();
     for row in &summary.reliability {
-        let failed = |name: &str| 1.0 - row.reliability.get(name).copied().unwrap_or(1.0);
-        // Once nearly all have failed in every mode, the shares are equal and no mode leads.
+        let first = summary.first_failure.iter().find(|first| first.cycles == row.cycles);
+        let failed = |name: &str| match first {
+            Some(first) => first.first.get(name).copied().unwrap_or(0.0),
+            None => 1.0 - row.reliability.get(name).copied().unwrap_or(1.0),
+        };
+        // Once nearly all have failed in every mode, the shares may be equal and no mode leads.
         let mut order: Vec<&String> = summary.limit_states.iter().collect();
         order.sort_by(|a, b| failed(b).total_cmp(&failed(a)));
         let Some(first) = order.first() else { continue };
@@ -210,11 +221,13 @@ pub fn leaders(summary: &StudySummary) -> Vec<(u32, &str)> {
 mod tests {
     use super::*;
     use crate::results::life_summary::LifeCurveRow;
+    use crate::results::summary::FirstFailureRow;
     use crate::tests::test_study;
 
     fn summary(curves: &[(&str, &[f64])]) -> StudySummary {
         let mut summary = test_study::study().summary;
         summary.lives.clear();
+        summary.first_failure.clear();
         summary.limit_states =
             curves.iter().map(|(name, _)| name.to_string()).filter(|n| n != "total").collect();
         summary.reliability = (0..curves[0].1.len())
@@ -308,6 +321,15 @@ mod tests {
             ("total", &[1.0, 0.9, 0.2, 0.0]),
         ]);
         assert_eq!(leaders(&summary), [(2000, "wear"), (3000, "asymmetry")]);
+        // The first failures count, not all of a mode as if it were alone.
+        let first = |cycles: u32, wear: f64, asymmetry: f64| FirstFailureRow {
+            cycles,
+            together: 0.0,
+            first: [("wear".to_owned(), wear), ("asymmetry".to_owned(), asymmetry)].into(),
+        };
+        let rows = vec![first(2000, 0.1, 0.0), first(3000, 0.4, 0.4), first(4000, 0.6, 0.4)];
+        let found = StudySummary { first_failure: rows, ..summary.clone() };
+        assert_eq!(leaders(&found), [(2000, "wear")]);
         assert_eq!(rows_that_matter(&summary, 0).len(), 4);
     }
 

@@ -4,7 +4,8 @@
 //! # Source
 //! Catmull, Rom (1974), A class of local interpolating splines: the spline of closed curves.
 
-use super::{Drawing, Ink, tick_label};
+use super::format::with_unit;
+use super::{Drawing, Ink};
 use common::scene::OutputUnit;
 use maud::{Markup, html};
 use std::f64::consts::TAU;
@@ -164,7 +165,7 @@ impl Polar {
         let rings = [2, 4].map(|ring| {
             let value = self.full * f64::from(ring) / 4.0;
             let [x, y] = self.place(spoke_angle(free) + TAU / 24.0, value);
-            (format!("{x:.1}"), format!("{:.1}", y + 4.0), unit.after(&tick_label(unit.to_shown(value))))
+            (format!("{x:.1}"), format!("{:.1}", y + 4.0), with_unit(unit, value))
         });
         let content = html! {
             rect x=(-HALF) y=(-HALF) width=(2.0 * HALF) height=(2.0 * HALF) fill=(Ink::Paper.hex()) {}

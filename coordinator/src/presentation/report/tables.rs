@@ -144,9 +144,9 @@ pub fn sensitivity(input: &ReportInput, limit_state: &str) -> Option<Markup> {
             ("mean (SI)", &|row| law(row, |law| law.parent_mean())),
             ("std (SI)", &|row| law(row, |law| law.given_std())),
             ("dPf/dmean", &|row| three_digits(row.d_pf_d_mean)),
-            ("± (95 %)", &|row| three_digits(REACH * row.standard_error.d_pf_d_mean)),
+            ("± (sampling)", &|row| three_digits(REACH * row.standard_error.d_pf_d_mean)),
             ("dPf/dstd", &|row| three_digits(row.d_pf_d_std)),
-            ("± (95 %)", &|row| three_digits(REACH * row.standard_error.d_pf_d_std)),
+            ("± (sampling)", &|row| three_digits(REACH * row.standard_error.d_pf_d_std)),
             ("scaled, mean", &|row| three_digits(row.scaled.d_pf_d_mean)),
             ("scaled, std", &|row| three_digits(row.scaled.d_pf_d_std)),
         ],
@@ -204,14 +204,14 @@ pub fn diagnostics(input: &ReportInput) -> Markup {
 
 /// The joints with such grooves.
 fn grooves(grooved: &[GroovedJoint], units: &Units) -> Markup {
-    let depth = units.of(OutputUnit::Length);
+    let [depth, turn] = [OutputUnit::Length, OutputUnit::Angle].map(|usual| units.of(usual));
     table_of::<&GroovedJoint>(
         &[
             ("groove narrower than the journal", &|joint| format!("joint {}", joint.widest.joint)),
             ("evaluations", &|joint| count(joint.evaluations)),
             ("first at cycle", &|joint| count(joint.since.into())),
-            ("angle [deg]", &|joint| fixed(joint.widest.angle.to_degrees(), 0)),
-            ("width [deg]", &|joint| fixed(joint.widest.width.to_degrees(), 0)),
+            (&units.head("angle [deg]"), &|joint| three_digits(turn.to_shown(joint.widest.angle))),
+            (&units.head("width [deg]"), &|joint| three_digits(turn.to_shown(joint.widest.width))),
             (&units.head("stays open [µm]"), &|joint| three_digits(depth.to_shown(joint.widest.open))),
         ],
         grooved,

@@ -1,12 +1,12 @@
 //! Results of a study in sentences.
 
+use super::ReportInput;
 use super::figures::shares_of_failures;
-use super::format::{count, duration, number_of_cycles, percent, short_percent};
+use super::format::{count, duration, number_of_cycles, percent, seven_digits, short_percent};
 use super::life::{
     LifeAt, failure_probability, governing, leaders, life_and_limits, life_at, unresolved_fall,
 };
 use super::variants;
-use super::{ReportInput, tick_label};
 use crate::results::summary::StudySummary;
 use common::scene::Fails;
 
@@ -67,7 +67,7 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
         let state = input.scene.limit_states.iter().find(|state| state.name == name)?;
         let unit = input.unit_of(state);
         let output = input.output_of(state);
-        let shown = |value: f64| unit.after(&tick_label(unit.to_shown(value)));
+        let shown = |value: f64| unit.after(&seven_digits(unit.to_shown(value)));
         let threshold = shown(state.threshold);
         Some(match state.fails {
             Fails::Above => format!("{output} reaching {threshold}"),
@@ -102,7 +102,7 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
             ));
             for (from, next) in rest {
                 text.push(format!(
-                    "From {} on, {} has caused the most failures.",
+                    "From {} on, {} has been the first failure of most.",
                     number_of_cycles(*from),
                     named(next)
                 ));
@@ -210,6 +210,7 @@ mod tests {
     #[test]
     fn issue_failures_without_a_leading_limit_state_were_denied() {
         let mut summary = crate::tests::test_study::study().summary;
+        summary.first_failure.clear();
         let names = summary.limit_states.clone();
         for row in &mut summary.reliability {
             row.reliability.extend(names.iter().map(|name| (name.clone(), 0.955)));

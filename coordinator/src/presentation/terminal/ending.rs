@@ -4,7 +4,7 @@ use crate::presentation::format::{duration, in_columns};
 use crate::presentation::motion_cautions::control_points_notes;
 use crate::presentation::report::levels::parts_and_levels;
 use crate::presentation::report::life::{
-    LEVELS, LifeAt, life_and_limits, life_at, reliability_table, rows_that_matter, unresolved_fall,
+    LEVELS, life_and_limits, life_at, reliability_table, rows_that_matter, unit_of_life, unresolved_fall,
 };
 use crate::presentation::report::untested::{no_simulated_failure, steps_and_noise};
 use crate::presentation::report::{failure_probability, variants};
@@ -75,12 +75,11 @@ fn over_life(summary: &StudySummary) -> String {
     let mut text = in_columns(&reliability_table(summary, rows_that_matter(summary, 0)), &[]);
     text.push('\n');
     for level in LEVELS {
-        let found = life_at(summary, "total", level);
-        let (life, limits) = life_and_limits(found);
-        let unit = if matches!(found, LifeAt::Unworn { .. }) { "" } else { " cycles" };
-        let limits =
-            if limits.is_empty() { "95 % bound".to_owned() } else { format!("95 % interval {limits}") };
-        text += &format!("life at R = {level}: {life}{unit} ({limits})\n");
+        let (life, limits) = life_and_limits(life_at(summary, "total", level));
+        let unit = unit_of_life(&life);
+        let limits = if limits.is_empty() { "95 % bound" } else { &format!("95 % interval {limits}") };
+        text += format!("life at R = {level}: {life} {unit}").trim_end();
+        text += &format!(" ({limits})\n");
     }
     if let Some(note) = unresolved_fall(summary) {
         text += &format!("caution: {note}\n");

@@ -18,7 +18,7 @@ fn written_by(program: Option<&str>) -> String {
 #[derive(Debug, Error)]
 pub enum StoreError {
     /// Another running process has locked the folder.
-    #[error("output folder {}: in use by another running coordinator; wait for it to end or choose another --out", dir.display())]
+    #[error("output folder {}: in use by another running coordinator; wait for it to end, or start a new study in another folder", dir.display())]
     InUse {
         /// Folder of the study.
         dir: PathBuf,

@@ -35,8 +35,8 @@ const FARTHEST: f64 = 64.0;
 /// The likelihood of these data has no maximum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error(
-    "no Weibull distribution has the largest likelihood with {failed} failures at these lives; allowed: at least two failures at \
-     different lives"
+    "no Weibull distribution has the largest likelihood with {failed} failures at these lives; allowed: failures at different lives, or \
+     one and a unit that has run longer"
 )]
 pub struct NoMaximum {
     /// Number of failures.

@@ -8,7 +8,7 @@ mod signed;
 use super::animation::{SCRIPT, animation};
 use super::figures::{self, file_name};
 use super::format::{count, fixed, sentence};
-use super::life::{FAILED_UNWORN, LEVELS, failure_probability, rows_that_matter};
+use super::life::{LEVELS, failure_probability, rows_that_matter, unit_of_life};
 use super::page::numbered;
 use super::tables::{self};
 use super::{Figure, FigureFiles, Page, ReportInput, captioned, table_of};
@@ -272,7 +272,7 @@ fn lead(page: &mut Page, input: &ReportInput) {
                     div.tile {
                         p { "R = " (level) }
                         p.figure { (life) }
-                        p { @if life != FAILED_UNWORN { "cycles" br; } (bounds) }
+                        p { @let unit = unit_of_life(&life); @if !unit.is_empty() { (unit) br; } (bounds) }
                     }
                 }
             }

@@ -53,9 +53,9 @@ pub fn sensitivities(input: &ReportInput) -> Vec<Figure> {
         let Some(first) = rows.first() else { continue };
         let cause = if name == "total" { "any limit state" } else { name };
         let caption = format!(
-            "Change of the probability of failure by {cause} at {} if the mean or the standard deviation of a variable \
-             increases by one standard deviation, with the bounds of bounded variables held; positive: more failures. Thin \
-             lines: 1.96 standard errors. The {} largest of {}.",
+            "Derivatives of the probability of failure by {cause} at {} by the mean and the standard deviation of a variable, times \
+             its standard deviation: to first order the change for an increase by one, with the bounds of bounded variables held; \
+             positive: more failures. Thin lines: 1.96 standard errors of sampling alone. The {} largest of {}.",
             number_of_cycles(first.cycles),
             rows.len().min(SHOWN),
             rows.len()
@@ -67,7 +67,7 @@ pub fn sensitivities(input: &ReportInput) -> Vec<Figure> {
             errors: row.scaled_errors().map(finite),
         };
         let (figure, all) = (&format!("sensitivity-{}", file_name(name)), rows.iter().map(pair).collect());
-        let (labels, axis) = (["mean + 1 std", "std + 1 std"], "change of failure probability");
+        let (labels, axis) = (["mean", "std"], "derivative of failure probability, times std");
         let bars = Bars { figure, labels, axis, signed: true, all, shown: SHOWN };
         figures.push(bars.figure(&format!("Sensitivity of failure by {cause}"), &caption));
     }

@@ -1,7 +1,7 @@
 //! Figures of the rounds of learning, of the predictions of the surrogates, and of the numerical error.
 
 use super::{LifeAxis, capital, file_name, ink_of, range, rows_that_matter, span, stacked};
-use crate::presentation::report::format::{count, fixed, percent};
+use crate::presentation::report::format::{count, fixed, percent, seven_digits};
 use crate::presentation::report::levels::{PARTS, half_widths};
 use crate::presentation::report::{
     Axis, Figure, Ink, Plot, Points, ReportInput, Scale, Series, Shape, StatedAt, tick_label,
@@ -96,7 +96,7 @@ fn predicted(input: &ReportInput, row: &PredictionRow, state: &LimitState) -> Fi
     ));
     let mut name = input.output_of(state);
     if let Some(middle) = state.middle() {
-        name = format!("distance of {name} from {}", unit.after(&tick_label(unit.to_shown(middle))));
+        name = format!("distance of {name} from {}", unit.after(&seven_digits(unit.to_shown(middle))));
     }
     let labels = ["simulated", "predicted"].map(|which| unit.axis(&format!("{which} {name}")));
     let x = Axis::linear(&labels[0], (low, high));
@@ -133,7 +133,7 @@ pub fn parts_of_interval(summary: &StudySummary) -> Option<Figure> {
         0.0 => 0.0,
         whole => widths[part].powi(2) / whole,
     };
-    let layer = |(part, (name, _)): (usize, &(&str, &str))| {
+    let layer = |(part, name): (usize, &&str)| {
         let heights = rows.iter().map(|row| height(row, part)).collect();
         (capital(name), Ink::Series(part), heights)
     };

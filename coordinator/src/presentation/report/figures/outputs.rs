@@ -1,10 +1,10 @@
 //! Figures of the outputs: their distributions late in life, and their course over life.
 
 use super::{LifeAxis, capital, file_name, ink_of, range};
-use crate::presentation::report::format::{count, fixed, number_of_cycles, three_digits};
+use crate::presentation::report::format::{count, fixed, number_of_cycles, seven_digits, three_digits};
 use crate::presentation::report::life::governing;
 use crate::presentation::report::{
-    Axis, Band, CheckpointDistribution, Figure, Ink, Plot, Points, ReportInput, Series, Shape, tick_label,
+    Axis, Band, CheckpointDistribution, Figure, Ink, Plot, Points, ReportInput, Series, Shape,
 };
 use crate::results::summary::StudySummary;
 use common::scene::{Fails, LimitState, OutputUnit};
@@ -75,7 +75,7 @@ fn threshold_lines(state: &LimitState, unit: &OutputUnit, line: fn(f64) -> Shape
 
 /// Where failure lies, as the beginning of a sentence.
 fn beyond(state: &LimitState, unit: &OutputUnit) -> String {
-    let shown = |value: f64| unit.after(&tick_label(unit.to_shown(value)));
+    let shown = |value: f64| unit.after(&seven_digits(unit.to_shown(value)));
     let threshold = shown(state.threshold);
     match state.fails {
         Fails::Above => format!("Above the threshold of {threshold}"),

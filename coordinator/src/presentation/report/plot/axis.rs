@@ -1,6 +1,6 @@
 //! An axis of a chart, its scale, and the text of its ticks.
 
-use crate::presentation::report::format::plain;
+use crate::presentation::report::format::{plain, shortest};
 use common::random::{standard_normal_cdf, standard_normal_quantile};
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::coord::types::RangedCoordf64;
@@ -71,9 +71,9 @@ impl<'a> Axis<'a> {
     }
 }
 
-/// A number with at most three decimals and no trailing zeros.
+/// A number with at most three decimals, or three digits where it is small, and no trailing zeros.
 pub fn tick_label(value: f64) -> String {
-    plain(value, 3)
+    if value.abs() < 0.1 { shortest(value, 3) } else { plain(value, 3) }
 }
 
 /// Number of ticks that is aimed at.
@@ -194,6 +194,7 @@ mod tests {
 
     #[test]
     fn ticks_have_no_trailing_zeros() {
+        assert_eq!([5e-4, -0.025, 0.0].map(tick_label), ["5e\u{2212}4", "\u{2212}0.025", "0"]);
         let found = [tick_label(0.5), tick_label(-0.0), tick_label(20.0), tick_label(-1.25)];
         assert_eq!(found, ["0.5", "0", "20", "\u{2212}1.25"]);
     }
