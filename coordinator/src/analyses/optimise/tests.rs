@@ -88,7 +88,14 @@ fn quantity(k: usize, kind: QuantityKind, bounds: (f64, f64), cost: CostModel) -
 }
 
 fn target(limit_state: Option<usize>, reliability: f64) -> ReliabilityTarget {
-    ReliabilityTarget { name: "R".into(), limit_state, checkpoint: 0, cycles: 1, reliability }
+    ReliabilityTarget {
+        name: "R".into(),
+        limit_state,
+        checkpoint: 0,
+        cycles: 1,
+        reliability,
+        confidence: None,
+    }
 }
 
 /// Youn and Choi's margins: failed where g < 0.
