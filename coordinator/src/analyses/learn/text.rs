@@ -13,7 +13,15 @@ const ROWS: usize = 12;
 /// The answer with its tables and figure.
 pub fn answer(report: &LearnReport) -> Answer {
     let LearnReport { confident, parameters, .. } = report;
-    let mut parts = vec![AnswerPart::Text(sentence(confident)), AnswerPart::Figures];
+    let added = match report.evaluations {
+        0 => "no simulation was made".to_owned(),
+        1 => "1 simulation was added".to_owned(),
+        n => format!("{n} simulations were added"),
+    };
+    let mut parts = vec![AnswerPart::Text(sentence(confident))];
+    parts
+        .extend(report.before.as_ref().map(|b| AnswerPart::Text(format!("Before {added}: {}", sentence(b)))));
+    parts.push(AnswerPart::Figures);
     parts.extend(confident_tables(confident, report.end).into_iter().map(AnswerPart::Table));
     let c = percent(confident.confidence);
     let head = [
@@ -44,7 +52,9 @@ pub fn answer(report: &LearnReport) -> Answer {
     Answer {
         name: "learn".to_owned(),
         title: format!("What {} of {} say of their population", units(report.units), report.scene),
-        subtitle: "Reliability with what differs between units and what is not known of them apart; no simulation was made".to_owned(),
+        subtitle: format!(
+            "Reliability with what differs between units and what is not known of them apart; {added}"
+        ),
         parts,
         figures: vec![confident_figure(confident, &report.study, report.end)],
         files: vec![("reliability.csv".to_owned(), reliability_csv(confident))],
@@ -153,7 +163,7 @@ fn notes(report: &LearnReport) -> Vec<String> {
     notes.extend(report.left.iter().map(|left| {
         format!(
             "Caution: {} of the units have values of {} that were not simulated ({} in the study); the responses there are \
-             extrapolated. A study of the changed scene simulates them.",
+             extrapolated; --refine simulates them.",
             percent(left.outside),
             left.name,
             percent(left.of_study)
