@@ -106,7 +106,7 @@ pub fn learn(
     let without = weights_without(particles, data.units.len());
     let mut predictive = vec![0.0; settings.points];
     let mut of_unit = vec![vec![0.0; settings.points]; data.units.len()];
-    let mut valued: Vec<Vec<f64>> = Vec::new();
+    let mut valued: Vec<(Vec<f64>, f64)> = Vec::new();
     let curves = population.curves(scene, &sets, |t, points| {
         let sum: f64 = points.iter().sum();
         let add = |all: &mut Vec<f64>, weight: f64| {
@@ -114,7 +114,8 @@ pub fn learn(
         };
         add(&mut predictive, sets[t].0);
         of_unit.par_iter_mut().zip(&without).for_each(|(all, weights)| add(all, weights[t]));
-        valued.push(points[..VALUED.min(points.len())].to_vec());
+        let first = &points[..VALUED.min(points.len())];
+        valued.push((first.to_vec(), first.iter().sum()));
     });
     let values = if settings.ranks {
         let source = DataSource {
@@ -125,7 +126,7 @@ pub fn learn(
             points: &valued,
             curves: &curves,
         };
-        values_of(&source, &data.units, designs, settings)
+        values_of(&source, data, designs, settings)
     } else {
         vec![]
     };

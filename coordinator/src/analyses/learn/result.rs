@@ -134,4 +134,7 @@ pub struct DataValue {
     pub narrowing: f64,
     /// Its standard error by the number of simulated data sets [1].
     pub standard_error: f64,
+    /// What the data cost, if a price is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cost: Option<f64>,
 }

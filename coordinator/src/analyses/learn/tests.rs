@@ -193,6 +193,12 @@ fn competing_modes_and_intervals_teach_the_rate_and_rank_further_data() {
     let best = &report.values[0];
     assert!(best.narrowing > 0.1 && best.narrowing > 2.0 * best.standard_error, "{:?}", report.values);
     assert!(report.values.windows(2).all(|pair| pair[0].narrowing >= pair[1].narrowing));
+    // With prices the narrowing for them counts; what has none comes last.
+    let priced = format!("{text}price,,failed,1000\nprice,,wear,2\n");
+    let priced = learned(study(WEAR, wear), &priced, |s| s.ranks = true).unwrap();
+    let costs: Vec<Option<f64>> = priced.values.iter().map(|value| value.cost).collect();
+    assert_eq!(costs, [Some(10.0), Some(10.0), Some(5000.0), None], "{:?}", priced.values);
+    assert!(answer(&priced).text().contains("narrowing over cost"));
     let text = answer(&report).text();
     for expected in
         ["Life at R = 0.99 with C = 90", "rate.mean", "more units run to failure", "no unknown parameter"]
@@ -266,6 +272,8 @@ fn every_fault_of_the_population_is_named_with_line_and_column() {
         ),
         ("population,,life.std", "column quantity: life is exponential: its mean is its one parameter"),
         ("population,,life", "column quantity: allowed: life.mean or life.std"),
+        ("price,,failed,-1", "column value: \"-1\": allowed: a number above 0"),
+        ("price,300,excess,1", "column cycles: a price has no cycles"),
         ("population,,life.mean,-4,1", "column value: allowed: above 0"),
         (
             "population,,life.mean,900,0",

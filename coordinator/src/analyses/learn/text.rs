@@ -34,11 +34,18 @@ pub fn answer(report: &LearnReport) -> Answer {
     let rows = parameters.iter().map(parameter_row);
     parts.push(AnswerPart::Table(Table::new("Parameters of the population", head, rows)));
     if !report.values.is_empty() {
+        let columns = if report.values.iter().any(|v| v.cost.is_some()) { 4 } else { 2 };
         let rows = report.values.iter().map(|v| {
-            vec![v.data.clone(), format!("{:.0} ± {:.0} %", 100.0 * v.narrowing, 100.0 * v.standard_error)]
+            let percent = |share: f64| format!("{} %", shortest(100.0 * share, 3));
+            let narrowing = format!("{:.0} ± {:.0} %", 100.0 * v.narrowing, 100.0 * v.standard_error);
+            let [cost, for_cost] =
+                [v.cost.map(|cost| shortest(cost, 4)), v.cost.map(|cost| percent(v.narrowing / cost))]
+                    .map(Option::unwrap_or_default);
+            [v.data.clone(), narrowing, cost, for_cost].into_iter().take(columns).collect()
         });
         let heading = "Which further data narrow the interval of the life at R = 0.99 most";
-        parts.push(AnswerPart::Table(Table::new(heading, ["data", "expected narrowing"], rows)));
+        let head = ["data", "expected narrowing", "cost", "narrowing over cost"].into_iter().take(columns);
+        parts.push(AnswerPart::Table(Table::new(heading, head, rows)));
     }
     parts.push(AnswerPart::Notes("Errors", notes(report)));
     let checks: Vec<String> = report
