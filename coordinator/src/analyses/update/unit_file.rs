@@ -57,8 +57,8 @@ pub fn parse(
     read_rows(text, file, &COLUMNS, |rows| {
         let FleetData { mut units, mut unknown, mut prices } = FleetData::default();
         for (line, row) in rows.iter_mut() {
-            let is = |word: &str| row.get("unit").and_then(|name| name.as_str()) == Some(word);
-            let (of_population, is_price) = (is(POPULATION), is(PRICE));
+            let unit = row.get("unit").and_then(|name| name.as_str());
+            let (of_population, is_price) = (unit == Some(POPULATION), unit == Some(PRICE));
             if is_price && designs.is_some() {
                 prices.extend(reader.price(row));
                 continue;
