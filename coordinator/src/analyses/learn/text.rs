@@ -18,11 +18,10 @@ pub fn answer(report: &LearnReport) -> Answer {
         1 => "1 simulation was added".to_owned(),
         n => format!("{n} simulations were added"),
     };
-    let mut parts = vec![AnswerPart::Text(sentence(confident))];
-    parts
-        .extend(report.before.as_ref().map(|b| AnswerPart::Text(format!("Before {added}: {}", sentence(b)))));
-    parts.push(AnswerPart::Figures);
-    parts.extend(confident_tables(confident, report.end).into_iter().map(AnswerPart::Table));
+    let stated = confident_answer(confident, &report.scene, &report.study, report.end);
+    let mut parts = stated.parts;
+    let before = report.before.as_ref().map(|b| AnswerPart::Text(format!("Before {added}: {}", sentence(b))));
+    parts.splice(1..1, before);
     let c = percent(confident.confidence);
     let head = [
         "parameter".to_owned(),
@@ -63,8 +62,27 @@ pub fn answer(report: &LearnReport) -> Answer {
             "Reliability with what differs between units and what is not known of them apart; {added}"
         ),
         parts,
-        figures: vec![confident_figure(confident, &report.study, report.end)],
         files: vec![("reliability.csv".to_owned(), reliability_csv(confident))],
+        ..stated
+    }
+}
+
+/// Reliability at a confidence: the bound in a sentence, lives, R at the checkpoints, and the figure with R of the study.
+pub fn confident_answer(
+    confident: &ConfidentReliability,
+    scene: &str,
+    study: &[ReliabilityRow],
+    end: f64,
+) -> Answer {
+    let tables = confident_tables(confident, end).into_iter().map(AnswerPart::Table);
+    Answer {
+        name: "confidence".to_owned(),
+        title: format!("Reliability of {scene} at a confidence"),
+        parts: [AnswerPart::Text(sentence(confident)), AnswerPart::Figures]
+            .into_iter()
+            .chain(tables)
+            .collect(),
+        figures: vec![confident_figure(confident, study, end)],
         ..Answer::default()
     }
 }
