@@ -44,33 +44,34 @@ pub struct ReportArguments {
 pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandError> {
     let ReportArguments { dir, out, pdf, confidence, texts } = arguments;
     let (campaign, texts) = (CampaignFile::look(dir)?, texts.given());
+    let stated = confidence.map(|confidence| -> Result<_, CommandError> {
+        let opened = OpenedStudy::open(dir, false)?;
+        let confident = opened.confident(&opened.present()?, confidence)?;
+        let StudySummary { scene, reliability, .. } = &opened.summary;
+        let end = f64::from(opened.study.scene().life.cycles);
+        Ok((confident_answer(&confident, scene, reliability, end), confident))
+    });
+    let stated = stated.transpose()?;
     let page = match out {
         Some(out) => write_results(&campaign, out, &texts)?,
         None => write_results(&campaign, dir, &texts).map_err(|error| error.of_report_in(dir))?,
     };
     let path = std::env::var_os("PATH").unwrap_or_default();
     let printed = pdf.then(|| print_page(&page, &path)).transpose()?;
-    let stated = confidence.map(|confidence| -> Result<_, CommandError> {
-        let opened = OpenedStudy::open(dir, false)?;
-        let StudySummary { scene, reliability, .. } = &opened.summary;
-        let confident = opened.confident(&opened.present()?, confidence)?;
-        let end = f64::from(opened.study.scene().life.cycles);
-        let answer = confident_answer(&confident, scene, reliability, end);
-        Ok((answer.write(out.as_ref().unwrap_or(dir))?, answer, confident))
-    });
-    let stated = stated.transpose()?;
+    let confidence_page = stated.as_ref().map(|(answer, _)| answer.write(out.as_ref().unwrap_or(dir)));
+    let confidence_page = confidence_page.transpose()?;
     if as_json {
         let mut written = json!({ "report": page });
         if let Some(file) = printed {
             written["pdf"] = json!(file);
         }
-        if let Some((_, _, confident)) = stated {
+        if let Some((_, confident)) = stated {
             written["confident"] = json!(confident);
         }
         return print(&to_json(&written)?);
     }
-    let text = stated.as_ref().map_or(String::new(), |(_, answer, _)| answer.text() + "\n");
-    let files = [Some(page), printed, stated.map(|(page, ..)| page)].into_iter().flatten();
+    let text = stated.map_or(String::new(), |(answer, _)| answer.text() + "\n");
+    let files = [Some(page), printed, confidence_page].into_iter().flatten();
     print(&files.fold(text, |text, file| text + &format!("{}\n", file.display())))
 }
 

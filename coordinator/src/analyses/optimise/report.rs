@@ -44,8 +44,8 @@ fn verdict(result: &OptimisationResult) -> String {
             .iter()
             .filter(|target| target.state == TargetState::NotMet)
             .map(|target| {
-                let found = promise(target).unwrap_or_else(|| format!("is {}", interval(target)));
-                format!("{} {found}, the target is {}", target.name, share(target.target))
+                let found = promise(target).unwrap_or_else(|| interval(target));
+                format!("{} is {found}, the target is {}", target.name, share(target.target))
             })
             .collect();
         let head = if result.supports_all() {
@@ -116,7 +116,7 @@ fn states(result: &OptimisationResult) -> String {
     };
     let (within, missed) = (of(TargetState::MetWithinErrors), of(TargetState::NotMet));
     let promises = |target: &OptimisedTarget| {
-        Some(format!("{} {}, for {}.", target.name, promise(target)?, share(target.target)))
+        Some(format!("{} is {}, for {}.", target.name, promise(target)?, share(target.target)))
     };
     let mut said: Vec<String> = result.targets.iter().filter_map(promises).collect();
     if said.is_empty() && within.is_empty() && missed.is_empty() {
@@ -297,7 +297,7 @@ fn interval(target: &OptimisedTarget) -> String {
 
 /// What holds of a target with its confidence.
 fn promise(target: &OptimisedTarget) -> Option<String> {
-    Some(format!("is at least {} with {} confidence", share(target.at_least?), percent(target.confidence?)))
+    Some(format!("at least {} with {} confidence", share(target.at_least?), percent(target.confidence?)))
 }
 
 /// The ends of the 95 % interval of a reliability.
