@@ -192,12 +192,7 @@ impl<'s> Section<'s> {
     }
 
     /// An optional quantity; the outer `None` if it is faulty.
-    pub(super) fn quantity_if_any(
-        &mut self,
-        key: &'static str,
-        kind: Kind,
-        range: Range,
-    ) -> Option<Option<f64>> {
+    pub fn quantity_if_any(&mut self, key: &'static str, kind: Kind, range: Range) -> Option<Option<f64>> {
         self.if_any(key, |section, key| section.quantity(key, kind, range))
     }
 

@@ -1,9 +1,9 @@
 //! Coverage of the lives that `coordinator learn` states from a fleet, and the width of their intervals beside those of a Weibull fit.
 //!
-//! A fleet has twenty units of the direct study, whose population may differ from that of the study. Each is observed up to a life of its own,
+//! A fleet has twenty units of a population that may differ from that of the study. Each is observed up to a life of its own,
 //! drawn so that three fifths of the units are still running then.
 
-use super::{Study, life};
+use super::Study;
 use coordinator::analyses::learn::{LearnSettings, learn};
 use coordinator::analyses::update::read_fleet;
 use coordinator::statistics::life_data::{UnitLife, WeibullFit};
@@ -30,8 +30,10 @@ const LEVELS: [f64; 2] = [0.99, 0.9];
 /// What the fleets have shown of the life at a level of R.
 struct Level {
     reliability: f64,
-    /// Number of intervals that hold the life.
+    /// Number of intervals that hold the life, that end before it, and that begin after it.
     held: usize,
+    before: usize,
+    after: usize,
     /// The same of the Weibull fit's likelihood-ratio intervals.
     weibull_held: usize,
     /// Widths over those of the Weibull fit, where it has one [1].
@@ -42,8 +44,10 @@ impl Level {
     fn compare(&mut self, truth: f64, lives: &[ConfidentLife], weibull: Option<&WeibullFit>) {
         let is_own = |life: &&ConfidentLife| (life.reliability - self.reliability).abs() < 1e-9;
         let Some(ConfidentLife { interval: [lower, upper], .. }) = lives.iter().find(is_own) else { return };
-        self.held +=
-            usize::from(lower.is_some_and(|low| low <= truth) && upper.is_none_or(|high| truth <= high));
+        let (ends, begins) = (upper.is_some_and(|high| high < truth), lower.is_none_or(|low| low > truth));
+        self.before += usize::from(ends);
+        self.after += usize::from(begins);
+        self.held += usize::from(!ends && !begins);
         let bounds = weibull.map(|fit| fit.life(self.reliability, CONFIDENCE).likelihood_ratio);
         let (Some([Some(low), Some(high)]), Some(lower), Some(upper)) = (bounds, lower, upper) else {
             return;
@@ -53,28 +57,39 @@ impl Level {
     }
 }
 
-/// Prints how often the intervals contain the lives of the direct study's population.
-pub fn run(study: &Study, direct: &Study, fleets: usize, unknown: &[String]) -> Result<(), Box<dyn Error>> {
+/// Prints how often the intervals contain the lives of fleets' populations, each of which is a number of lives, ascending; `unknown` are
+/// the rows of what is not known, without their first two columns.
+pub fn run(
+    study: &Study,
+    mut population: impl FnMut(&mut ChaCha12Rng) -> Vec<f64>,
+    fleets: usize,
+    unknown: &[String],
+) -> Result<(), Box<dyn Error>> {
     let (source, settings, summary, stored) = study;
     let scene = source.nominal();
     let learned = learn_from_results(scene, scene, settings, stored)?;
-    // The first evaluation is the nominal point.
-    let units = direct.3.iter().skip(1).filter_map(|s| s.outcome.as_ref().ok());
-    let mut lives: Vec<f64> = units.map(|unit| life(scene, unit)).collect();
-    lives.sort_unstable_by(f64::total_cmp);
-    let quantile = |p: f64| lives[((p * lives.len() as f64) as usize).min(lives.len() - 1)];
-    let truths = LEVELS.map(|level| quantile(1.0 - level));
-    println!("{} lives; at R = {LEVELS:?}: {truths:.0?} cycles", lives.len());
     let folder = std::env::temp_dir().join(format!("fleets-{}", std::process::id()));
     std::fs::create_dir_all(&folder)?;
     let file = folder.join("fleet.csv");
-    let mut levels =
-        LEVELS.map(|reliability| Level { reliability, held: 0, weibull_held: 0, widths: vec![] });
+    let mut levels = LEVELS.map(|reliability| Level {
+        reliability,
+        held: 0,
+        before: 0,
+        after: 0,
+        weibull_held: 0,
+        widths: vec![],
+    });
     let mut rng = ChaCha12Rng::seed_from_u64(super::SEED);
-    let error = NOTED * quantile(0.5);
     let (mut without, begun) = (0, Instant::now());
-    for _ in 0..fleets {
-        let mut text: String = unknown.iter().map(|name| format!("population,,{name},,\n")).collect();
+    for fleet in 0..fleets {
+        let lives = population(&mut rng);
+        let quantile = |p: f64| lives[((p * lives.len() as f64) as usize).min(lives.len() - 1)];
+        let truths = LEVELS.map(|level| quantile(1.0 - level));
+        let error = NOTED * quantile(0.5);
+        if fleet == 0 {
+            println!("{} lives of the first population; at R = {LEVELS:?}: {truths:.0?} cycles", lives.len());
+        }
+        let mut text: String = unknown.iter().map(|row| format!("population,,{row}\n")).collect();
         let mut data = Vec::new();
         for unit in 0..UNITS {
             let own = lives[rng.random_range(0..lives.len())];
@@ -113,13 +128,15 @@ pub fn run(study: &Study, direct: &Study, fleets: usize, unknown: &[String]) -> 
         "{answers} fleets of {UNITS} units in {:.0} s, {without} without an answer",
         begun.elapsed().as_secs_f64()
     );
-    for Level { reliability, held, weibull_held, mut widths } in levels {
+    for Level { reliability, held, before, after, weibull_held, mut widths } in levels {
         widths.sort_unstable_by(f64::total_cmp);
         println!(
-            "R = {reliability}: the {:.0} % interval holds the life of {:.1} % of the fleets, Weibull's that of {:.1} % of {}; width over \
-             Weibull's: median {:.2}",
+            "R = {reliability}: the {:.0} % interval holds the life of {:.1} % of the fleets, ends before that of {:.1} % and begins \
+             after that of {:.1} %; Weibull's holds that of {:.1} % of {}; width over Weibull's: median {:.2}",
             100.0 * CONFIDENCE,
             100.0 * held as f64 / answers as f64,
+            100.0 * before as f64 / answers as f64,
+            100.0 * after as f64 / answers as f64,
             100.0 * weibull_held as f64 / widths.len() as f64,
             widths.len(),
             widths.get(widths.len() / 2).copied().unwrap_or(f64::NAN),

@@ -10,8 +10,10 @@
 //! coordinator run --scene four-bar --accuracy draft --set 'wear_coefficient=1.03e-13 1/Pa' --method monte-carlo --samples 3000 \
 //!     --seed 11 --out changed
 //! cargo run --release -p coordinator --example measured_units study changed 300 wear_coefficient.mean wear_coefficient.std
+//! cargo run --release -p coordinator --example measured_units analytic third 300
 //! ```
 
+mod analytic;
 mod fleets;
 mod prognosis;
 
@@ -38,6 +40,11 @@ const SEED: u64 = 2026;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [first, case, fleets] = arguments.as_slice()
+        && first == "analytic"
+    {
+        return analytic::run(case, fleets.parse()?);
+    }
     let [study, direct, fleets @ ..] = arguments.as_slice() else {
         return Err("expected two folders: a study by active learning, and a direct Monte Carlo study".into());
     };
@@ -45,7 +52,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (study, direct) = (read(Path::new(study))?, read(Path::new(direct))?);
         return match (first.as_str(), rest) {
             ("prognosis", [count]) => prognosis::run(&study, &direct, count.parse()?),
-            _ => fleets::run(&study, &direct, first.parse()?, rest),
+            _ => {
+                let scene = direct.0.nominal();
+                // The first evaluation is the nominal point.
+                let units = direct.3.iter().skip(1).filter_map(|s| s.outcome.as_ref().ok());
+                let mut lives: Vec<f64> = units.map(|unit| life(scene, unit)).collect();
+                lives.sort_unstable_by(f64::total_cmp);
+                let unknown: Vec<String> = rest.iter().map(|name| format!("{name},,")).collect();
+                fleets::run(&study, |_| lives.clone(), first.parse()?, &unknown)
+            }
         };
     }
     let (source, settings, summary, stored) = read(Path::new(study))?;

@@ -50,7 +50,7 @@ fn quantity(k: usize, kind: QuantityKind, bounds: (f64, f64), cost: CostModel) -
 
 fn target(limit_state: Option<usize>, reliability: f64) -> ReliabilityTarget {
     let name = limit_state.map_or("R total".to_owned(), |g| format!("R g{}", g + 1));
-    ReliabilityTarget { name, limit_state, checkpoint: 0, cycles: 1, reliability }
+    ReliabilityTarget { name, limit_state, checkpoint: 0, cycles: 1, reliability, confidence: None }
 }
 
 /// Youn, Choi (2004), A new response surface methodology for reliability-based design optimization, Computers & Structures

@@ -1,8 +1,10 @@
 //! `coordinator learn`: parameters of a population from what was observed of its units, and R at a confidence.
 
-use super::{CommandError, Destination, OpenedStudy, answer_with, share, value};
+use super::{
+    CommandError, Destination, FarmArguments, OpenedStudy, Verbosity, answer_with, positive, share, value,
+};
 use clap::Args;
-use coordinator::analyses::learn::{LearnSettings, answer, laws_of, learn as learn_fleet};
+use coordinator::analyses::learn::{LearnReport, LearnSettings, answer, laws_of, learn as learn_fleet};
 use coordinator::analyses::update::read_fleet;
 use coordinator::statistics::design::{InputModel, fixed_bounds};
 use std::path::PathBuf;
@@ -11,7 +13,7 @@ pub const EXAMPLES: &str = "\
 The file has one observation a line, as that of `update`: unit, cycles, quantity, value, standard deviation of its error. A failure has \
 as value the limit state and as error that of its life, where they are known. Rows of the unit `population` name what is not known: \
 VARIABLE.mean, VARIABLE.std or a design variable of the study, with value and standard deviation of its prior, or without both for a \
-flat one:
+flat one. Rows of the unit `price` have as value what one more unit run to failure (`failed`), or one measured value, costs:
 
   unit,       cycles, quantity,       value,    error
   population, ,       friction.mean,  0.05,     0.01
@@ -22,13 +24,14 @@ flat one:
   A9,         0,      rod_length,     40.05 mm, 2 um
   A9,         50000,  survived
   A9,         55000,  failed
+  price,      ,       failed,         1200
 
-Nothing is simulated: the surrogates of the study answer, which must be one of --method ak.
+The surrogates of the study answer, which must be one of --method ak. Without --refine nothing is simulated.
 
 Examples:
   coordinator learn study --data fleet.csv
   coordinator learn study --data fleet.csv --confidence 95% --json
-  coordinator learn study --data fleet.csv --out population --sets 2000";
+  coordinator learn study --data fleet.csv --refine 20 --workers auto --out population";
 
 /// Arguments of `coordinator learn`.
 #[derive(Debug, Clone, Args)]
@@ -44,9 +47,14 @@ pub struct LearnArguments {
     /// Sets of parameters of sequential Monte Carlo
     #[arg(long, value_name = "N", default_value = "500", value_parser = sets)]
     pub sets: usize,
+    /// Add at most this many simulations where the population that was learned leaves those of the study
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub refine: Option<usize>,
     /// Write learn.html, learn.md, learn.json, reliability.csv and figures/ to this folder, created if missing
     #[arg(long, value_name = "DIR")]
     pub out: Option<Destination>,
+    #[command(flatten)]
+    pub farm: FarmArguments,
 }
 
 /// Reads a confidence.
@@ -63,8 +71,31 @@ fn sets(text: &str) -> Result<usize, String> {
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn learn(arguments: &LearnArguments, as_json: bool) -> Result<(), CommandError> {
-    let opened = OpenedStudy::open(&arguments.dir, false)?;
+pub fn learn(arguments: &LearnArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+    let mut opened = OpenedStudy::open(&arguments.dir, arguments.refine.is_some())?;
+    let mut report = learned(&opened, arguments)?;
+    if let Some(further) = arguments.refine {
+        let before = report.confident.clone();
+        let mut evaluator = opened.evaluator(&arguments.farm, verbosity.quiet)?;
+        let mut added = 0;
+        // What is learned moves with the simulations.
+        while added < further {
+            let scene = report.scene_of_one_more(opened.study.scene());
+            let new = opened.refine(&scene, further - added, &mut evaluator, verbosity.quiet)?;
+            if new == 0 {
+                break;
+            }
+            added += new;
+            report = learned(&opened, arguments)?;
+            (report.evaluations, report.before) = (added, Some(before.clone()));
+        }
+        evaluator.close();
+    }
+    answer_with(&answer(&report), &report, arguments.out.as_ref(), verbosity.json)
+}
+
+/// What the data say by all simulations that the study has.
+fn learned(opened: &OpenedStudy, arguments: &LearnArguments) -> Result<LearnReport, CommandError> {
     let present = opened.present()?;
     let model = opened.life_model()?;
     let (studied, summary) = (opened.study.scene(), &opened.summary);
@@ -76,7 +107,6 @@ pub fn learn(arguments: &LearnArguments, as_json: bool) -> Result<(), CommandErr
     settings.sets = arguments.sets;
     settings.confidence = arguments.confidence;
     let fixed = fixed_bounds(&opened.study.source);
-    let report = learn_fleet(studied, summary, model, &data, &designs, &fixed, &settings)
-        .map_err(|error| CommandError::refused(arguments.data.display(), error.to_string()))?;
-    answer_with(&answer(&report), &report, arguments.out.as_ref(), as_json)
+    learn_fleet(studied, summary, model, &data, &designs, &fixed, &settings)
+        .map_err(|error| CommandError::refused(arguments.data.display(), error.to_string()))
 }

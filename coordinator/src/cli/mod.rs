@@ -108,7 +108,7 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Sensitivity { dir } => results::sensitivity(&dir, json),
         CommandArguments::Report(study) => results::report(&study, json),
         CommandArguments::Compare(options) => compare::compare(&options, json),
-        CommandArguments::Learn(options) => learn::learn(&options, json),
+        CommandArguments::Learn(options) => learn::learn(&options, verbosity),
         CommandArguments::Update(options) => update::update(&options, json),
         CommandArguments::Replace(options) => replace::replace(&options, json),
         CommandArguments::TestPlan(options) => test_plan::test_plan(&options, json),

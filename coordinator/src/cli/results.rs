@@ -1,10 +1,12 @@
 //! `coordinator sensitivity` and `coordinator report`: results of a finished study, without a new evaluation.
 
+use super::learn::confidence as confidence_level;
 use super::pdf::print_page;
 use super::shared::ReportTexts;
 use super::stored_study::{not_finished, scene_of};
-use super::{CommandError, print, summary_of, to_json};
+use super::{CommandError, OpenedStudy, print, summary_of, to_json};
 use clap::Args;
+use coordinator::analyses::learn::confident_answer;
 use coordinator::presentation::report;
 use coordinator::presentation::report::answer::{Answer, AnswerPart, Table};
 use coordinator::presentation::report::format::{number_of_cycles, signed_with_width};
@@ -28,6 +30,9 @@ pub struct ReportArguments {
     /// Print the report to report.pdf as well, with a browser of this machine (Chromium, Chrome, Edge)
     #[arg(long)]
     pub pdf: bool,
+    /// R and the lives at this confidence as well, with what the samples of measured variables leave open, in confidence.html
+    #[arg(long, value_name = "SHARE", value_parser = confidence_level)]
+    pub confidence: Option<f64>,
     #[command(flatten)]
     pub texts: ReportTexts,
 }
@@ -37,23 +42,37 @@ pub struct ReportArguments {
 /// # Errors
 /// [`CommandError::Store`], [`CommandError::BadInput`], [`CommandError::Failed`], or the error of a file that cannot be written.
 pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandError> {
-    let ReportArguments { dir, out, pdf, texts } = arguments;
+    let ReportArguments { dir, out, pdf, confidence, texts } = arguments;
     let (campaign, texts) = (CampaignFile::look(dir)?, texts.given());
+    let stated = confidence.map(|confidence| -> Result<_, CommandError> {
+        let opened = OpenedStudy::open(dir, false)?;
+        let confident = opened.confident(&opened.present()?, confidence)?;
+        let StudySummary { scene, reliability, .. } = &opened.summary;
+        let end = f64::from(opened.study.scene().life.cycles);
+        Ok((confident_answer(&confident, scene, reliability, end), confident))
+    });
+    let stated = stated.transpose()?;
     let page = match out {
         Some(out) => write_results(&campaign, out, &texts)?,
         None => write_results(&campaign, dir, &texts).map_err(|error| error.of_report_in(dir))?,
     };
     let path = std::env::var_os("PATH").unwrap_or_default();
     let printed = pdf.then(|| print_page(&page, &path)).transpose()?;
+    let confidence_page = stated.as_ref().map(|(answer, _)| answer.write(out.as_ref().unwrap_or(dir)));
+    let confidence_page = confidence_page.transpose()?;
     if as_json {
         let mut written = json!({ "report": page });
         if let Some(file) = printed {
             written["pdf"] = json!(file);
         }
+        if let Some((_, confident)) = stated {
+            written["confident"] = json!(confident);
+        }
         return print(&to_json(&written)?);
     }
-    let files = [Some(page), printed].into_iter().flatten();
-    print(&files.map(|file| format!("{}\n", file.display())).collect::<String>())
+    let text = stated.map_or(String::new(), |(answer, _)| answer.text() + "\n");
+    let files = [Some(page), printed, confidence_page].into_iter().flatten();
+    print(&files.fold(text, |text, file| text + &format!("{}\n", file.display())))
 }
 
 /// Writes every result file of a finished study to the folder `out`, with these texts by their keys in a scene; returns the path of the

@@ -7,11 +7,13 @@ use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace, StoredSpace}
 use coordinator::analyses::learn::{fitted_reliability, uncertain_fits};
 use coordinator::analyses::what_if::{FinishedStudy, POPULATION, WhatIf, ask};
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
-use coordinator::results::store::{CampaignFile, FILE_NAME, StoreError};
+use coordinator::presentation::terminal::Terminal;
+use coordinator::results::store::{CampaignFile, FILE_NAME, FurtherEvaluations, StoreError};
 use coordinator::results::summary::StudySummary;
 use coordinator::statistics::updating::ConfidentReliability;
 use coordinator::study::{
-    Correction, LifeModel, Method, Observed, Settings, StoredOutcome, StudyError, learn_from_results,
+    Correction, FurtherLearning, LifeModel, Method, Observed, Settings, StoredOutcome, StudyError,
+    learn_from_results,
 };
 use std::path::Path;
 
@@ -52,22 +54,6 @@ impl StoredStudy {
     /// The scene at its nominal point.
     pub fn scene(&self) -> &Scene {
         self.source.nominal()
-    }
-
-    /// All evaluations at the working accuracy, failed ones included, in the order of their numbers.
-    ///
-    /// # Errors
-    /// [`CommandError::Store`].
-    pub fn outcomes(&self) -> Result<Vec<StoredOutcome>, CommandError> {
-        let mut all = Vec::new();
-        self.campaign.for_each(|stored| -> Result<(), StoreError> {
-            let outcome = stored.outcome.map(Observed::from_evaluation);
-            if stored.level == 0 {
-                all.push(StoredOutcome { sample: stored.sample, outcome });
-            }
-            Ok(())
-        })?;
-        Ok(all)
     }
 }
 
@@ -231,7 +217,32 @@ impl OpenedStudy {
         CommandEvaluator::started(&self.study.source, &self.settings, farm, quiet)
     }
 
-    /// The predictor of lives by the surrogates of the study.
+    /// Adds at most `further` simulations where they reduce the error of R of a changed scene most; their number.
+    ///
+    /// # Errors
+    /// [`CommandError`]; finished simulations are in the study by then.
+    pub fn refine(
+        &mut self,
+        changed: &Scene,
+        further: usize,
+        evaluator: &mut CommandEvaluator,
+        quiet: bool,
+    ) -> Result<usize, CommandError> {
+        let stored = &self.outcomes()?;
+        let correction = stored_correction(&self.study.campaign)?;
+        let StoredStudy { campaign, source, .. } = &mut self.study;
+        let (studied, settings) = (source.nominal(), &self.settings);
+        let correction = correction.as_ref();
+        let learning = FurtherLearning { correction, changed, studied, settings, stored, further };
+        let mut terminal = Terminal::new(quiet);
+        let journal = &mut FurtherEvaluations::of(campaign);
+        let learned = learning.learn(evaluator.evaluator(), journal, &mut terminal);
+        terminal.finish();
+        learned.map_err(|error| failed(error, self.study.campaign.dir()))?;
+        Ok(self.outcomes()?.len() - stored.len())
+    }
+
+    /// The predictor of lives by all simulations that the study has.
     ///
     /// # Errors
     /// [`CommandError::BadInput`] without surrogates, or the error of the campaign file or the surrogates.
@@ -247,8 +258,7 @@ impl OpenedStudy {
         }
         // The surrogates are wanted, not the curves of the whole population.
         let settings = Settings { samples: settings.samples.min(SAMPLES), ..settings.clone() };
-        let outcomes = corrected(campaign, self.study.outcomes()?)?;
-        let learned = learn_from_results(scene, scene, &settings, &outcomes)
+        let learned = learn_from_results(scene, scene, &settings, &self.outcomes()?)
             .map_err(|error| CommandError::of_study(error, dir))?;
         Ok(LifeModel::new(scene, &learned))
     }

@@ -2,17 +2,11 @@
 //! simulations that it has, and with further ones where the answer needs them.
 
 use super::learn::confidence as confidence_level;
-use super::{
-    CommandError, Destination, FarmArguments, OpenedStudy, StoredStudy, Verbosity, answer_with, failed,
-    positive, share, stored_correction,
-};
+use super::{CommandError, Destination, FarmArguments, OpenedStudy, Verbosity, answer_with, positive, share};
 use clap::Args;
 use coordinator::analyses::learn::{confident_figure, confident_tables};
 use coordinator::analyses::what_if::{answer, changed_scene, json, redistributed};
 use coordinator::presentation::report::answer::AnswerPart;
-use coordinator::presentation::terminal::Terminal;
-use coordinator::results::store::FurtherEvaluations;
-use coordinator::study::FurtherLearning;
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
@@ -79,8 +73,7 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), 
     opened.settings.samples = samples.unwrap_or(opened.settings.samples);
     opened.settings.target_error = target_error.or(opened.settings.target_error);
     opened.settings.check(changed.nominal())?;
-    let outcomes = opened.outcomes()?;
-    let (known, method) = (outcomes.len(), opened.study.settings.method);
+    let (known, method) = (opened.outcomes()?.len(), opened.study.settings.method);
     if !method.learns() && known > MOST_OF_DIRECT {
         let fault = format!(
             "this study of --method {} has {known} simulations, and the answer needs surrogates, which are fitted to at most \
@@ -92,21 +85,7 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), 
     if refines {
         let further = refine.unwrap_or(opened.settings.max_evaluations);
         let mut evaluator = opened.evaluator(farm, verbosity.quiet)?;
-        let mut terminal = Terminal::new(verbosity.quiet);
-        let correction = stored_correction(&opened.study.campaign)?;
-        let StoredStudy { campaign, source, .. } = &mut opened.study;
-        let learning = FurtherLearning {
-            correction: correction.as_ref(),
-            changed: changed.nominal(),
-            studied: source.nominal(),
-            settings: &opened.settings,
-            stored: &outcomes,
-            further,
-        };
-        let mut journal = FurtherEvaluations::of(campaign);
-        let learned = learning.learn(evaluator.evaluator(), &mut journal, &mut terminal);
-        terminal.finish();
-        learned.map_err(|error| failed(error, dir))?;
+        opened.refine(changed.nominal(), further, &mut evaluator, verbosity.quiet)?;
         evaluator.close();
     }
     let found = opened.ask(&base, &changed)?;

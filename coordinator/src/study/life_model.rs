@@ -26,7 +26,7 @@ const BLOCK: usize = 512;
 #[derive(Debug)]
 pub struct LifeModel {
     inputs: InputModel,
-    /// Smallest and largest simulated value of each random variable `(d,)` [SI].
+    /// Smallest and largest simulated value of each random variable, standardised `(d,)` [1].
     simulated: Vec<(f64, f64)>,
     /// Checkpoints `(m,)` [cycles].
     pub(super) times: Vec<f64>,
@@ -161,9 +161,8 @@ impl LifeModel {
         let inputs = learned.classified.population.inputs().clone();
         let mut simulated = vec![(f64::INFINITY, f64::NEG_INFINITY); inputs.dimension()];
         for z in learned.observations.standardised() {
-            for (k, (range, z)) in simulated.iter_mut().zip(z).enumerate() {
-                let x = inputs.physical_value(k, *z);
-                *range = (range.0.min(x), range.1.max(x));
+            for (range, z) in simulated.iter_mut().zip(z) {
+                *range = (range.0.min(*z), range.1.max(*z));
             }
         }
         Self { inputs, simulated, times, modes, outputs }
@@ -175,9 +174,10 @@ impl LifeModel {
         Self { inputs: inputs.standardised_as(&self.inputs), ..self }
     }
 
-    /// Smallest and largest simulated value of random variable `k` [SI].
+    /// Smallest and largest simulated value of random variable `k`, within the bounds of its distribution [SI].
     pub fn simulated_range(&self, k: usize) -> (f64, f64) {
-        self.simulated[k]
+        let (low, high) = self.simulated[k];
+        (self.inputs.physical_value(k, low), self.inputs.physical_value(k, high))
     }
 
     /// The random variables.

@@ -3,7 +3,6 @@
 
 use super::interim::InterimResult;
 use super::observations::Observed;
-use super::plan::ResponseLayout;
 use super::{CampaignResult, Method, Problem};
 use crate::results::life_summary::{CyclesRange, LifeCurveRow, LifeRow, UnresolvedFall};
 use crate::results::summary::StudySummary;
@@ -12,7 +11,6 @@ use crate::statistics::reliability::{
     LifeAtLevel, LifeCounts, LifeCurve, LifeCurveInput, ModeLives, PredictedMode, ResponseErrors, Track,
     mode_lives, population_lives,
 };
-use common::scene::Scene;
 use faer::Mat;
 
 /// Reliabilities at which lives are stated.
@@ -30,24 +28,22 @@ fn times(checkpoints: &[u32]) -> Vec<f64> {
 }
 
 /// Lives of the population by the surrogates of a campaign.
-pub(super) fn learned_lives(scene: &Scene, learned: &CampaignResult) -> LifeCounts {
+pub(super) fn learned_lives(modes: &[Mode], checkpoints: &[u32], learned: &CampaignResult) -> LifeCounts {
     let as_published = learned.method == Method::AkMcs;
-    let layout = ResponseLayout::from_scene(scene);
-    let parts =
-        layout.modes.iter().zip(&learned.assessment.surrogates).enumerate().map(|(s, (mode, surrogate))| {
-            let observations = learned.observations.design_of(s);
-            let values = observations.running_maxima(mode.output);
-            let mut model = surrogate.model.clone();
-            if let Some(sides) = observations.sides(mode.output) {
-                if let Some(with_start) = sides.with_start() {
-                    model.set_sides(with_start.as_ref());
-                }
-            } else if let Some(start) = observations.starts(mode.output) {
-                let with_start = |i: usize, n: usize| if n == 0 { start[i] } else { values[(i, n - 1)] };
-                model.set_values(Mat::from_fn(values.nrows(), values.ncols() + 1, with_start).as_ref());
+    let parts = modes.iter().zip(&learned.assessment.surrogates).enumerate().map(|(s, (mode, surrogate))| {
+        let observations = learned.observations.design_of(s);
+        let values = observations.running_maxima(mode.output);
+        let mut model = surrogate.model.clone();
+        if let Some(sides) = observations.sides(mode.output) {
+            if let Some(with_start) = sides.with_start() {
+                model.set_sides(with_start.as_ref());
             }
-            (model, values, observations.errors_of_running_maxima(mode.output))
-        });
+        } else if let Some(start) = observations.starts(mode.output) {
+            let with_start = |i: usize, n: usize| if n == 0 { start[i] } else { values[(i, n - 1)] };
+            model.set_values(Mat::from_fn(values.nrows(), values.ncols() + 1, with_start).as_ref());
+        }
+        (model, values, observations.errors_of_running_maxima(mode.output))
+    });
     let parts: Vec<_> = parts.collect();
     let assessed = learned.assessment.modes.iter().zip(&learned.assessment.surrogates);
     let modes: Vec<PredictedMode<'_>> = parts
@@ -65,7 +61,7 @@ pub(super) fn learned_lives(scene: &Scene, learned: &CampaignResult) -> LifeCoun
             variance_factor: if as_published { &[] } else { &classified.variance_factor },
         })
         .collect();
-    population_lives(&modes, &learned.classified.population, &times(&scene.life.checkpoints()))
+    population_lives(&modes, &learned.classified.population, &times(checkpoints))
 }
 
 /// Adds the lives of one simulation, and the indices of the checkpoints by which it has failed `(modes + 1)`, the system last; m if

@@ -3,6 +3,7 @@
 use super::failure_points::failure_points;
 use super::interim::InterimResult;
 use super::lives::{add_lives, learned_lives};
+use super::plan::ResponseLayout;
 use super::stopped::{stop_in_words, targets_met};
 use super::surrogate_rows::{predictions, simulations_beyond_a_limit, sobol};
 use super::{CampaignResult, ClassifiedPopulation, ExplicitModel, Failed, Settings, StopReason, Surrogate};
@@ -122,7 +123,7 @@ pub(super) fn curves_from_learning(scene: &Scene, settings: &Settings, learned: 
     };
     Findings {
         shares: learned.shares.clone(),
-        lives: learned_lives(scene, learned),
+        lives: learned_lives(&ResponseLayout::from_scene(scene).modes, &scene.life.checkpoints(), learned),
         distributions: vec![],
         derivatives: vec![],
         explicit: None,

@@ -6,7 +6,7 @@
 
 use super::population::WeightedPopulation;
 use super::result::{DataValue, LearnSettings};
-use crate::analyses::update::{Observable, ObservedUnit, Quantity};
+use crate::analyses::update::{FleetData, Observable, ObservedUnit, Quantity};
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::updating::{CurveDraws, ParameterSpace};
 use common::random::Distribution;
@@ -36,8 +36,8 @@ pub struct DataSource<'a> {
     pub population: &'a WeightedPopulation<'a>,
     /// Weight and distributions of every set `(P)`.
     pub sets: &'a [(f64, Vec<Distribution>)],
-    /// Weights of the first points under every set `(P)(n,)`.
-    pub points: &'a [Vec<f64>],
+    /// Weights of the first points under every set, and their sum `(P)(n,)`.
+    pub points: &'a [(Vec<f64>, f64)],
     /// Curves and lives of every set.
     pub curves: &'a CurveDraws,
 }
@@ -52,10 +52,11 @@ enum Kind {
     Values(usize),
 }
 
-/// The value of every kind of data, the most narrowing first; empty if the interval has no width within the study.
+/// The value of every kind of data, the most narrowing first, those with a price by the narrowing for it; empty if the interval has no
+/// width within the study.
 pub fn values_of(
     source: &DataSource<'_>,
-    units: &[ObservedUnit],
+    data: &FleetData,
     designs: &[usize],
     settings: &LearnSettings,
 ) -> Vec<DataValue> {
@@ -82,7 +83,7 @@ pub fn values_of(
     for output in outputs {
         let limit =
             scene.limit_states.iter().find(|limit| limit.output == output).expect("its own limit state");
-        let error = stated_error(units, output).unwrap_or(OUTPUT_ERROR * limit.scale());
+        let error = stated_error(&data.units, output).unwrap_or(OUTPUT_ERROR * limit.scale());
         for life in INSPECTED_AT.map(|share| nearest(share * median)) {
             let words = format!("{} of {UNITS} more units at {life:.0} cycles", scene.outputs[output].name);
             kinds.push((words, Kind::Inspections { output, life, error }));
@@ -102,15 +103,25 @@ pub fn values_of(
         };
         (0..DATA_SETS).into_par_iter().map(one).collect()
     };
+    let cost = |kind: &Kind| {
+        let of = match *kind {
+            Kind::Failures => None,
+            Kind::Inspections { output, .. } => Some(Observable::Output(output)),
+            Kind::Values(place) => Some(Observable::Variable(source.space.variables[place].index)),
+        };
+        data.prices.iter().find(|(priced, _)| *priced == of).map(|(_, price)| UNITS as f64 * price)
+    };
     let value = |(data, kind): (String, Kind)| {
         let all = narrowing(&kind);
         let n = all.len() as f64;
         let mean = all.iter().sum::<f64>() / n;
         let variance = all.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        DataValue { data, narrowing: mean, standard_error: (variance / n).sqrt() }
+        DataValue { data, narrowing: mean, standard_error: (variance / n).sqrt(), cost: cost(&kind) }
     };
     let mut values: Vec<DataValue> = kinds.into_iter().map(value).collect();
-    values.sort_by(|a, b| b.narrowing.total_cmp(&a.narrowing));
+    let rank = |value: &DataValue| value.narrowing / value.cost.unwrap_or(1.0);
+    let is_priced = |value: &DataValue| value.cost.is_some();
+    values.sort_by(|a, b| is_priced(b).cmp(&is_priced(a)).then(rank(b).total_cmp(&rank(a))));
     values
 }
 
@@ -161,8 +172,8 @@ impl DataSource<'_> {
             Kind::Failures => (None, f64::NAN, f64::NAN),
             Kind::Inspections { output, life, error } => (Some(output), life, error),
         };
-        let own = choose(&self.points[truth], rng);
-        let n = self.points[truth].len();
+        let own = choose(&self.points[truth].0, rng);
+        let n = self.points[truth].0.len();
         let normal = |difference: f64, std: f64| (-0.5 * (difference / std).powi(2)).exp();
         let agreement: Vec<f64> = match output {
             None => {
@@ -188,10 +199,8 @@ impl DataSource<'_> {
             }
         };
         let near: Vec<(usize, f64)> = agreement.into_iter().enumerate().filter(|(_, a)| *a > 1e-8).collect();
-        let of_set = |points: &Vec<f64>| {
-            let sum: f64 = points.iter().sum();
-            near.iter().map(|(j, a)| a * points[*j]).sum::<f64>() / sum
-        };
+        let of_set =
+            |(points, sum): &(Vec<f64>, f64)| near.iter().map(|(j, a)| a * points[*j]).sum::<f64>() / sum;
         self.points.iter().map(of_set).collect()
     }
 }

@@ -4,7 +4,7 @@
 use super::data_value::{DataSource, values_of};
 use super::population::{WeightedPopulation, model_of};
 use super::result::{LearnReport, LearnSettings, LearnedParameter, LearnedUnit, LeftVariable};
-use super::space::{default_unknown, proposal, space_of};
+use super::space::{default_unknown, moments_of, proposal, space_of};
 use crate::analyses::error::RefusedQuestion;
 use crate::analyses::update::{
     FleetData, Moment, Observation, ObservationRow, ObservedUnit, evidence_of, outputs_of, posterior, warning,
@@ -58,10 +58,12 @@ pub fn learn(
     let space = space_of(model.inputs(), &unknown, designs, fixed);
     let indices: Vec<usize> = space.variables.iter().map(|variable| variable.index).collect();
     let shared = |k: &usize| designs.contains(k).then(|| ranges[*k]);
+    let of_place = |sets: &[(f64, Vec<[f64; 2]>)], place: usize| -> Vec<(f64, [f64; 2])> {
+        sets.iter().map(|(w, moments)| (*w, moments[place])).collect()
+    };
     let proposals_for = |sets: &[(f64, Vec<[f64; 2]>)]| -> Vec<Distribution> {
         let of = |(place, variable): (usize, &UncertainVariable)| {
-            let own: Vec<(f64, [f64; 2])> = sets.iter().map(|(w, moments)| (*w, moments[place])).collect();
-            proposal(&variable.law, shared(&variable.index), &own)
+            proposal(&variable.law, shared(&variable.index), &of_place(sets, place))
         };
         space.variables.iter().enumerate().map(of).collect()
     };
@@ -74,7 +76,7 @@ pub fn learn(
         normals(SETS).chunks_exact(dimension).map(|v| (1.0, space.moments(v))).collect();
     let mut model = model_of(model, &indices, &proposals_for(&of_prior));
     let mut pass = 1;
-    let found = loop {
+    let (found, moments) = loop {
         let states = normals(settings.sets);
         let (found, size) = pass_of(&model, &space, data, states, settings, pass)?;
         let sets: Vec<(f64, Vec<[f64; 2]>)> = (0..found.particles.len())
@@ -83,10 +85,15 @@ pub fn learn(
         let is_last = pass == PASSES || (pass > 1 && size >= ENOUGH * settings.units.population as f64);
         model = model_of(model, &indices, &proposals_for(&sets));
         if is_last {
-            break found;
+            break (found, sets);
         }
         pass += 1;
     };
+    let mut one_more = known.clone();
+    for (place, variable) in space.variables.iter().enumerate() {
+        let [mean, std] = moments_of(&of_place(&moments, place));
+        one_more[variable.index] = variable.law_at(mean, std).unwrap_or_else(|_| variable.law.clone());
+    }
     let particles = &found.particles;
     let sets: Vec<(f64, Vec<Distribution>)> = (0..particles.len())
         .filter_map(|t| Some((particles.weights[t], space.laws(particles.state(t))?)))
@@ -99,7 +106,7 @@ pub fn learn(
     let without = weights_without(particles, data.units.len());
     let mut predictive = vec![0.0; settings.points];
     let mut of_unit = vec![vec![0.0; settings.points]; data.units.len()];
-    let mut valued: Vec<Vec<f64>> = Vec::new();
+    let mut valued: Vec<(Vec<f64>, f64)> = Vec::new();
     let curves = population.curves(scene, &sets, |t, points| {
         let sum: f64 = points.iter().sum();
         let add = |all: &mut Vec<f64>, weight: f64| {
@@ -107,7 +114,8 @@ pub fn learn(
         };
         add(&mut predictive, sets[t].0);
         of_unit.par_iter_mut().zip(&without).for_each(|(all, weights)| add(all, weights[t]));
-        valued.push(points[..VALUED.min(points.len())].to_vec());
+        let first = &points[..VALUED.min(points.len())];
+        valued.push((first.to_vec(), first.iter().sum()));
     });
     let values = if settings.ranks {
         let source = DataSource {
@@ -118,7 +126,7 @@ pub fn learn(
             points: &valued,
             curves: &curves,
         };
-        values_of(&source, &data.units, designs, settings)
+        values_of(&source, data, designs, settings)
     } else {
         vec![]
     };
@@ -131,6 +139,8 @@ pub fn learn(
         evaluations: 0,
         units: data.units.len(),
         confident,
+        before: None,
+        one_more,
         study: summary.reliability.clone(),
         end: model.end(),
         chosen_by_default: by_default,

@@ -1,5 +1,5 @@
 //! Parameters of a population from what was observed of its units, and the reliability that follows with a confidence, from the
-//! surrogates of a finished study, without a simulation.
+//! surrogates of a finished study.
 //!
 //! ```text
 //! fleet.csv -> units updated one by one -> likelihood of the population's parameters -> sequential Monte Carlo -> R(n) at a confidence
@@ -27,6 +27,6 @@ mod text;
 
 pub use fleet::learn;
 pub use population::{fitted_reliability, uncertain_fits};
-pub use result::LearnSettings;
+pub use result::{LearnReport, LearnSettings};
 pub use space::laws_of;
-pub use text::{answer, confident_figure, confident_tables};
+pub use text::{answer, confident_answer, confident_figure, confident_tables};

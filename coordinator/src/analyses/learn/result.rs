@@ -3,6 +3,8 @@
 use crate::analyses::update::FleetSettings;
 use crate::results::summary::ReliabilityRow;
 use crate::statistics::updating::{ConfidentReliability, SequentialMonteCarlo};
+use common::random::Distribution;
+use common::scene::Scene;
 use serde::Serialize;
 
 /// Settings of the learning.
@@ -40,6 +42,12 @@ pub struct LearnReport {
     pub units: usize,
     /// Reliability and lives with their bounds.
     pub confident: ConfidentReliability,
+    /// The same before simulations were added.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub before: Option<ConfidentReliability>,
+    /// Distributions of the variables of one more unit, with the moments that the sets give `(d,)`.
+    #[serde(skip)]
+    pub one_more: Vec<Distribution>,
     /// Reliability of the study, before any unit was observed.
     pub study: Vec<ReliabilityRow>,
     /// Last checkpoint [cycles].
@@ -62,6 +70,16 @@ pub struct LearnReport {
     pub acceptance: Option<f64>,
     /// Number of passes over the data.
     pub passes: u32,
+}
+
+impl LearnReport {
+    /// The studied scene with the variables of one more unit, where simulations improve what was learned.
+    pub fn scene_of_one_more(&self, studied: &Scene) -> Scene {
+        let mut scene = studied.clone();
+        let laws = scene.variables.iter_mut().zip(&self.one_more);
+        laws.for_each(|(variable, law)| variable.distribution = law.clone());
+        scene
+    }
 }
 
 /// A parameter of the population.
@@ -116,4 +134,7 @@ pub struct DataValue {
     pub narrowing: f64,
     /// Its standard error by the number of simulated data sets [1].
     pub standard_error: f64,
+    /// What the data cost, if a price is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cost: Option<f64>,
 }

@@ -150,13 +150,19 @@ fn prior_of(law: &Distribution, moment: Moment, given: Option<(f64, f64)>) -> Pa
     ParameterPrior { law: prior.expect("a finite prior with a positive width"), of_logarithm }
 }
 
-/// The distribution of the points of a variable whose moments are those of weighted sets, each `(weight, [mean, std])`.
-/// `shared` is the range of a value that all units share.
-pub fn proposal(law: &Distribution, shared: Option<(f64, f64)>, sets: &[(f64, [f64; 2])]) -> Distribution {
+/// Mean and standard deviation of one more unit over weighted sets, each `(weight, [mean, std])`.
+pub fn moments_of(sets: &[(f64, [f64; 2])]) -> [f64; 2] {
     let total: f64 = sets.iter().map(|(w, _)| w).sum();
     let mean = sets.iter().map(|(w, [m, _])| w * m).sum::<f64>() / total;
     let variance = sets.iter().map(|(w, [m, s])| w * ((m - mean).powi(2) + s * s)).sum::<f64>() / total;
-    let std = WIDER * variance.sqrt();
+    [mean, variance.sqrt()]
+}
+
+/// The distribution of the points of a variable whose moments are those of weighted sets, each `(weight, [mean, std])`.
+/// `shared` is the range of a value that all units share.
+pub fn proposal(law: &Distribution, shared: Option<(f64, f64)>, sets: &[(f64, [f64; 2])]) -> Distribution {
+    let [mean, std] = moments_of(sets);
+    let std = WIDER * std;
     if let Some((lower, upper)) = shared {
         let range = Distribution::uniform((mean - 3.0 * std).max(lower), (mean + 3.0 * std).min(upper));
         return range.expect("a range around a value within it");

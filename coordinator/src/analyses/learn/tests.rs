@@ -1,11 +1,15 @@
-use super::result::{LearnReport, LearnedParameter};
+use super::result::LearnedParameter;
 use super::*;
 use crate::analyses::error::RefusedQuestion;
 use crate::analyses::update::{FleetData, parse_fleet};
+use crate::farm::evaluate::{Request, local::LocalEvaluator};
+use crate::results::journal::InMemoryJournal;
+use crate::results::progress::Silent;
 use crate::statistics::design::{InputModel, Population};
-use crate::study::{LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
+use crate::study::{FurtherLearning, LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
+use common::outputs::Evaluation;
 use common::random::Family;
-use common::scene::{Fault, Faults, SceneSource};
+use common::scene::{Fault, Faults, Scene, SceneSource};
 
 /// A wear that grows in proportion to time, from an offset.
 const WEAR: &str = r#"
@@ -41,20 +45,29 @@ fn excess(x: &[f64], n: f64) -> f64 {
 /// The study of a closure from 40 simulations.
 pub(super) fn study(text: &str, response: fn(&[f64], f64) -> f64) -> (SceneSource, LifeModel) {
     let source = SceneSource::parse(text, "scene").unwrap();
-    let scene = source.nominal();
+    let (settings, stored) = simulated(source.nominal(), response);
+    let learned = learn_from_results(source.nominal(), source.nominal(), &settings, &stored).unwrap();
+    let model = LifeModel::new(source.nominal(), &learned);
+    (source, model)
+}
+
+/// Its settings and simulations.
+fn simulated(scene: &Scene, response: fn(&[f64], f64) -> f64) -> (Settings, Vec<StoredOutcome>) {
     let settings = Settings { samples: 2000, initial: 40, max_evaluations: 40, ..Settings::from(scene) };
     let population = Population::draw(InputModel::from_scene(scene), 40, 9);
-    let cycles = scene.life.checkpoints();
-    let simulate = |j: usize| {
+    let outcome = |j: usize| {
         let sample = population.physical(j);
-        let history = cycles.iter().map(|n| response(&sample, f64::from(*n))).collect();
-        let start = vec![Some(response(&sample, 0.0))];
-        StoredOutcome { sample, outcome: Ok(Observed { start, ..Observed::exact(vec![history]) }) }
+        let outcome = Ok(Observed::from_evaluation(evaluation(scene, response, &sample)));
+        StoredOutcome { sample, outcome }
     };
-    let stored: Vec<StoredOutcome> = (0..40).map(simulate).collect();
-    let learned = learn_from_results(scene, scene, &settings, &stored).unwrap();
-    let model = LifeModel::new(scene, &learned);
-    (source, model)
+    (settings, (0..40).map(outcome).collect())
+}
+
+fn evaluation(scene: &Scene, response: fn(&[f64], f64) -> f64, sample: &[f64]) -> Evaluation {
+    let cycles = scene.life.checkpoints();
+    let history = cycles.iter().map(|n| response(sample, f64::from(*n))).collect();
+    let start = vec![Some(response(sample, 0.0))];
+    Evaluation { start, ..Evaluation::from_histories(cycles, vec![history]) }
 }
 
 fn learned(
@@ -180,12 +193,62 @@ fn competing_modes_and_intervals_teach_the_rate_and_rank_further_data() {
     let best = &report.values[0];
     assert!(best.narrowing > 0.1 && best.narrowing > 2.0 * best.standard_error, "{:?}", report.values);
     assert!(report.values.windows(2).all(|pair| pair[0].narrowing >= pair[1].narrowing));
+    // With prices the narrowing for them counts; what has none comes last.
+    let priced = format!("{text}price,,failed,1000\nprice,,wear,2\n");
+    let priced = learned(study(WEAR, wear), &priced, |s| s.ranks = true).unwrap();
+    let costs: Vec<Option<f64>> = priced.values.iter().map(|value| value.cost).collect();
+    assert_eq!(costs, [Some(10.0), Some(10.0), Some(5000.0), None], "{:?}", priced.values);
+    assert!(answer(&priced).text().contains("narrowing over cost"));
     let text = answer(&report).text();
     for expected in
         ["Life at R = 0.99 with C = 90", "rate.mean", "more units run to failure", "no unknown parameter"]
     {
         assert!(text.contains(expected), "{expected}: {text}");
     }
+}
+
+#[test]
+fn simulations_where_the_population_has_gone_improve_what_was_learned() {
+    // Wear that grows with the fourth power of the rate: units with rates near 35, where the study has 25 with a spread of 3.
+    let steep: fn(&[f64], f64) -> f64 = |x, n| x[1] + 25.0 * (x[0] / 25.0).powi(4) * n / 1000.0;
+    let life = |rate: f64| 28.0 / (25.0 * (rate / 25.0).powi(4)) * 1000.0;
+    let row = |k: u32| format!("U{k},{:.1},failed,,3\n", life(33.25 + 0.5 * f64::from(k)));
+    let text = format!("population,,rate.mean\n{}", (0..8).map(row).collect::<String>());
+    // Values beyond the bounds of the study's distribution count as simulated.
+    let bounded = WEAR.replacen("\"normal\"", "\"truncated-normal\"", 1);
+    let (source, model) = study(&bounded, steep);
+    let scene = source.nominal();
+    let inputs = InputModel::from_scene(scene);
+    let before = learned((source.clone(), model), &text, |_| {}).unwrap();
+    assert_eq!(before.left.len(), 1, "{:?}", before.left);
+    let (settings, stored) = simulated(scene, steep);
+    let changed = &before.scene_of_one_more(scene);
+    let learning = FurtherLearning {
+        correction: None,
+        changed,
+        studied: scene,
+        settings: &settings,
+        stored: &stored,
+        further: 20,
+    };
+    let mut evaluator =
+        LocalEvaluator::new(1, |request: &Request| Ok(evaluation(scene, steep, &request.sample)));
+    let campaign = learning.learn(&mut evaluator, &mut InMemoryJournal::default(), &mut Silent).unwrap();
+    assert!(campaign.evaluations > 40 && campaign.evaluations <= 60, "{}", campaign.evaluations);
+    let model = LifeModel::new(scene, &campaign).redistributed(inputs);
+    let after = learned((source, model), &text, |_| {}).unwrap();
+    let [error, narrower] = [&before, &after].map(|report| {
+        let rate = &report.parameters[0];
+        ((rate.median - 35.0).abs(), rate.interval[1] - rate.interval[0])
+    });
+    assert!(narrower.0 < 0.7 && narrower.0 < 0.5 * error.0, "{error:?} {narrower:?}");
+    assert!(after.left.is_empty(), "{:?}", after.left);
+    // With one more unit far from the study, half of the population fails near the life of the middle one.
+    let half = after.confident.lives[2].median.unwrap();
+    assert!((half / life(35.0) - 1.0).abs() < 0.1, "{half} {}", life(35.0));
+    let answered = LearnReport { evaluations: 7, before: Some(before.confident), ..after };
+    let text = answer(&answered).text();
+    assert!(text.contains("Before 7 simulations were added: **Life at R = 0.99"), "{text}");
 }
 
 #[test]
@@ -211,6 +274,8 @@ fn every_fault_of_the_population_is_named_with_line_and_column() {
         ),
         ("population,,life.std", "column quantity: life is exponential: its mean is its one parameter"),
         ("population,,life", "column quantity: allowed: life.mean or life.std"),
+        ("price,,failed,-1", "column value: \"-1\": allowed: a number above 0"),
+        ("price,300,excess,1", "column cycles: a price has no cycles"),
         ("population,,life.mean,-4,1", "column value: allowed: above 0"),
         (
             "population,,life.mean,900,0",

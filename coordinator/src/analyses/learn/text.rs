@@ -13,8 +13,15 @@ const ROWS: usize = 12;
 /// The answer with its tables and figure.
 pub fn answer(report: &LearnReport) -> Answer {
     let LearnReport { confident, parameters, .. } = report;
-    let mut parts = vec![AnswerPart::Text(sentence(confident)), AnswerPart::Figures];
-    parts.extend(confident_tables(confident, report.end).into_iter().map(AnswerPart::Table));
+    let added = match report.evaluations {
+        0 => "no simulation was made".to_owned(),
+        1 => "1 simulation was added".to_owned(),
+        n => format!("{n} simulations were added"),
+    };
+    let stated = confident_answer(confident, &report.scene, &report.study, report.end);
+    let mut parts = stated.parts;
+    let before = report.before.as_ref().map(|b| AnswerPart::Text(format!("Before {added}: {}", sentence(b))));
+    parts.splice(1..1, before);
     let c = percent(confident.confidence);
     let head = [
         "parameter".to_owned(),
@@ -26,11 +33,18 @@ pub fn answer(report: &LearnReport) -> Answer {
     let rows = parameters.iter().map(parameter_row);
     parts.push(AnswerPart::Table(Table::new("Parameters of the population", head, rows)));
     if !report.values.is_empty() {
+        let columns = if report.values.iter().any(|v| v.cost.is_some()) { 4 } else { 2 };
         let rows = report.values.iter().map(|v| {
-            vec![v.data.clone(), format!("{:.0} ± {:.0} %", 100.0 * v.narrowing, 100.0 * v.standard_error)]
+            let percent = |share: f64| format!("{} %", shortest(100.0 * share, 3));
+            let narrowing = format!("{:.0} ± {:.0} %", 100.0 * v.narrowing, 100.0 * v.standard_error);
+            let [cost, for_cost] =
+                [v.cost.map(|cost| shortest(cost, 4)), v.cost.map(|cost| percent(v.narrowing / cost))]
+                    .map(Option::unwrap_or_default);
+            [v.data.clone(), narrowing, cost, for_cost].into_iter().take(columns).collect()
         });
         let heading = "Which further data narrow the interval of the life at R = 0.99 most";
-        parts.push(AnswerPart::Table(Table::new(heading, ["data", "expected narrowing"], rows)));
+        let head = ["data", "expected narrowing", "cost", "narrowing over cost"].into_iter().take(columns);
+        parts.push(AnswerPart::Table(Table::new(heading, head, rows)));
     }
     parts.push(AnswerPart::Notes("Errors", notes(report)));
     let checks: Vec<String> = report
@@ -44,10 +58,31 @@ pub fn answer(report: &LearnReport) -> Answer {
     Answer {
         name: "learn".to_owned(),
         title: format!("What {} of {} say of their population", units(report.units), report.scene),
-        subtitle: "Reliability with what differs between units and what is not known of them apart; no simulation was made".to_owned(),
+        subtitle: format!(
+            "Reliability with what differs between units and what is not known of them apart; {added}"
+        ),
         parts,
-        figures: vec![confident_figure(confident, &report.study, report.end)],
         files: vec![("reliability.csv".to_owned(), reliability_csv(confident))],
+        ..stated
+    }
+}
+
+/// Reliability at a confidence: the bound in a sentence, lives, R at the checkpoints, and the figure with R of the study.
+pub fn confident_answer(
+    confident: &ConfidentReliability,
+    scene: &str,
+    study: &[ReliabilityRow],
+    end: f64,
+) -> Answer {
+    let tables = confident_tables(confident, end).into_iter().map(AnswerPart::Table);
+    Answer {
+        name: "confidence".to_owned(),
+        title: format!("Reliability of {scene} at a confidence"),
+        parts: [AnswerPart::Text(sentence(confident)), AnswerPart::Figures]
+            .into_iter()
+            .chain(tables)
+            .collect(),
+        figures: vec![confident_figure(confident, study, end)],
         ..Answer::default()
     }
 }
@@ -153,7 +188,7 @@ fn notes(report: &LearnReport) -> Vec<String> {
     notes.extend(report.left.iter().map(|left| {
         format!(
             "Caution: {} of the units have values of {} that were not simulated ({} in the study); the responses there are \
-             extrapolated. A study of the changed scene simulates them.",
+             extrapolated; --refine simulates them.",
             percent(left.outside),
             left.name,
             percent(left.of_study)

@@ -81,6 +81,23 @@ impl<'a> TargetCampaign<'a> {
         Observed { errors, ..Observed::exact(histories) }
     }
 
+    /// The problem of the targets for these inputs.
+    fn problem(&self, inputs: &InputModel) -> Problem {
+        let of_study = &self.study.problem;
+        let mode = |(output, mode): (usize, &usize)| Mode { output, ..of_study.modes[*mode] };
+        Problem {
+            inputs: inputs.clone(),
+            outputs: self.modes.len(),
+            modes: self.modes.iter().enumerate().map(mode).collect(),
+            checkpoints: self.checkpoints.iter().map(|n| of_study.checkpoints[*n]).collect(),
+        }
+    }
+
+    /// Standard errors of P_f by the stated numerical errors of the simulations `(curves)(columns,)` [1].
+    pub fn numerical_errors(&self, learned: &CampaignResult) -> Vec<Vec<f64>> {
+        learned.numerical_errors(&self.problem(learned.classified.population.inputs()))
+    }
+
     /// Learns at the design with these inputs, with at most `count` further simulations; `pf` is the least failure
     /// probability that matters.
     pub fn learn(
@@ -91,16 +108,7 @@ impl<'a> TargetCampaign<'a> {
         simulate: &mut Simulate<'_>,
     ) -> Result<CampaignResult, AnalysisError> {
         let study = self.study;
-        let mode = |(output, mode): (usize, &usize)| Mode {
-            output,
-            threshold: study.problem.modes[*mode].threshold,
-        };
-        let problem = Problem {
-            inputs: inputs.clone(),
-            outputs: self.modes.len(),
-            modes: self.modes.iter().enumerate().map(mode).collect(),
-            checkpoints: self.checkpoints.iter().map(|n| study.problem.checkpoints[*n]).collect(),
-        };
+        let problem = self.problem(inputs);
         let default = StoppingTargets::default();
         let wanted = 1.1 / (pf * COV.powi(2));
         // Rarer failures are counted over conditional populations and judged by their relative error alone.

@@ -2,8 +2,8 @@
 //! each other and accurate.
 
 use super::campaign::{StudyBasis, TargetCampaign};
-use super::problem::DesignProblem;
-use super::reliability::{Constraint, DesignReliability, ModeSurrogate, value};
+use super::problem::{DesignProblem, ReliabilityTarget};
+use super::reliability::{Constraint, DesignReliability, ModeSurrogate, TargetValue, value};
 use super::solve::Solved;
 use super::trust;
 use crate::analyses::error::AnalysisError;
@@ -17,6 +17,13 @@ const NEAR_MEAN: f64 = 0.3;
 const NEAR_SPREAD: f64 = 0.15;
 /// Difference of two reliabilities in their standard errors up to which they agree [1].
 const AGREE: f64 = 3.0;
+/// Reserve of a constraint, least and most, beyond what the errors cost: more than what a search leaves unmet, little against the cost [1].
+const RESERVE: (f64, f64) = (2e-4, 4e-3);
+
+/// Reliability index of a failure probability, finite for any [1].
+pub(super) fn index_of(pf: f64) -> f64 {
+    -standard_normal_quantile(pf.clamp(1e-14, 1.0 - 1e-12))
+}
 
 /// A problem with the inputs of its study, and its targets as curves and columns of the campaigns and as constraints.
 pub(super) struct Context<'a> {
@@ -38,12 +45,11 @@ impl<'a> Context<'a> {
             .map(|target| campaign.place(target.limit_state, target.checkpoint))
             .collect();
         let modes = campaign.modes.len();
-        let constraint =
-            |(target, (curve, column)): (&super::ReliabilityTarget, &(usize, usize))| Constraint {
-                modes: if *curve == modes { (0..modes).collect() } else { vec![*curve] },
-                column: *column,
-                beta: -standard_normal_quantile(1.0 - target.reliability),
-            };
+        let constraint = |(target, (curve, column)): (&ReliabilityTarget, &(usize, usize))| Constraint {
+            modes: if *curve == modes { (0..modes).collect() } else { vec![*curve] },
+            column: *column,
+            beta: index_of(1.0 - target.reliability),
+        };
         let constraints = problem.targets.iter().zip(&places).map(constraint).collect();
         let reference = trust::with_scales(problem, &study.problem.inputs);
         Self { problem, reference, seed: study.settings.seed, places, constraints }
@@ -77,6 +83,46 @@ impl<'a> Context<'a> {
     pub fn assessed(&self, solved: &Solved, learned: &CampaignResult) -> Solved {
         let values = self.reliability(learned, &solved.y).targets(&solved.y).unwrap_or_default();
         Solved { values, ..solved.clone() }
+    }
+
+    /// Lower bound of every target's R at a campaign's design, with its confidence `(targets,)` [1]; `None` without one.
+    pub fn bounds(
+        &self,
+        solved: &Solved,
+        learned: &CampaignResult,
+        campaign: &TargetCampaign<'_>,
+    ) -> Vec<Option<f64>> {
+        let targets = &self.problem.targets;
+        let is_asked = targets.iter().any(|target| target.confidence.is_some());
+        let numerical = if is_asked { campaign.numerical_errors(learned) } else { vec![] };
+        let bound =
+            |((target, (curve, column)), value): ((&ReliabilityTarget, &(usize, usize)), &TargetValue)| {
+                let reach = standard_normal_quantile(target.confidence?);
+                let surrogate = TargetCampaign::surrogate_error(learned, *curve, *column);
+                let error = surrogate.hypot(value.estimate.standard_error).hypot(numerical[*curve][*column]);
+                Some((1.0 - value.estimate.probability - reach * error).max(0.0))
+            };
+        targets.iter().zip(&self.places).zip(&solved.values).map(bound).collect()
+    }
+
+    /// Raises the constraint of every target with a confidence by what the errors at a campaign's design cost there, the index of the
+    /// estimate less that of its lower bound. True if no constraint had to move.
+    pub fn reserve(&mut self, solved: &Solved, bounds: &[Option<f64>]) -> bool {
+        let mut settled = true;
+        for (i, bound) in bounds.iter().enumerate() {
+            let Some(bound) = bound else { continue };
+            let (wanted, promised) =
+                (index_of(1.0 - self.problem.targets[i].reliability), index_of(1.0 - bound));
+            let needed = wanted + solved.values[i].beta - promised;
+            let constraint = &mut self.constraints[i].beta;
+            let over = *constraint - needed;
+            let holds = promised >= wanted;
+            if !(holds && (over <= RESERVE.1 || self.problem.is_discrete())) {
+                settled &= (RESERVE.0..=RESERVE.1).contains(&over);
+                *constraint = needed + 0.5 * RESERVE.1;
+            }
+        }
+        settled
     }
 
     /// True if two designs are next to each other.

@@ -5,7 +5,7 @@
 //! reliability by line sampling agrees with the one counted over the population.
 
 use super::campaign::{StudyBasis, TargetCampaign};
-use super::context::{Context, values_of};
+use super::context::{Context, index_of, values_of};
 use super::problem::DesignProblem;
 use super::reliability::{TargetValue, place, value};
 use super::result::{
@@ -38,7 +38,7 @@ pub fn optimise(
 ) -> Result<OptimisationResult, AnalysisError> {
     let mut campaign = TargetCampaign::new(study, problem);
     let before = campaign.simulations();
-    let context = Context::new(study, problem, &campaign);
+    let mut context = Context::new(study, problem, &campaign);
     let present = problem.present(&context.reference);
     let start: Vec<f64> = problem.quantities.iter().zip(&present).map(|(q, v)| place(q, *v)).collect();
     let middle = vec![0.5; start.len()];
@@ -49,14 +49,16 @@ pub fn optimise(
     let mut learned = campaign.learn(&context.reference, 0, allowed, simulate)?;
     // The design of the last campaign with simulations, and whether it ended by its own rule.
     let mut last: Option<(InputModel, bool)> = None;
-    let mut known = vec![start.clone(), middle];
+    // The place of that design.
+    let mut centre = start.clone();
+    let mut known = vec![start, middle];
     let (mut round, mut visited) = (0, false);
-    let (solved, region, reason) = loop {
+    let (solved, region, bounds, reason) = loop {
         round += 1;
         let (solved, region) = {
             let mut reliability = context.reliability(&learned, &known[0]);
-            let inputs = context.inputs(&values_of(problem, &known[0]))?;
-            reliability.region = trust::region(problem, &inputs, &known[0], visited);
+            let inputs = context.inputs(&values_of(problem, &centre))?;
+            reliability.region = trust::region(problem, &inputs, &centre, visited);
             (solve(&mut reliability, &known), reliability.region)
         };
         let added = campaign.simulations() - before;
@@ -77,18 +79,29 @@ pub fn optimise(
             let solved = context.assessed(&solved, &learned);
             // A design on the edge of the region is no optimum.
             if trust::held(&region, &solved.y).is_empty() && context.is_accurate(&solved, &learned) {
-                break (solved, region, None);
+                let bounds = context.bounds(&solved, &learned, &campaign);
+                if context.reserve(&solved, &bounds) {
+                    break (solved, region, bounds, None);
+                }
+                if round < MOST_ROUNDS {
+                    continue;
+                }
             }
         }
         let left = budget.saturating_sub(added);
         if left == 0 || round == MOST_ROUNDS {
             learned = campaign.learn(&inputs, 0, pf, simulate)?;
+            let solved = context.assessed(&solved, &learned);
+            let bounds = context.bounds(&solved, &learned, &campaign);
+            if !context.reserve(&solved, &bounds) && round < MOST_ROUNDS {
+                continue;
+            }
             let reason = if left == 0 {
                 format!("the budget of {budget} simulations is spent")
             } else {
                 format!("{MOST_ROUNDS} rounds have passed")
             };
-            break (context.assessed(&solved, &learned), region, Some(reason));
+            break (solved, region, bounds, Some(reason));
         }
         learned = if near {
             campaign.learn(&inputs, left, pf, simulate)?
@@ -98,6 +111,7 @@ pub fn optimise(
         };
         let ended = learned.stop != StopReason::Budget;
         last = Some((inputs, ended));
+        centre.clone_from(&solved.y);
     };
     let added = campaign.simulations() - before;
     let at_present = campaign.learn(&context.reference, 0, allowed, simulate)?;
@@ -105,7 +119,7 @@ pub fn optimise(
     let stopped_because =
         reason.unwrap_or_else(|| "the optimum and the reliabilities simulated there agree".to_owned());
     let evaluations = Simulations { study: before, added };
-    let finding = Finding { solved, region, confirmed, stopped_because, evaluations, present };
+    let finding = Finding { solved, region, bounds, confirmed, stopped_because, evaluations, present };
     Ok(finding.result(&context, &learned, &at_present))
 }
 
@@ -133,6 +147,8 @@ pub(super) struct Finding {
     pub solved: Solved,
     /// Region in which the design was sought `(q,)`.
     pub region: Vec<(f64, f64)>,
+    /// Lower bounds of the targets that have a confidence `(targets,)` [1].
+    pub bounds: Vec<Option<f64>>,
     pub confirmed: bool,
     pub stopped_because: String,
     pub evaluations: Simulations,
@@ -152,7 +168,7 @@ impl Finding {
         let Finding { solved, present, region, .. } = self;
         let held = trust::held(region, &solved.y);
         let values = values_of(problem, &solved.y);
-        let targets = targets(context, solved, learned, at_present);
+        let targets = self.targets(context, learned, at_present);
         let variance = |target: &OptimisedTarget| {
             let beta = -standard_normal_quantile(1.0 - target.reliability);
             (target.multiplier * target.standard_error / standard_normal_pdf(beta).max(1e-300)).powi(2)
@@ -206,28 +222,49 @@ impl Finding {
             cost_standard_error,
             quantities: (0..values.len()).map(quantity).collect(),
             targets,
+            confidence_cost: self.confidence_cost(context, learned),
             front: if held.is_empty() { self.front(context, learned) } else { vec![] },
             grades: solved.grades,
             values,
         }
     }
 
+    /// The cheapest design with continuous quantities on the last surrogates for constraints `beta` `(targets,)`, and whether it lies
+    /// within the region.
+    fn cheapest(&self, context: &Context<'_>, learned: &CampaignResult, beta: &[f64]) -> (Solved, bool) {
+        let mut reliability = context.reliability(learned, &self.solved.y);
+        reliability.region.clone_from(&self.region);
+        let constraints = reliability.constraints.iter_mut().zip(beta);
+        constraints.for_each(|(constraint, beta)| constraint.beta = *beta);
+        let found = solve_relaxed(&mut reliability, std::slice::from_ref(&self.solved.y));
+        let inside = trust::held(&self.region, &found.y).is_empty();
+        (found, inside)
+    }
+
+    /// What the confidence of the targets costs, against the estimates alone; `None` without one or without an optimum.
+    fn confidence_cost(&self, context: &Context<'_>, learned: &CampaignResult) -> Option<f64> {
+        self.bounds.iter().flatten().next()?;
+        let beta: Vec<f64> =
+            context.problem.targets.iter().map(|target| index_of(1.0 - target.reliability)).collect();
+        let (found, inside) = self.cheapest(context, learned, &beta);
+        let is_optimum = self.solved.feasible && found.feasible && inside;
+        is_optimum.then_some(self.solved.relaxed_cost - found.cost)
+    }
+
     /// Least costs for stricter and looser targets, on the last surrogates.
     fn front(&self, context: &Context<'_>, learned: &CampaignResult) -> Vec<FrontPoint> {
         let solved = &self.solved;
-        let mut reliability = context.reliability(learned, &solved.y);
-        reliability.region.clone_from(&self.region);
         let allowed: Vec<f64> =
             context.problem.targets.iter().map(|target| 1.0 - target.reliability).collect();
-        let mut point = |factor: f64| {
+        let point = |factor: f64| {
             let targets: Vec<f64> = allowed.iter().map(|p| 1.0 - factor * p).collect();
-            for (constraint, p) in reliability.constraints.iter_mut().zip(&allowed) {
-                constraint.beta = -standard_normal_quantile(factor * p);
-            }
-            let found = solve_relaxed(&mut reliability, std::slice::from_ref(&solved.y));
+            // With the reserve of the optimum.
+            let beta = allowed.iter().zip(&context.constraints);
+            let beta: Vec<f64> =
+                beta.map(|(p, own)| index_of(factor * p) + (own.beta - index_of(*p))).collect();
             // What the region holds, or what it may hide, is not known.
-            let inside = trust::held(&reliability.region, &found.y).is_empty();
-            let whole = reliability.region.iter().all(|ends| *ends == (0.0, 1.0));
+            let (found, inside) = self.cheapest(context, learned, &beta);
+            let whole = self.region.iter().all(|ends| *ends == (0.0, 1.0));
             let unsupported = !inside || !(found.feasible || whole);
             FrontPoint {
                 factor,
@@ -236,11 +273,8 @@ impl Finding {
                 unsupported,
             }
         };
-        let mut points: Vec<FrontPoint> = FRONT
-            .into_iter()
-            .filter(|factor| allowed.iter().all(|p| factor * p < 1.0))
-            .map(&mut point)
-            .collect();
+        let mut points: Vec<FrontPoint> =
+            FRONT.into_iter().filter(|factor| allowed.iter().all(|p| factor * p < 1.0)).map(point).collect();
         let own = FrontPoint {
             factor: 1.0,
             targets: context.problem.targets.iter().map(|target| target.reliability).collect(),
@@ -251,43 +285,46 @@ impl Finding {
         points.insert(place, own);
         points
     }
-}
 
-fn targets(
-    context: &Context<'_>,
-    solved: &Solved,
-    learned: &CampaignResult,
-    at_present: &CampaignResult,
-) -> Vec<OptimisedTarget> {
-    let counted = learned.reliability();
-    let counted_before = at_present.reliability();
-    let target = |i: usize| {
-        let target = &context.problem.targets[i];
-        let (curve, column) = context.places[i];
-        let value = &solved.values[i];
-        let surrogate = TargetCampaign::surrogate_error(learned, curve, column);
-        let standard_error = surrogate.hypot(value.estimate.standard_error);
-        let reliability = 1.0 - value.estimate.probability;
-        let point = counted[curve][column];
-        let was = counted_before[curve][column];
-        OptimisedTarget {
-            name: target.name.clone(),
-            limit_state: target.limit_state,
-            cycles: target.cycles,
-            target: target.reliability,
-            before: was.reliability,
-            standard_error_before: was.standard_error,
-            reliability,
-            standard_error,
-            counted: point.reliability,
-            counted_standard_error: point.standard_error,
-            active: value.beta - context.constraints[i].beta < ACTIVE || solved.multipliers[i] > 0.0,
-            met: false,
-            state: TargetState::NotMet,
-            interval: [-REACH, REACH].map(|reach| (reliability + reach * standard_error).clamp(0.0, 1.0)),
-            multiplier: solved.multipliers[i],
-        }
-    };
-    let with_state = |i: usize| target(i).judged(solved.feasible);
-    (0..context.problem.targets.len()).map(with_state).collect()
+    fn targets(
+        &self,
+        context: &Context<'_>,
+        learned: &CampaignResult,
+        at_present: &CampaignResult,
+    ) -> Vec<OptimisedTarget> {
+        let solved = &self.solved;
+        let counted = learned.reliability();
+        let counted_before = at_present.reliability();
+        let target = |i: usize| {
+            let target = &context.problem.targets[i];
+            let (curve, column) = context.places[i];
+            let value = &solved.values[i];
+            let surrogate = TargetCampaign::surrogate_error(learned, curve, column);
+            let standard_error = surrogate.hypot(value.estimate.standard_error);
+            let reliability = 1.0 - value.estimate.probability;
+            let point = counted[curve][column];
+            let was = counted_before[curve][column];
+            OptimisedTarget {
+                name: target.name.clone(),
+                limit_state: target.limit_state,
+                cycles: target.cycles,
+                target: target.reliability,
+                before: was.reliability,
+                standard_error_before: was.standard_error,
+                reliability,
+                standard_error,
+                counted: point.reliability,
+                counted_standard_error: point.standard_error,
+                active: value.beta - context.constraints[i].beta < ACTIVE || solved.multipliers[i] > 0.0,
+                met: false,
+                state: TargetState::NotMet,
+                interval: [-REACH, REACH].map(|reach| (reliability + reach * standard_error).clamp(0.0, 1.0)),
+                multiplier: solved.multipliers[i],
+                confidence: target.confidence,
+                at_least: self.bounds[i],
+            }
+        };
+        let with_state = |i: usize| target(i).judged(solved.feasible);
+        (0..context.problem.targets.len()).map(with_state).collect()
+    }
 }

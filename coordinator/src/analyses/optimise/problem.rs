@@ -91,6 +91,8 @@ pub struct ReliabilityTarget {
     pub cycles: u32,
     /// Least reliability [1].
     pub reliability: f64,
+    /// One-sided confidence with which it is to hold, over the errors of lines, surrogates and simulations [1].
+    pub confidence: Option<f64>,
 }
 
 /// What is to be minimised: the sum of the costs, such that every target is met.

@@ -238,10 +238,12 @@ impl ProblemReader<'_> {
         let all = self.scene.life.checkpoints();
         let checkpoint = checkpoint(row, &self.scene.life, all.last().copied());
         let reliability = row.quantity("reliability", NUMBER, Range::Between(0.0, 1.0));
+        let confidence = row.quantity_if_any("confidence", NUMBER, Range::Within(0.5, 0.999));
         row.finish();
         let ((name, limit_state), (checkpoint, cycles)) = (limit_state?, checkpoint?);
         let name = if all.len() > 1 { format!("R {name} at {cycles}") } else { format!("R {name}") };
-        Some(ReliabilityTarget { name, limit_state, checkpoint, cycles, reliability: reliability? })
+        let (reliability, confidence) = (reliability?, confidence?);
+        Some(ReliabilityTarget { name, limit_state, checkpoint, cycles, reliability, confidence })
     }
 
     /// Every distribution must exist where all quantities lie on bounds: the keys of bounds where one does not.

@@ -161,3 +161,25 @@ fn bounds_at_which_no_distribution_exists_are_refused() {
     );
     assert!(mean.starts_with("1: quantities[1].lower: -1 mm: mean = -0.001 is out of range"), "{mean}");
 }
+
+#[test]
+fn a_confidence_is_a_share_from_a_half_on() {
+    let with = |confidence: &str| {
+        let quantity = "{ change = \"n.mean\", lower = 2, upper = 4, cost = { model = \"linear\", c1 = 1 } }";
+        read(&format!("quantities = [{quantity}]\ntargets = [{{ reliability = 0.9{confidence} }}]"))
+    };
+    assert_eq!(with("").unwrap().targets[0].confidence, None);
+    for (given, confidence) in [("0.95", 0.95), ("\"90%\"", 0.9), ("\"90 %\"", 0.9)] {
+        let problem = with(&format!(", confidence = {given}")).unwrap();
+        assert_eq!(problem.targets[0].confidence, Some(confidence));
+    }
+    for (given, said) in [
+        ("0", "0 is out of range, allowed: 0.5 to 0.999"),
+        ("\"100 %\"", "1 is out of range, allowed: 0.5 to 0.999"),
+        ("\"high\"", "high"),
+    ] {
+        let faults = with(&format!(", confidence = {given}")).unwrap_err();
+        assert!(faults.len() == 1 && faults[0].starts_with("2: targets[1].confidence: "), "{faults:?}");
+        assert!(faults[0].contains(said), "{faults:?}");
+    }
+}

@@ -3,7 +3,7 @@
 use super::result::{
     Advice, Bound, FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, TargetState,
 };
-use crate::presentation::report::format::{shortest, significant};
+use crate::presentation::report::format::{percent, shortest, significant};
 use crate::presentation::report::{
     Answer, AnswerPart, Axis, ComparedStudy, Figure, Ink, Plot, Scale, Series, Shape, Table,
 };
@@ -44,7 +44,8 @@ fn verdict(result: &OptimisationResult) -> String {
             .iter()
             .filter(|target| target.state == TargetState::NotMet)
             .map(|target| {
-                format!("{} is {}, the target is {}", target.name, interval(target), share(target.target))
+                let found = promise(target).unwrap_or_else(|| interval(target));
+                format!("{} is {found}, the target is {}", target.name, share(target.target))
             })
             .collect();
         let head = if result.supports_all() {
@@ -108,14 +109,17 @@ fn states(result: &OptimisationResult) -> String {
         let targets: Vec<String> = result
             .targets
             .iter()
-            .filter(|target| target.state == state)
+            .filter(|target| target.state == state && target.at_least.is_none())
             .map(|target| format!("{} = {} for {}", target.name, interval(target), share(target.target)))
             .collect();
         targets.join("; ")
     };
     let (within, missed) = (of(TargetState::MetWithinErrors), of(TargetState::NotMet));
-    let mut said = Vec::new();
-    if within.is_empty() && missed.is_empty() {
+    let promises = |target: &OptimisedTarget| {
+        Some(format!("{} is {}, for {}.", target.name, promise(target)?, share(target.target)))
+    };
+    let mut said: Vec<String> = result.targets.iter().filter_map(promises).collect();
+    if said.is_empty() && within.is_empty() && missed.is_empty() {
         said.push("Every target is met by the whole interval of its reliability.".to_owned());
     }
     if !missed.is_empty() {
@@ -197,6 +201,7 @@ fn target_row(target: &OptimisedTarget) -> Vec<String> {
         TargetState::MetWithinErrors => "met within the stated errors",
         TargetState::Met => "met",
     };
+    let with = promise(target).map_or(String::new(), |promise| format!(": {promise}"));
     let active = if target.active { ", decides the design" } else { "" };
     vec![
         target.name.clone(),
@@ -205,7 +210,7 @@ fn target_row(target: &OptimisedTarget) -> Vec<String> {
         share(target.reliability),
         ends(target),
         with_interval(target.counted, target.counted_standard_error),
-        format!("{state}{active}"),
+        format!("{state}{with}{active}"),
     ]
 }
 
@@ -258,6 +263,12 @@ fn notes(result: &OptimisationResult) -> Vec<String> {
             number(target.multiplier)
         ));
     }
+    if let Some(cost) = result.confidence_cost {
+        notes.push(format!(
+            "Price of the confidence: by the estimates alone the targets would cost {} less.",
+            number(cost)
+        ));
+    }
     let continuous =
         if result.grades.is_some() { ", with every tolerance between the grades allowed" } else { "" };
     notes.push(format!(
@@ -282,6 +293,11 @@ fn share(r: f64) -> String {
 /// A reliability and the ends of its 95 % interval with all errors.
 fn interval(target: &OptimisedTarget) -> String {
     format!("{} ({})", share(target.reliability), ends(target))
+}
+
+/// What holds of a target with its confidence.
+fn promise(target: &OptimisedTarget) -> Option<String> {
+    Some(format!("at least {} with {} confidence", share(target.at_least?), percent(target.confidence?)))
 }
 
 /// The ends of the 95 % interval of a reliability.

@@ -105,20 +105,29 @@ pub struct OptimisedTarget {
     pub interval: [f64; 2],
     /// What that interval says of the target.
     pub state: TargetState,
-    /// True if the whole interval meets the target.
+    /// True if the whole interval meets the target, or the bound of a target with a confidence.
     pub met: bool,
     /// Rise of the cost per unit of a larger reliability index; 0 if the target is not active.
     pub multiplier: f64,
+    /// Confidence with which the target is to be met, if it has one [1].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
+    /// One-sided lower bound of the reliability with that confidence, all errors of the interval included [1].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_least: Option<f64>,
 }
 
 impl OptimisedTarget {
     /// The target with the state that its interval gives; `feasible` if the design meets all targets on the surrogates.
     pub(super) fn judged(mut self, feasible: bool) -> Self {
         let [lower, upper] = self.interval;
-        self.met = lower >= self.target;
+        self.met = self.at_least.unwrap_or(lower) >= self.target;
         self.state = if self.met {
             TargetState::Met
-        } else if upper < self.target || (!feasible && self.reliability < self.target) {
+        } else if upper < self.target
+            || self.at_least.is_some()
+            || (!feasible && self.reliability < self.target)
+        {
             TargetState::NotMet
         } else {
             TargetState::MetWithinErrors
@@ -209,6 +218,9 @@ pub struct OptimisationResult {
     pub cost: f64,
     /// Standard error of the cost that follows from those of the reliabilities; continuous quantities.
     pub cost_standard_error: f64,
+    /// Rise of the cost by the confidence of the targets, with continuous quantities; `None` without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub confidence_cost: Option<f64>,
     /// Quantities of the design.
     pub quantities: Vec<OptimisedQuantity>,
     /// Targets before and at the optimum.

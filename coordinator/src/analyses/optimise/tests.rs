@@ -1,7 +1,7 @@
 //! Optima of known truth, from studies that a closure simulates.
 
 use super::problem::Grade;
-use super::result::TargetState::{Met, MetWithinErrors};
+use super::result::TargetState::{Met, MetWithinErrors, NotMet};
 use super::*;
 use crate::analyses::designs::DesignSpace;
 use crate::analyses::quantity::ShownUnit;
@@ -66,7 +66,10 @@ fn run(
 ) -> OptimisationResult {
     let mut simulate = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, AnalysisError> {
         let outcome = |request: &SampleRequest| {
-            Ok(Observed::exact(f(&request.sample).into_iter().map(|y| vec![y]).collect()))
+            let observed = Observed::exact(f(&request.sample).into_iter().map(|y| vec![y]).collect());
+            // With the errors that the study states.
+            let of_study = study.outcomes.iter().find_map(|(_, outcome)| outcome.as_ref().ok());
+            Ok(Observed { errors: of_study.expect("a result").errors.clone(), ..observed })
         };
         Ok(requests.iter().map(outcome).collect())
     };
@@ -88,7 +91,14 @@ fn quantity(k: usize, kind: QuantityKind, bounds: (f64, f64), cost: CostModel) -
 }
 
 fn target(limit_state: Option<usize>, reliability: f64) -> ReliabilityTarget {
-    ReliabilityTarget { name: "R".into(), limit_state, checkpoint: 0, cycles: 1, reliability }
+    ReliabilityTarget {
+        name: "R".into(),
+        limit_state,
+        checkpoint: 0,
+        cycles: 1,
+        reliability,
+        confidence: None,
+    }
 }
 
 /// Youn and Choi's margins: failed where g < 0.
@@ -183,6 +193,41 @@ fn the_optimum_of_a_stack_is_that_of_the_closed_form() {
     let graded = run(&study, &problem, 60, &stack);
     assert!((graded.cost / best - 1.0).abs() < 1e-9, "{best} {}", markdown(&graded));
     assert!(graded.grades.is_some_and(|grades| grades.proved && grades.relaxed_cost < best));
+}
+
+#[test]
+fn a_target_holds_with_its_confidence_at_a_price() {
+    let variables = vec![Distribution::normal(0.0, 0.2).unwrap(); 3];
+    let mut study = study(&variables, 1, 12, &stack);
+    let error = 0.05;
+    study.outcomes.iter_mut().for_each(|(_, outcome)| outcome.as_mut().unwrap().errors = vec![vec![error]]);
+    let mut problem = stack_problem(0.98);
+    let estimated = run(&study, &problem, 60, &stack);
+    assert!(!estimated.targets[0].met && estimated.confidence_cost.is_none());
+    problem.targets[0].confidence = Some(0.9);
+    // The stated error is the reach of 95 %, and the cost in proportion to the reliability index.
+    let price =
+        estimated.cost * error * standard_normal_quantile(0.9) / crate::statistics::reliability::REACH;
+    for budget in [60, 0] {
+        let found = run(&study, &problem, budget, &stack);
+        let text = markdown(&found);
+        let own = &found.targets[0];
+        assert!(own.met && own.state == Met && own.at_least.unwrap() >= 0.98, "{text}");
+        let length = (0..3).map(|k| (WEIGHTS[k] * found.values[k]).powi(2)).sum::<f64>().sqrt();
+        assert!(own.at_least.unwrap() < standard_normal_cdf(1.0 / length), "{text}");
+        assert_eq!(found.confirmed, budget > 0, "{text}");
+        let more = found.cost - estimated.cost;
+        assert!(more > 0.9 * price && more < 2.0 * price, "{more} {price} {text}");
+        assert!((found.confidence_cost.unwrap() / more - 1.0).abs() < 0.1, "{text}");
+        assert!(
+            text.contains("with 90.0\u{a0}% confidence") && text.contains("Price of the confidence"),
+            "{text}"
+        );
+    }
+    // Bounds within which only the estimate meets the target.
+    problem.quantities.iter_mut().for_each(|q| q.lower = 0.2124);
+    let found = run(&study, &problem, 0, &stack);
+    assert!(!found.feasible && found.targets[0].state == NotMet, "{}", markdown(&found));
 }
 
 #[test]

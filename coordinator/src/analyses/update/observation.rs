@@ -114,4 +114,6 @@ pub struct FleetData {
     pub units: Vec<ObservedUnit>,
     /// The unknown parameters that the file names, in its order.
     pub unknown: Vec<UnknownParameter>,
+    /// Prices of further observations: of one measured value, or of a unit run to failure (`None`).
+    pub prices: Vec<(Option<Observable>, f64)>,
 }

@@ -3,7 +3,8 @@
 //! limit state as value and the standard deviation of the life's error, where they are known.
 //!
 //! In the data of a fleet rows of the unit `population` name what is not known of it: `VARIABLE.mean`, `VARIABLE.std` or a design
-//! variable, with value and standard deviation of its prior, or without both for a flat one.
+//! variable, with value and standard deviation of its prior, or without both for a flat one; rows of the unit `price` what one more unit
+//! run to failure (`failed`), or one measured value of an output or variable, costs.
 //!
 //! A first line that begins with `unit` is a heading; lines that begin with `#` are comments.
 
@@ -38,8 +39,10 @@ pub fn read(
 
 /// The unit whose rows name what is not known of all.
 const POPULATION: &str = "population";
+/// The unit whose rows name the prices of further observations.
+const PRICE: &str = "price";
 
-/// Reads the text of a file; only with `designs` it may have rows of the population.
+/// Reads the text of a file; only with `designs` it may have rows of the population and prices.
 ///
 /// # Errors
 /// All faults.
@@ -52,9 +55,14 @@ pub fn parse(
 ) -> Result<FleetData, Faults> {
     let reader = UnitReader { source, scene: source.nominal(), model };
     read_rows(text, file, &COLUMNS, |rows| {
-        let FleetData { mut units, mut unknown } = FleetData::default();
+        let FleetData { mut units, mut unknown, mut prices } = FleetData::default();
         for (line, row) in rows.iter_mut() {
-            let of_population = row.get("unit").and_then(|name| name.as_str()) == Some(POPULATION);
+            let unit = row.get("unit").and_then(|name| name.as_str());
+            let (of_population, is_price) = (unit == Some(POPULATION), unit == Some(PRICE));
+            if is_price && designs.is_some() {
+                prices.extend(reader.price(row));
+                continue;
+            }
             if let Some(designs) = designs.filter(|_| of_population) {
                 let read = reader.unknown(row, designs);
                 let is_same = |other: &UnknownParameter| {
@@ -81,7 +89,7 @@ pub fn parse(
                 row.expect("observations are those of rows").1.inconsistent(column, what);
             }
         }
-        FleetData { units, unknown }
+        FleetData { units, unknown, prices }
     })
 }
 
@@ -104,12 +112,44 @@ impl UnitReader<'_> {
         (row.fault_count() == before).then_some((unit?.to_owned(), observation))
     }
 
-    fn quantity(&self, name: &str, row: &mut Section) -> Option<Quantity> {
+    /// Names of outputs, random variables and `words`.
+    fn names<'s>(&'s self, words: &[&'s str]) -> Vec<&'s str> {
         let outputs = self.scene.outputs.iter().map(|output| output.name.as_str());
         let variables = self.scene.variables.iter().map(|variable| variable.name.as_str());
-        let all: Vec<&str> = outputs.chain(variables).chain(["survived", "failed"]).collect();
+        outputs.chain(variables).chain(words.iter().copied()).collect()
+    }
+
+    /// The output or the variable at a place of these names; `None` for a word.
+    fn observable(&self, place: usize) -> Option<Observable> {
+        let outputs = self.scene.outputs.len();
+        match place.checked_sub(outputs) {
+            None => Some(Observable::Output(place)),
+            Some(k) => (k < self.scene.variables.len()).then_some(Observable::Variable(k)),
+        }
+    }
+
+    /// The price of one observation of a kind.
+    fn price(&self, row: &mut Section) -> Option<(Option<Observable>, f64)> {
+        for column in ["cycles", "error"] {
+            if row.get(column).is_some() {
+                row.inconsistent(column, format!("a price has no {column}"));
+            }
+        }
+        let name = row.text("quantity", "failed, an output or a random variable")?;
+        let place = row.meant("quantity", "quantity", name, self.names(&["failed"]).into_iter())?;
+        let text = row.text_or("value", "a price", "")?;
+        let price = text.parse::<f64>().ok().filter(|price| price.is_finite() && *price > 0.0);
+        if price.is_none() {
+            row.inconsistent("value", format!("{text:?}: allowed: a number above 0"));
+        }
+        Some((self.observable(place), price?))
+    }
+
+    fn quantity(&self, name: &str, row: &mut Section) -> Option<Quantity> {
+        let all = self.names(&["survived", "failed"]);
         let place = row.meant("quantity", "quantity", name, all.iter().copied())?;
-        if let word @ ("survived" | "failed") = all[place] {
+        let Some(of) = self.observable(place) else {
+            let word = all[place];
             if word == "failed" {
                 return self.failure(row);
             }
@@ -119,12 +159,8 @@ impl UnitReader<'_> {
                 }
             }
             return Some(Quantity::Survived);
-        }
-        let output = self.scene.outputs.get(place);
-        let of = match output {
-            Some(_) => Observable::Output(place),
-            None => Observable::Variable(place - self.scene.outputs.len()),
         };
+        let output = self.scene.outputs.get(place);
         if let Observable::Variable(k) = of
             && self.scene.variables[k].distribution.is_constant()
         {
