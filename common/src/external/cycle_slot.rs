@@ -14,7 +14,7 @@ use super::reply::outcome;
 use super::slot::{Slot, SlotError, SlotRequest, StopSignal};
 use crate::failure::SimulationFailure;
 use crate::scene::source::digest;
-use crate::scene::{Gives, Scene};
+use crate::scene::{Condition, Gives, Scene};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, create_dir_all, read_to_string, remove_file};
@@ -34,6 +34,10 @@ pub struct WornRadii {
 /// A cycle as it is asked of a program.
 #[derive(Debug, Clone, Copy)]
 pub struct CycleRequest<'a> {
+    /// The scene of the sample, under the condition if it has any.
+    pub scene: &'a Scene,
+    /// The operating condition of the cycle.
+    pub condition: Option<&'a Condition>,
     /// Cycles worn so far.
     pub cycle: u32,
     /// Name of the accuracy.
@@ -56,7 +60,6 @@ pub struct CyclesOfLife<'a> {
     id: u64,
     sample: &'a [f64],
     stop: &'a StopSignal,
-    expected: ExpectedCycle,
     journal: Option<CycleJournal>,
 }
 
@@ -67,6 +70,8 @@ struct Line<'a> {
     id: Option<u64>,
     cycle: u32,
     sample: SampleByName<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    condition: Option<&'a str>,
     accuracy: &'a str,
     period: f64,
     joints: &'a BTreeMap<String, WornRadii>,
@@ -113,7 +118,7 @@ impl CycleSlot {
                 .map_err(|reason| SimulatorError::Journal { folder: folder.to_owned(), reason })
         };
         let journal = folder.map(open).transpose()?;
-        Ok(CyclesOfLife { slot: self, id, sample, stop, expected: ExpectedCycle::from_scene(scene), journal })
+        Ok(CyclesOfLife { slot: self, id, sample, stop, journal })
     }
 }
 
@@ -126,16 +131,20 @@ impl CyclesOfLife<'_> {
         &mut self,
         request: &CycleRequest,
     ) -> Result<Result<CycleReply, SimulationFailure>, SlotError> {
-        let CyclesOfLife { slot: CycleSlot { setup, slot }, id, stop, expected, journal, sample } = self;
+        let CyclesOfLife { slot: CycleSlot { setup, slot }, id, stop, journal, sample } = self;
+        let CycleRequest { scene, condition, cycle, accuracy, joints } = *request;
+        let expected = ExpectedCycle::from_scene(scene);
+        let sample = &*setup.expected.values(sample, condition);
         let text = |id: Option<u64>, sample: &[f64]| {
-            let CycleRequest { cycle, accuracy, joints } = *request;
             let sample = setup.by_name(sample);
+            let condition = condition.map(|condition| &*condition.name);
             let outputs = expected.outputs.iter().flatten().map(String::as_str).collect();
-            let line = Line { id, cycle, sample, accuracy, period: expected.period, joints, outputs };
+            let line =
+                Line { id, cycle, sample, condition, accuracy, period: expected.period, joints, outputs };
             serde_json::to_string(&line).expect("numbers by name are JSON")
         };
-        let place = format!("cycle {}", request.cycle);
-        let read = |text: &str| expected.read(text, request.cycle).map_err(|none| none.of(&place));
+        let place = format!("cycle {cycle}");
+        let read = |text: &str| expected.read(text, cycle).map_err(|none| none.of(&place));
         let key = text(None, sample);
         if let Some(known) = journal.as_ref().and_then(|journal| journal.reply(&key)) {
             return outcome(read(known), |fault| setup.broken(*id, fault));
@@ -145,7 +154,7 @@ impl CyclesOfLife<'_> {
             Request { asked: SlotRequest { id: *id, level: 0, sample }, text: &with_id },
             stop,
             |setup, text| match setup.line_reply(*id, text)? {
-                Some(reply) => expected.of_object(&reply, request.cycle).map_err(|none| none.of(&place)),
+                Some(reply) => expected.of_object(&reply, cycle).map_err(|none| none.of(&place)),
                 None => read(text),
             },
         );

@@ -33,7 +33,7 @@ pub struct Setup {
     /// Time limit of one evaluation as stated in the scene [s].
     seconds: f64,
     timeout: Duration,
-    expected: Expected,
+    pub(super) expected: Expected,
     /// Means of the inputs `(d,)`.
     nominal: Vec<f64>,
     /// Names of the levels of accuracy; empty without any.
@@ -45,12 +45,14 @@ pub struct Setup {
 impl Setup {
     /// Setup of `program` for `scene`; `timeout` bounds one evaluation [s].
     pub fn new(program: &Program, timeout: f64, scene: &Scene) -> Self {
+        let expected = Expected::from_scene(scene);
+        let means: Vec<f64> = scene.variables.iter().map(|v| v.distribution.mean()).collect();
         Self {
             program: program.clone(),
             seconds: timeout,
             timeout: Duration::try_from_secs_f64(timeout).unwrap_or(Duration::MAX),
-            expected: Expected::from_scene(scene),
-            nominal: scene.variables.iter().map(|v| v.distribution.mean()).collect(),
+            nominal: expected.values(&means, scene.conditions.first()),
+            expected,
             levels: scene.simulator.as_ref().map_or(vec![], |simulator| simulator.levels.clone()),
             answered: AtomicBool::new(false),
         }

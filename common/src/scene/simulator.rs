@@ -341,12 +341,6 @@ pub(super) fn external(file: &mut Section) -> Model {
 
 /// Reads joints, outputs and life of a program that gives cycles, on the body that stands for the mechanism.
 pub(super) fn cycles(file: &mut Section) -> Model {
-    if file.get("conditions").is_some() {
-        file.inconsistent(
-            "conditions",
-            "are of a mechanism: a program that gives cycles has one kind of cycle",
-        );
-    }
     let materials = materials(file);
     let joints = file.each_row("joints", |name, row| worn_joint(row, name, &materials));
     if joints.is_empty() {
