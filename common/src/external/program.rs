@@ -33,7 +33,7 @@ pub struct Setup {
     /// Time limit of one evaluation as stated in the scene [s].
     seconds: f64,
     timeout: Duration,
-    pub(super) expected: Expected,
+    expected: Expected,
     /// Means of the inputs `(d,)`.
     nominal: Vec<f64>,
     /// Names of the levels of accuracy; empty without any.
@@ -63,11 +63,6 @@ impl Setup {
         self.levels.get(usize::from(level)).or(self.levels.first()).map(String::as_str)
     }
 
-    /// The sample by the names of the inputs.
-    pub(super) fn by_name<'a>(&'a self, sample: &'a [f64]) -> SampleByName<'a> {
-        SampleByName { names: &self.expected.inputs, values: sample }
-    }
-
     fn line(&self, id: u64, level: u8, sample: &[f64]) -> String {
         #[derive(Serialize)]
         struct Line<'a> {
@@ -78,7 +73,8 @@ impl Setup {
             level: Option<&'a str>,
         }
         let (level, cycles) = (self.level(level), &self.expected.cycles[..]);
-        let line = Line { id, sample: self.by_name(sample), cycles, level };
+        let sample = SampleByName { names: &self.expected.inputs, values: sample };
+        let line = Line { id, sample, cycles, level };
         serde_json::to_string(&line).expect("a map of numbers by name is JSON")
     }
 
@@ -108,11 +104,6 @@ impl Setup {
         SimulatorError::Protocol { simulator: format!("\"{}\"", key_and_name(&self.program).1), id, fault }
     }
 
-    /// The folder of the program.
-    pub(super) fn folder(&self) -> &Path {
-        Path::new(&self.program.folder)
-    }
-
     /// Result of a reply line, or of the text of a results file.
     fn outcome(&self, id: u64, text: &str) -> Result<Evaluation, NoResult> {
         match &self.program.exchange {
@@ -138,9 +129,10 @@ fn file_program(program: &Program) -> Option<FileProgram<'_>> {
 }
 
 /// Values of the inputs by name, in the order of the scene, which a map would not keep.
+#[derive(Clone, Copy)]
 pub(super) struct SampleByName<'a> {
-    names: &'a [String],
-    values: &'a [f64],
+    pub(super) names: &'a [String],
+    pub(super) values: &'a [f64],
 }
 
 impl Serialize for SampleByName<'_> {

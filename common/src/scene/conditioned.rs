@@ -49,9 +49,8 @@ pub(super) fn conditions(
                     .map(|wrong| fault(&wrong.key, format!("{}: {}", wrong.key, wrong.kind))),
             ),
             Ok(Resolved { scene: under, seen, .. }) => {
-                let value = |key: &&String| {
-                    Some((key.strip_prefix(PARAMETERS)?.to_owned(), seen.get(*key)?.value))
-                };
+                let value =
+                    |key: &&String| Some((key.strip_prefix(PARAMETERS)?.to_owned(), seen.get(*key)?.value));
                 let parameters = changed.iter().filter_map(value).collect();
                 let condition = Condition { name: name.clone(), share: *share, scene: under, parameters };
                 if let Some(joint) = other_surfaces(&condition.scene, scene) {

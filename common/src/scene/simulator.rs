@@ -102,10 +102,6 @@ fn gives(section: &mut Section) -> Option<Gives> {
     if !is_cycle {
         return Some(Gives::Life);
     }
-    if section.get("umbridge").is_some() {
-        section.inconsistent("gives", "is \"cycle\", which a UM-Bridge server cannot give: use a program");
-        return None;
-    }
     let tier = section.word("tier", &CycleTier::WORDS);
     let journal = section.if_any("journal", |section, key| section.text(key, "a folder").map(str::to_owned));
     Some(Gives::Cycle(CycleProgram { tier: tier?, journal: journal? }))
@@ -297,12 +293,11 @@ fn values(row: &mut Section, checkpoints: Option<usize>) -> Option<bool> {
 /// Returns true if the document changed.
 pub(super) fn settle_folder(document: &mut Table, folder: Option<&Path>) -> bool {
     let section = document.get_mut("simulator").and_then(Value::as_table_mut);
-    let Some(section) =
-        section.filter(|section| ["program", "fmu"].iter().any(|key| section.contains_key(*key)))
-    else {
+    let (Some(section), Some(folder)) = (section, folder) else { return false };
+    let is_program = ["program", "fmu"].iter().any(|key| section.contains_key(*key));
+    if !is_program && !section.contains_key("journal") {
         return false;
-    };
-    let Some(folder) = folder else { return false };
+    }
     let below = match section.get("folder") {
         None => ".",
         Some(Value::String(below)) => below,
@@ -316,7 +311,9 @@ pub(super) fn settle_folder(document: &mut Table, folder: Option<&Path>) -> bool
     if let Some(Value::String(journal)) = section.get_mut("journal") {
         *journal = whole.join(&*journal).display().to_string();
     }
-    section.insert("folder".to_owned(), Value::String(whole.display().to_string()));
+    if is_program {
+        section.insert("folder".to_owned(), Value::String(whole.display().to_string()));
+    }
     true
 }
 

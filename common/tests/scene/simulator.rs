@@ -360,11 +360,6 @@ fn joints_of_a_program_that_gives_cycles_are_read() {
 fn faults_of_a_program_that_gives_cycles_are_named() {
     for (from, to, said) in [
         ("tier = \"contact\"\n", "", "simulator.tier: is missing, expected one of contact, reaction"),
-        (
-            "program = [\"mechanism\"]",
-            "umbridge = \"http://h:1\"",
-            "simulator.gives: is \"cycle\", which a UM-Bridge server cannot give: use a program",
-        ),
         ("gives = \"cycle\"", "gives = \"cycles\"", "simulator.gives: "),
         ("type = \"largest-wear\"", "type = \"driving-torque\"", "outputs.depth.type: "),
         ("type = \"clearance\"", "type = \"guide\"", "joints.pin.type: "),
