@@ -62,7 +62,7 @@ def measured(coordinator, law, instants):
         command = [sys.executable, str(Path(__file__).resolve()), "serve", str(instants), str(log)]
         text = SCENE.read_text().replace(PROGRAM, f"program = {json.dumps(command)}")
         text = text.replace("cycles = 8000", "cycles = 100000")
-        text = text.replace('"reaction"', '"contact"').replace('"foundation"', f'"{law}"')
+        text = text.replace('"reaction"', '"contact"').replace('"local-hertz"', f'"{law}"')
         scene = Path(folder) / "overhead.toml"
         scene.write_text(text)
         subprocess.run([coordinator, "simulate", "--scene", str(scene)], check=True, capture_output=True)

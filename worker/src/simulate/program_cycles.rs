@@ -37,7 +37,7 @@ use common::scene::{Condition, CycleTier, Scene};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::ptr;
+use std::{ptr, thread};
 use thiserror::Error;
 
 /// Change of the depths between two requests, as a share of the clearance, from which on equal replies show a program that ignores them [1].
@@ -146,7 +146,7 @@ impl<'a> ProgramCycles<'_, 'a, '_> {
                 let joints = radii(run.scene, state);
                 let (scene, accuracy) = (run.scene, self.name);
                 let request = CycleRequest { scene, condition, cycle, accuracy, joints: &joints };
-                let reply = cycles.ask(&request)??;
+                let reply = ask_and_wear_copies(cycles, &request, state)?;
                 run.simulated += 1;
                 let least =
                     state.island.joints.iter().map(|joint| NOTICED * joint.contact.surface().clearance);
@@ -192,6 +192,20 @@ impl<'a> ProgramCycles<'_, 'a, '_> {
             energy: None,
         }
     }
+}
+
+/// The reply to a request; the finer copies of the surfaces, which it does not depend on, are worn while the program simulates.
+fn ask_and_wear_copies(
+    cycles: &mut CyclesOfLife,
+    request: &CycleRequest,
+    state: &mut IslandState,
+) -> Result<CycleReply, CycleError> {
+    let reply = thread::scope(|scope| {
+        let copies = thread::Builder::new().name("copies".to_owned());
+        copies.spawn_scoped(scope, || state.wear_copies()).map_err(SlotError::Thread)?;
+        cycles.ask(request)
+    });
+    Ok(reply??)
 }
 
 /// Radii of all surfaces as worn so far, by the names of the joints.
