@@ -58,7 +58,11 @@ fn a_worker_and_a_coordinator_that_are_killed_repeat_no_cycle_but_the_one_under_
         let wait_for = |count: usize, process: &mut Process| {
             let begun = Instant::now();
             while requests(&killed).len() < count {
-                assert!(process.ended().is_none() && begun.elapsed() < MINUTES, "{}", requests(&killed).len());
+                assert!(
+                    process.ended().is_none() && begun.elapsed() < MINUTES,
+                    "{}",
+                    requests(&killed).len()
+                );
                 std::thread::sleep(Duration::from_millis(5));
             }
         };
