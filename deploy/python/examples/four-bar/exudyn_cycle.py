@@ -53,7 +53,8 @@ def contact_cycle(request):
     law = stiffness(), DAMPING, FILM, FRICTION, FRICTION_SPEED
     contacts = [Contact(JOURNAL, Bore(request["joints"][name]["bushing"]), *law) for name in names]
     four = linkage(request["sample"]["load_torque"], contacts)
-    rows = four.simulate(request["period"], SETTLING, STEPS, TOLERANCE)
+    # Steps of any length, of which the last one before the cycle may be among the rows.
+    rows = [row for row in four.simulate(request["period"], SETTLING, STEPS, TOLERANCE) if row[0] >= 0]
     joints = {}
     for k, name in enumerate(names):
         columns = {key: [] for key in ("eccentricity_x", "eccentricity_y", "force_x", "force_y", "sliding", "angle")}
