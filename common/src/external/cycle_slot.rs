@@ -8,6 +8,7 @@
 //! same bits. The file is removed at the end of the life.
 
 use super::cycle_reply::{CycleReply, ExpectedCycle};
+use super::cycle_request::{CycleLine, CycleRequest};
 use super::error::SimulatorError;
 use super::program::{ProgramSlot, Request, SampleByName, Setup};
 use super::reply::{Expected, outcome};
@@ -15,38 +16,13 @@ use super::slot::{Slot, SlotError, SlotRequest, StopSignal};
 use super::umbridge::ModelSlot;
 use crate::failure::SimulationFailure;
 use crate::scene::source::digest;
-use crate::scene::{Condition, Gives, Scene};
-use serde::{Deserialize, Serialize};
+use crate::scene::{Gives, Scene};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, create_dir_all, read_to_string, remove_file};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Radii of the surfaces of a joint at their control points, from angle zero on, at equal angles `(points,)` each [m].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct WornRadii {
-    /// The bore, in the bushing's frame.
-    pub bushing: Vec<f64>,
-    /// The journal, in its body's frame.
-    pub journal: Vec<f64>,
-}
-
-/// A cycle as it is asked of a program.
-#[derive(Debug, Clone, Copy)]
-pub struct CycleRequest<'a> {
-    /// The scene of the sample, under the condition if it has any.
-    pub scene: &'a Scene,
-    /// The operating condition of the cycle.
-    pub condition: Option<&'a Condition>,
-    /// Cycles worn so far.
-    pub cycle: u32,
-    /// Name of the accuracy.
-    pub accuracy: &'a str,
-    /// Surfaces of every joint, by its name.
-    pub joints: &'a BTreeMap<String, WornRadii>,
-}
 
 /// A slot whose program or model gives cycles.
 #[derive(Debug)]
@@ -66,21 +42,6 @@ pub struct CyclesOfLife<'a> {
     stop: &'a StopSignal,
     inputs: Expected,
     journal: Option<CycleJournal>,
-}
-
-/// The line of a request.
-#[derive(Clone, Copy, Serialize)]
-pub(super) struct CycleLine<'a> {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    id: Option<u64>,
-    pub(super) cycle: u32,
-    pub(super) sample: SampleByName<'a>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) condition: Option<&'a str>,
-    pub(super) accuracy: &'a str,
-    pub(super) period: f64,
-    pub(super) joints: &'a BTreeMap<String, WornRadii>,
-    outputs: &'a [&'a str],
 }
 
 impl CycleSlot {
@@ -165,8 +126,8 @@ impl CyclesOfLife<'_> {
         };
         let place = format!("cycle {cycle}");
         let read = |text: &str| expected.read(text, cycle).map_err(|none| none.of(&place));
-        let key = text(None, values);
-        if let Some(known) = journal.as_ref().and_then(|journal| journal.reply(&key)) {
+        let key = || text(None, values);
+        if let Some(known) = journal.as_ref().and_then(|journal| journal.reply(&key())) {
             return outcome(read(known), |fault| slot.broken(*id, fault));
         }
         let with_id = |values: &[f64]| text(Some(*id), values);
@@ -188,7 +149,7 @@ impl CyclesOfLife<'_> {
             Err(failure) => return Ok(Err(failure)),
         };
         if let Some(journal) = journal {
-            let written = journal.add(&key, &reply);
+            let written = journal.add(&key(), &reply);
             written.map_err(|reason| SimulatorError::Journal { folder: "of the life".to_owned(), reason })?;
         }
         Ok(Ok(cycle))

@@ -11,7 +11,7 @@
 //! See [`crate::umbridge`].
 
 use super::cycle_reply::ExpectedCycle;
-use super::cycle_slot::{CycleLine, WornRadii};
+use super::cycle_request::{CycleLine, WornRadii};
 use super::error::SimulatorError;
 use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::slot::{SampleResult, Slot, SlotError, SlotRequest, StopSignal, WaitError};

@@ -2,8 +2,8 @@
 
 use common::random::Distribution;
 use common::scene::{
-    Condition, CycleProgram, CycleTier, Exchange, Fails, FileExchange, Gives, JointKind, Life, OutputKind, Program,
-    SceneSource, SimulatorKind,
+    Condition, CycleProgram, CycleTier, Exchange, Fails, FileExchange, Gives, JointKind, Life, OutputKind,
+    Program, SceneSource, SimulatorKind,
 };
 
 const BEAM: &str = r#"
@@ -374,7 +374,11 @@ fn faults_of_a_program_that_gives_cycles_are_named() {
         ("period = \"50 ms\"\n", "", "life.period: is missing"),
         ("joints = [\"pin\"]", "joints = [\"pen\"]", "outputs.depth.joints"),
         ("share = 0.8", "share = 0.7", "conditions: the shares add up to 0.9, not to 1"),
-        ("parameters.worn = ", "joints.pin.width = \"9 mm\", parameters.worn = ", "changes the bore of joint \"pin\""),
+        (
+            "parameters.worn = ",
+            "joints.pin.width = \"9 mm\", parameters.worn = ",
+            "changes the bore of joint \"pin\"",
+        ),
         ("mean = \"3 N m\"\n", "", "variables.load.mean: is missing"),
         ("parameters.worn", "parameters.warn", "variables.wear.changes"),
     ] {

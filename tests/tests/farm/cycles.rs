@@ -12,9 +12,8 @@ use tests::{program, within};
 /// Time limit of the test, on a machine that does other work too.
 const MINUTES: Duration = Duration::from_secs(240);
 
-/// The scene of the four-bar in a new folder with a journal, whose program notes its requests.
+/// The scene of the four-bar in a folder with a journal, whose program notes its requests.
 fn scene(folder: &Path) -> PathBuf {
-    std::fs::create_dir(folder).unwrap();
     let served = format!("\"{}\" --serve-cycle four-bar", program("worker").display());
     let script = "while read -r line; do echo \"$line\" >>requests; echo \"$line\"; done | ";
     let command = format!("program = [\"sh\", \"-c\", '{script}{served}']\njournal = \"cycles\"");
@@ -41,32 +40,34 @@ fn coordinator(arguments: &[&str]) -> Process {
 fn a_worker_and_a_coordinator_that_are_killed_repeat_no_cycle_but_the_one_under_way() {
     within(MINUTES, || {
         let folder = tempfile::tempdir().unwrap();
-        let [whole, killed] = ["whole", "killed"].map(|name| folder.path().join(name));
-        let [of_whole, of_killed] = [&whole, &killed].map(|folder| scene(folder).display().to_string());
+        let scene = scene(folder.path()).display().to_string();
         let study = ["--method", "monte-carlo", "--samples", "8"];
-        let [out, again] = [&whole, &killed].map(|folder| folder.join("study").display().to_string());
-        let options = ["run", "--scene", &of_whole, "--workers", "1", "--out", &out];
+        let [whole, killed] = ["whole", "killed"].map(|name| folder.path().join(name));
+        let [out, again] = [&whole, &killed].map(|folder| folder.display().to_string());
+        let options = ["run", "--scene", &scene, "--workers", "1", "--out", &out];
         assert!(coordinator(&[&options[..], &study].concat()).end(MINUTES).success());
+        let undisturbed = requests(folder.path());
+        std::fs::remove_file(folder.path().join("requests")).unwrap();
 
         let endpoint = free_endpoint();
         let farm = ["--workers", "0", "--listen", &endpoint];
         let worker = || {
             let mut worker = Command::new(program("worker"));
-            worker.args(["--connect", &endpoint, "--slots", "1", "--simulator", &of_killed]);
+            worker.args(["--connect", &endpoint, "--slots", "1", "--simulator", &scene]);
             Process::start(&mut worker)
         };
         let wait_for = |count: usize, process: &mut Process| {
             let begun = Instant::now();
-            while requests(&killed).len() < count {
+            while requests(folder.path()).len() < count {
                 assert!(
                     process.ended().is_none() && begun.elapsed() < MINUTES,
                     "{}",
-                    requests(&killed).len()
+                    requests(folder.path()).len()
                 );
                 std::thread::sleep(Duration::from_millis(5));
             }
         };
-        let options = ["run", "--scene", &of_killed, "--out", &again];
+        let options = ["run", "--scene", &scene, "--out", &again];
         let mut running = coordinator(&[&options[..], &study, &farm].concat());
         let mut first = worker();
         wait_for(7, &mut running);
@@ -77,13 +78,14 @@ fn a_worker_and_a_coordinator_that_are_killed_repeat_no_cycle_but_the_one_under_
         let options = ["resume", &again];
         assert!(coordinator(&[&options[..], &farm].concat()).end(MINUTES).success());
 
-        assert!(same_results(&whole.join("study"), &killed.join("study")));
-        let [undisturbed, asked] = [&whole, &killed].map(|folder| requests(folder));
+        assert!(same_results(&whole, &killed));
+        let asked = requests(folder.path());
         let distinct = |all: &[String]| all.iter().cloned().collect::<BTreeSet<_>>();
         assert_eq!(distinct(&undisturbed).len(), undisturbed.len());
         assert_eq!(distinct(&asked), distinct(&undisturbed));
         let repeated = asked.len() - undisturbed.len();
         assert!(repeated <= 2, "{repeated} cycles were simulated again, at one kill each at most one");
-        assert_eq!(std::fs::read_dir(killed.join("cycles")).unwrap().count(), 0, "journals of ended lives");
+        let journals = std::fs::read_dir(folder.path().join("cycles")).unwrap().count();
+        assert_eq!(journals, 0, "of ended lives");
     });
 }
