@@ -35,9 +35,8 @@ impl EvaluationSlots {
 
     /// A slot with this number. Its program is started by [`Slot::start`] or by the first sample.
     pub fn slot(&self, number: usize) -> Box<dyn Slot> {
-        let lives = self.lives.clone().zip(self.opened.cycle_slot(number));
-        match lives {
-            Some(((source, tier), slot)) => Box::new(LifeSlot { source, tier, slot }),
+        match self.lives.clone() {
+            Some((source, tier)) => Box::new(LifeSlot { source, tier, slot: self.opened.cycle_slot(number) }),
             None => self.opened.slot(number),
         }
     }

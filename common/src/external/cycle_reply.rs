@@ -23,6 +23,10 @@ const LONGEST_GAP: f64 = 1.5;
 /// Rounding of times, as a share of the period [1].
 const ROUNDING: f64 = 1e-6;
 
+/// Fields of a joint besides its instants, in the order of the vectors of a model.
+pub(super) const FIELDS: [&str; 6] =
+    ["force_x", "force_y", "angle", "sliding", "eccentricity_x", "eccentricity_y"];
+
 /// What a reply has to give.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExpectedCycle {
@@ -105,6 +109,55 @@ impl ExpectedCycle {
         }
         let sampling_error = joints.iter().map(sampling_error).fold(0.0, f64::max);
         Ok(CycleReply { joints, outputs, sampling_error })
+    }
+
+    /// The first of the sizes of input and output vectors that no model of this cycle with this many `inputs` has, and what is expected; `None`
+    /// if both fit.
+    pub(super) fn misfit(&self, inputs: usize, sizes: &[Vec<usize>; 2]) -> Option<(Vec<usize>, String)> {
+        let (joints, outputs) = (self.joints.len(), self.outputs.iter().flatten().count());
+        let [taken, given] = sizes;
+        if taken.len() != 1 + 2 * joints || taken[0] != inputs {
+            let expected = format!(
+                "{inputs} inputs, then radii of bushing and journal of each joint: {} vectors",
+                1 + 2 * joints
+            );
+            return Some((taken.clone(), expected));
+        }
+        let of_cycle = match given.split_first() {
+            Some((first, rest)) if outputs > 0 && *first == outputs => rest,
+            _ if outputs > 0 => &[],
+            _ => given,
+        };
+        let fields = of_cycle.len().saturating_sub(1);
+        let fits = [3, 4, 6].iter().any(|count| count * joints == fields);
+        if fits && of_cycle.iter().all(|size| *size == of_cycle[0]) {
+            return None;
+        }
+        let vectors = [3, 4, 6].map(|count| usize::from(outputs > 0) + 1 + count * joints);
+        let expected = format!(
+            "{outputs} outputs if there are any, the instants, then of each joint the first 3, 4 or 6 of {}: {vectors:?} vectors",
+            FIELDS.join(", ")
+        );
+        Some((given.clone(), expected))
+    }
+
+    /// The object of a reply from the output vectors of a model, whose sizes fit.
+    pub(super) fn object_of(&self, vectors: Vec<Vec<Value>>) -> Map<String, Value> {
+        let mut vectors = vectors.into_iter();
+        let mut outputs = Map::new();
+        let mut names = self.outputs.iter().flatten().cloned().peekable();
+        if names.peek().is_some() {
+            outputs.extend(names.zip(vectors.next().into_iter().flatten()));
+        }
+        let time = vectors.next().unwrap_or_default();
+        let fields = vectors.len() / self.joints.len();
+        let mut joint = |joint: &CycleJoint| {
+            let columns = FIELDS[..fields].iter().zip(vectors.by_ref());
+            let columns = columns.map(|(field, column)| ((*field).to_owned(), Value::from(column)));
+            (joint.name.clone(), Value::Object(columns.collect()))
+        };
+        let joints = self.joints.iter().map(&mut joint).collect();
+        reply_object(Some(time.into()), joints, outputs)
     }
 
     /// The contacts of a joint at the instants `time` [s].
@@ -239,10 +292,10 @@ pub fn of_table(text: &str) -> Result<Map<String, Value>, String> {
             );
         }
     }
-    let (mut reply, mut joints, mut outputs) = (Map::new(), Map::new(), Map::new());
+    let (mut time, mut joints, mut outputs) = (None, Map::new(), Map::new());
     for (name, mut column) in names.into_iter().zip(columns) {
         if name == "time" {
-            reply.insert(name.into(), column.into());
+            time = Some(column.into());
         } else if let Some((joint, field)) = name.split_once('.') {
             let of_joint = joints.entry(joint).or_insert_with(|| Value::Object(Map::new()));
             of_joint[field] = column.into();
@@ -250,7 +303,16 @@ pub fn of_table(text: &str) -> Result<Map<String, Value>, String> {
             outputs.insert(name.into(), last);
         }
     }
-    reply.insert("joints".into(), joints.into());
-    reply.insert("outputs".into(), outputs.into());
-    Ok(reply)
+    Ok(reply_object(time, joints, outputs))
+}
+
+/// A reply of these parts.
+fn reply_object(
+    time: Option<Value>,
+    joints: Map<String, Value>,
+    outputs: Map<String, Value>,
+) -> Map<String, Value> {
+    let time = time.map(|time| ("time", time));
+    let parts = time.into_iter().chain([("joints", joints.into()), ("outputs", outputs.into())]);
+    parts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

@@ -8,45 +8,29 @@
 //! same bits. The file is removed at the end of the life.
 
 use super::cycle_reply::{CycleReply, ExpectedCycle};
+use super::cycle_request::{CycleLine, CycleRequest};
 use super::error::SimulatorError;
 use super::program::{ProgramSlot, Request, SampleByName, Setup};
-use super::reply::outcome;
+use super::reply::{Expected, outcome};
 use super::slot::{Slot, SlotError, SlotRequest, StopSignal};
+use super::umbridge::ModelSlot;
 use crate::failure::SimulationFailure;
 use crate::scene::source::digest;
 use crate::scene::{Gives, Scene};
-use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, create_dir_all, read_to_string, remove_file};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Radii of the surfaces of a joint at their control points, from angle zero on, at equal angles `(points,)` each [m].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct WornRadii {
-    /// The bore, in the bushing's frame.
-    pub bushing: Vec<f64>,
-    /// The journal, in its body's frame.
-    pub journal: Vec<f64>,
-}
-
-/// A cycle as it is asked of a program.
-#[derive(Debug, Clone, Copy)]
-pub struct CycleRequest<'a> {
-    /// Cycles worn so far.
-    pub cycle: u32,
-    /// Name of the accuracy.
-    pub accuracy: &'a str,
-    /// Surfaces of every joint, by its name.
-    pub joints: &'a BTreeMap<String, WornRadii>,
-}
-
-/// A slot whose program gives cycles.
+/// A slot whose program or model gives cycles.
 #[derive(Debug)]
-pub struct CycleSlot {
-    setup: Arc<Setup>,
-    slot: ProgramSlot,
+pub enum CycleSlot {
+    /// A program.
+    Program(Arc<Setup>, ProgramSlot),
+    /// A model of a server.
+    Model(ModelSlot),
 }
 
 /// The life of one sample, cycle by cycle.
@@ -56,40 +40,35 @@ pub struct CyclesOfLife<'a> {
     id: u64,
     sample: &'a [f64],
     stop: &'a StopSignal,
-    expected: ExpectedCycle,
+    inputs: Expected,
     journal: Option<CycleJournal>,
 }
 
-/// The line of a request.
-#[derive(Serialize)]
-struct Line<'a> {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    id: Option<u64>,
-    cycle: u32,
-    sample: SampleByName<'a>,
-    accuracy: &'a str,
-    period: f64,
-    joints: &'a BTreeMap<String, WornRadii>,
-    outputs: Vec<&'a str>,
-}
-
 impl CycleSlot {
-    /// Slot `number` of a program.
-    pub(super) fn new(setup: Arc<Setup>, number: usize) -> Self {
-        CycleSlot { slot: ProgramSlot::new(Arc::clone(&setup), number), setup }
-    }
-
     /// Starts a program that keeps running.
     ///
     /// # Errors
     /// [`SimulatorError::Start`].
     pub fn start(&mut self) -> Result<(), SimulatorError> {
-        self.slot.start()
+        match self {
+            CycleSlot::Program(_, slot) => slot.start(),
+            CycleSlot::Model(slot) => slot.start(),
+        }
     }
 
     /// Name of the slot in results.
     pub fn name(&self) -> String {
-        self.slot.name()
+        match self {
+            CycleSlot::Program(_, slot) => slot.name(),
+            CycleSlot::Model(slot) => slot.name(),
+        }
+    }
+
+    fn broken(&self, id: u64, fault: String) -> SimulatorError {
+        match self {
+            CycleSlot::Program(setup, _) => setup.broken(id, fault),
+            CycleSlot::Model(slot) => slot.broken(id, fault),
+        }
     }
 
     /// The cycles of evaluation `id` of a `sample` `(d,)`, which gives the `scene`. Replies are kept in the journal of the scene, if it has one,
@@ -109,11 +88,11 @@ impl CycleSlot {
             _ => None,
         };
         let open = |folder: &str| {
-            CycleJournal::open(&self.setup.folder().join(folder), life)
+            CycleJournal::open(Path::new(folder), life)
                 .map_err(|reason| SimulatorError::Journal { folder: folder.to_owned(), reason })
         };
         let journal = folder.map(open).transpose()?;
-        Ok(CyclesOfLife { slot: self, id, sample, stop, expected: ExpectedCycle::from_scene(scene), journal })
+        Ok(CyclesOfLife { slot: self, id, sample, stop, inputs: Expected::from_scene(scene), journal })
     }
 }
 
@@ -126,35 +105,51 @@ impl CyclesOfLife<'_> {
         &mut self,
         request: &CycleRequest,
     ) -> Result<Result<CycleReply, SimulationFailure>, SlotError> {
-        let CyclesOfLife { slot: CycleSlot { setup, slot }, id, stop, expected, journal, sample } = self;
-        let text = |id: Option<u64>, sample: &[f64]| {
-            let CycleRequest { cycle, accuracy, joints } = *request;
-            let sample = setup.by_name(sample);
-            let outputs = expected.outputs.iter().flatten().map(String::as_str).collect();
-            let line = Line { id, cycle, sample, accuracy, period: expected.period, joints, outputs };
+        let CyclesOfLife { slot, id, stop, inputs, journal, sample } = self;
+        let CycleRequest { scene, condition, cycle, accuracy, joints } = *request;
+        let expected = ExpectedCycle::from_scene(scene);
+        let values = &*inputs.values(sample, condition);
+        let outputs: Vec<&str> = expected.outputs.iter().flatten().map(String::as_str).collect();
+        let line = CycleLine {
+            id: None,
+            cycle,
+            sample: SampleByName { names: &inputs.inputs, values },
+            condition: condition.map(|condition| &*condition.name),
+            accuracy,
+            period: expected.period,
+            joints,
+            outputs: &outputs,
+        };
+        let text = |id: Option<u64>, values: &[f64]| {
+            let line = CycleLine { id, sample: SampleByName { values, ..line.sample }, ..line };
             serde_json::to_string(&line).expect("numbers by name are JSON")
         };
-        let place = format!("cycle {}", request.cycle);
-        let read = |text: &str| expected.read(text, request.cycle).map_err(|none| none.of(&place));
-        let key = text(None, sample);
-        if let Some(known) = journal.as_ref().and_then(|journal| journal.reply(&key)) {
-            return outcome(read(known), |fault| setup.broken(*id, fault));
+        let place = format!("cycle {cycle}");
+        let read = |text: &str| expected.read(text, cycle).map_err(|none| none.of(&place));
+        let key = || text(None, values);
+        if let Some(known) = journal.as_ref().and_then(|journal| journal.reply(&key())) {
+            return outcome(read(known), |fault| slot.broken(*id, fault));
         }
-        let with_id = |sample: &[f64]| text(Some(*id), sample);
-        let asked = slot.ask(
-            Request { asked: SlotRequest { id: *id, level: 0, sample }, text: &with_id },
-            stop,
-            |setup, text| match setup.line_reply(*id, text)? {
-                Some(reply) => expected.of_object(&reply, request.cycle).map_err(|none| none.of(&place)),
-                None => read(text),
-            },
-        );
+        let with_id = |values: &[f64]| text(Some(*id), values);
+        let of_object =
+            |reply: &Map<String, Value>| expected.of_object(reply, cycle).map_err(|none| none.of(&place));
+        let asked = match slot {
+            CycleSlot::Program(_, slot) => slot.ask(
+                Request { asked: SlotRequest { id: *id, level: 0, sample: values }, text: &with_id },
+                stop,
+                |setup, text| match setup.line_reply(*id, text)? {
+                    Some(reply) => of_object(&reply),
+                    None => read(text),
+                },
+            ),
+            CycleSlot::Model(slot) => slot.ask_cycle((*id, &line), &expected, stop, of_object),
+        };
         let (cycle, reply) = match asked? {
             Ok(found) => found,
             Err(failure) => return Ok(Err(failure)),
         };
         if let Some(journal) = journal {
-            let written = journal.add(&key, &reply);
+            let written = journal.add(&key(), &reply);
             written.map_err(|reason| SimulatorError::Journal { folder: "of the life".to_owned(), reason })?;
         }
         Ok(Ok(cycle))
@@ -162,7 +157,7 @@ impl CyclesOfLife<'_> {
 
     /// The error of a reply to the cycle of this life.
     pub fn broken(&self, fault: String) -> SlotError {
-        self.slot.setup.broken(self.id, fault).into()
+        self.slot.broken(self.id, fault).into()
     }
 
     /// Ends the life: its journal is not needed any more.

@@ -94,6 +94,16 @@ pub enum SimulatorError {
         /// Random variables of the scene.
         variables: usize,
     },
+    /// The vectors of a model that gives cycles are not those of the scene.
+    #[error("simulator.model: model \"{model}\" has vectors of {sizes:?} values, expected {expected}")]
+    Vectors {
+        /// Name of the model.
+        model: String,
+        /// Lengths of its input or output vectors.
+        sizes: Vec<usize>,
+        /// The vectors of the scene, in words.
+        expected: String,
+    },
     /// The number of output values differs from the outputs declared by the scene.
     #[error("simulator.model: model \"{model}\" returns {} output values {sizes:?}, the outputs of the scene have {} {lengths:?}", sizes.iter().sum::<usize>(), lengths.iter().sum::<usize>())]
     Outputs {

@@ -2,7 +2,7 @@
 
 use super::reply::Expected;
 use crate::scene::source::digest;
-use crate::scene::{CycleProgram, ExternalSimulator, Gives, Scene};
+use crate::scene::{Condition, CycleProgram, ExternalSimulator, Gives, Scene};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -18,8 +18,8 @@ pub struct SimulatorId {
 impl SimulatorId {
     /// Identity of `simulator` in `scene`: the scene's name; names and units of the inputs, names, units and numbers of
     /// values of the outputs, and the checkpoints, each in order; and the version that the scene states. Command, folder,
-    /// address, time limit and distributions are not part of it. Of a program that gives cycles also joints, wear, life, accuracy, and what the
-    /// variables change: the worker wears the joints by its own scene.
+    /// address, time limit and distributions are not part of it. Of a program that gives cycles also joints, wear, life, accuracy, operating
+    /// conditions, and what the variables change: the worker wears the joints by its own scene.
     pub fn new(simulator: &ExternalSimulator, scene: &Scene) -> Self {
         let Expected { inputs, outputs, cycles } = Expected::from_scene(scene);
         let input_units: Vec<&str> = scene.variables.iter().map(|variable| variable.unit.as_str()).collect();
@@ -31,6 +31,10 @@ impl SimulatorId {
             let changes: Vec<&[String]> = scene.variables.iter().map(|variable| &*variable.changes).collect();
             let wear = (tier, &scene.joints, &scene.wear, &scene.life, &scene.accuracy, changes);
             text += &serde_json::to_string(&wear).expect("lists of texts and numbers are JSON");
+            for Condition { name, share, scene, parameters } in &scene.conditions {
+                let condition = (name, share, parameters, &scene.joints, &scene.life);
+                text += &serde_json::to_string(&condition).expect("texts and numbers are JSON");
+            }
         }
         if !simulator.levels.is_empty() {
             text += &simulator.levels.join("\n");

@@ -10,13 +10,14 @@
 //! | `working_folder` | one run of a program in a folder, with files in and out; templates |
 //! | `program`, `umbridge` | the two kinds of simulators |
 //! | `cycle_slot` | cycles of a program on worn surfaces; the replies of a life under way |
-//! | `cycle_reply`, `joint_cycle` | one cycle as it is read, and what shows that it is wrong |
+//! | `cycle_request`, `cycle_reply`, `joint_cycle` | one cycle as it is asked for and as it is read, and what shows that it is wrong |
 //! | `opened` | the simulator of a scene, ready to give slots |
 //! | `identity` | what a coordinator and a worker with its own program agree by |
 
 mod cycle_reply;
 #[cfg(test)]
 mod cycle_reply_tests;
+mod cycle_request;
 mod cycle_slot;
 mod error;
 mod guard;
@@ -32,7 +33,8 @@ mod umbridge;
 mod working_folder;
 
 pub use cycle_reply::CycleReply;
-pub use cycle_slot::{CycleRequest, CycleSlot, CyclesOfLife, WornRadii};
+pub use cycle_request::{CycleRequest, WornRadii};
+pub use cycle_slot::{CycleSlot, CyclesOfLife};
 pub use error::SimulatorError;
 pub use guard::limit_contact;
 pub use identity::SimulatorId;

@@ -47,11 +47,13 @@ impl OpenedSimulator {
         })
     }
 
-    /// A slot for cycles of a program with this number; `None` for a server.
-    pub fn cycle_slot(&self, number: usize) -> Option<CycleSlot> {
+    /// A slot for cycles with this number.
+    pub fn cycle_slot(&self, number: usize) -> CycleSlot {
         match self {
-            Self::Program(setup) => Some(CycleSlot::new(Arc::clone(setup), number)),
-            Self::Server(_) => None,
+            Self::Program(setup) => {
+                CycleSlot::Program(Arc::clone(setup), ProgramSlot::new(Arc::clone(setup), number))
+            }
+            Self::Server(client) => CycleSlot::Model(ModelSlot::new(Arc::clone(client), number)),
         }
     }
 

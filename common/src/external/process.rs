@@ -307,8 +307,11 @@ fn each_line(from: impl Read, mut take: impl FnMut(String) -> bool) {
         match from.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line) {
             Ok(0) | Err(_) => return,
             Ok(_) => {
-                let text = String::from_utf8_lossy(&line);
-                if !take(text.trim_end_matches(['\n', '\r']).to_owned()) {
+                let lossy = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+                let text = String::from_utf8(std::mem::take(&mut line));
+                let mut text = text.unwrap_or_else(|error| lossy(error.into_bytes()));
+                text.truncate(text.trim_end_matches(['\n', '\r']).len());
+                if !take(text) {
                     return;
                 }
             }

@@ -45,12 +45,14 @@ pub struct Setup {
 impl Setup {
     /// Setup of `program` for `scene`; `timeout` bounds one evaluation [s].
     pub fn new(program: &Program, timeout: f64, scene: &Scene) -> Self {
+        let expected = Expected::from_scene(scene);
+        let means: Vec<f64> = scene.variables.iter().map(|v| v.distribution.mean()).collect();
         Self {
             program: program.clone(),
             seconds: timeout,
             timeout: Duration::try_from_secs_f64(timeout).unwrap_or(Duration::MAX),
-            expected: Expected::from_scene(scene),
-            nominal: scene.variables.iter().map(|v| v.distribution.mean()).collect(),
+            nominal: expected.values(&means, scene.conditions.first()),
+            expected,
             levels: scene.simulator.as_ref().map_or(vec![], |simulator| simulator.levels.clone()),
             answered: AtomicBool::new(false),
         }
@@ -59,11 +61,6 @@ impl Setup {
     /// Name of a level, of the first one beyond the last, for variants of a scene; `None` if the simulator has none.
     fn level(&self, level: u8) -> Option<&str> {
         self.levels.get(usize::from(level)).or(self.levels.first()).map(String::as_str)
-    }
-
-    /// The sample by the names of the inputs.
-    pub(super) fn by_name<'a>(&'a self, sample: &'a [f64]) -> SampleByName<'a> {
-        SampleByName { names: &self.expected.inputs, values: sample }
     }
 
     fn line(&self, id: u64, level: u8, sample: &[f64]) -> String {
@@ -76,7 +73,8 @@ impl Setup {
             level: Option<&'a str>,
         }
         let (level, cycles) = (self.level(level), &self.expected.cycles[..]);
-        let line = Line { id, sample: self.by_name(sample), cycles, level };
+        let sample = SampleByName { names: &self.expected.inputs, values: sample };
+        let line = Line { id, sample, cycles, level };
         serde_json::to_string(&line).expect("a map of numbers by name is JSON")
     }
 
@@ -106,11 +104,6 @@ impl Setup {
         SimulatorError::Protocol { simulator: format!("\"{}\"", key_and_name(&self.program).1), id, fault }
     }
 
-    /// The folder of the program.
-    pub(super) fn folder(&self) -> &Path {
-        Path::new(&self.program.folder)
-    }
-
     /// Result of a reply line, or of the text of a results file.
     fn outcome(&self, id: u64, text: &str) -> Result<Evaluation, NoResult> {
         match &self.program.exchange {
@@ -136,9 +129,10 @@ fn file_program(program: &Program) -> Option<FileProgram<'_>> {
 }
 
 /// Values of the inputs by name, in the order of the scene, which a map would not keep.
+#[derive(Clone, Copy)]
 pub(super) struct SampleByName<'a> {
-    names: &'a [String],
-    values: &'a [f64],
+    pub(super) names: &'a [String],
+    pub(super) values: &'a [f64],
 }
 
 impl Serialize for SampleByName<'_> {

@@ -5,13 +5,13 @@ use super::slot::SlotError;
 use crate::evaluation_shape::LARGEST;
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
-use crate::scene::{OutputKind, Scene};
+use crate::scene::{Condition, OutputKind, Scene};
 use serde_json::{Map, Value};
 
 /// Inputs and outputs of a simulator as declared by the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expected {
-    /// Names of the inputs `(d,)`.
+    /// Names of the inputs `(d,)`: the random variables, and further parameters that conditions of the scene change.
     pub inputs: Vec<String>,
     /// Names of the outputs, and whether each has a single value.
     pub outputs: Vec<(String, bool)>,
@@ -23,11 +23,23 @@ impl Expected {
     /// Inputs, outputs and checkpoints of a scene.
     pub fn from_scene(scene: &Scene) -> Self {
         let single = |kind: &OutputKind| matches!(kind, OutputKind::External { single: true, .. });
+        let mut inputs: Vec<String> = scene.variables.iter().map(|variable| variable.name.clone()).collect();
+        for parameter in scene.conditions.iter().take(1).flat_map(|condition| condition.parameters.keys()) {
+            if !inputs.contains(parameter) {
+                inputs.push(parameter.clone());
+            }
+        }
         Self {
-            inputs: scene.variables.iter().map(|variable| variable.name.clone()).collect(),
+            inputs,
             outputs: scene.outputs.iter().map(|o| (o.name.clone(), single(&o.kind))).collect(),
             cycles: scene.life.checkpoints(),
         }
+    }
+
+    /// Values of the inputs `(d,)`: those of a sample of the random variables, and those of the parameters under a condition [SI].
+    pub fn values(&self, sample: &[f64], condition: Option<&Condition>) -> Vec<f64> {
+        let under = |name| condition.and_then(|condition| condition.parameters.get(name).copied());
+        self.inputs.iter().enumerate().map(|(k, name)| under(name).unwrap_or_else(|| sample[k])).collect()
     }
 
     /// Number of values of each output.

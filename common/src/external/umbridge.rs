@@ -3,18 +3,23 @@
 //! The random variables fill the input vectors of the model in order. The output vectors, concatenated, are cut into
 //! the outputs of the scene in order: each output has one value per checkpoint, or a single value.
 //!
+//! A model that gives cycles has the input vectors: random variables, then radii of bushing and journal of every joint; and the output
+//! vectors: outputs of the scene that it gives, if any, instants, then of every joint the first three, four or all six of
+//! [`super::cycle_reply::FIELDS`].
+//!
 //! # Source
 //! See [`crate::umbridge`].
 
+use super::cycle_reply::ExpectedCycle;
+use super::cycle_request::{CycleLine, WornRadii};
 use super::error::SimulatorError;
 use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::slot::{SampleResult, Slot, SlotError, SlotRequest, StopSignal, WaitError};
 use crate::failure::SimulationFailure;
-use crate::outputs::Evaluation;
-use crate::scene::{Scene, UmBridgeModel};
+use crate::scene::{Gives, Scene, UmBridgeModel};
 use crate::umbridge as protocol;
 use serde::de::DeserializeOwned;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::Duration;
@@ -104,6 +109,14 @@ impl UmBridgeClient {
         let inputs: protocol::InputSizes = client.query("InputSizes", Some(sizes.clone()))?;
         let outputs: protocol::OutputSizes = client.query("OutputSizes", Some(sizes))?;
         let variables = client.expected.inputs.len();
+        if scene.simulator.as_ref().is_some_and(|simulator| simulator.gives != Gives::Life) {
+            let shapes = [inputs.input_sizes, outputs.output_sizes];
+            if let Some((sizes, expected)) = ExpectedCycle::from_scene(scene).misfit(variables, &shapes) {
+                return Err(SimulatorError::Vectors { model: name.clone(), sizes, expected });
+            }
+            [client.input_sizes, client.output_sizes] = shapes;
+            return Ok(client);
+        }
         if inputs.input_sizes.iter().sum::<usize>() != variables {
             let (model, sizes) = (name.clone(), inputs.input_sizes);
             return Err(SimulatorError::Inputs { model, sizes, variables });
@@ -164,9 +177,9 @@ impl UmBridgeClient {
         config
     }
 
-    /// Body of an evaluation request: the sample cut into the model's input vectors.
-    fn body(&self, level: u8, sample: &[f64]) -> Value {
-        let mut rest = sample;
+    /// Body of an evaluation request with this configuration: the `values` cut into the model's input vectors.
+    fn body(&self, config: &Value, values: &[f64]) -> Value {
+        let mut rest = values;
         let input: Vec<&[f64]> = self
             .input_sizes
             .iter()
@@ -176,11 +189,11 @@ impl UmBridgeClient {
                 vector
             })
             .collect();
-        json!({ "name": self.model.model, "input": input, "config": self.config_of(level) })
+        json!({ "name": self.model.model, "input": input, "config": config })
     }
 
-    /// Result stated by a reply.
-    fn evaluation(&self, http: &HttpReply) -> Result<Evaluation, NoResult> {
+    /// Output vectors of a reply.
+    fn vectors(&self, http: &HttpReply) -> Result<Vec<Vec<Value>>, NoResult> {
         let reply = parse(&http.text)
             .map_err(|_| format!("HTTP status {}: \"{}\"", http.status, shown(&http.text)))?;
         if let Ok(protocol::ErrorReply { error }) = serde_json::from_value(reply.clone()) {
@@ -198,8 +211,7 @@ impl UmBridgeClient {
             )
             .into());
         }
-        let by_name = self.expected.by_name(output.into_iter().flatten());
-        self.expected.evaluation(&by_name, None, None)
+        Ok(output)
     }
 }
 
@@ -241,14 +253,19 @@ impl ModelSlot {
             _ => Ok(()),
         }
     }
-}
 
-impl Slot for ModelSlot {
+    /// What `read` makes of the output vectors for these `values` of the input vectors, one after another, in evaluation `id`.
+    ///
     /// A server that cannot be reached is an error. A server error (HTTP 5xx) that is no UM-Bridge reply counts as a
     /// failed simulation of the sample.
-    fn evaluate(&mut self, request: SlotRequest<'_>, stop: &StopSignal) -> Result<SampleResult, SlotError> {
-        let SlotRequest { id, level, sample } = request;
-        let body = self.client.body(level, sample);
+    fn ask<T>(
+        &self,
+        id: u64,
+        (config, values): (&Value, &[f64]),
+        stop: &StopSignal,
+        read: impl Fn(Vec<Vec<Value>>) -> Result<T, NoResult>,
+    ) -> Result<Result<T, SimulationFailure>, SlotError> {
+        let body = self.client.body(config, values);
         let url = format!("{}/Evaluate", self.client.model.url);
         for attempt in 1.. {
             let last = attempt == ATTEMPTS;
@@ -267,17 +284,71 @@ impl Slot for ModelSlot {
                     }
                 }
                 Ok(reply) => {
-                    return outcome(self.client.evaluation(&reply), |fault| {
-                        let UmBridgeModel { model, url, .. } = &self.client.model;
-                        let simulator = format!("model \"{model}\" of {url}");
-                        SimulatorError::Protocol { simulator, id, fault }
-                    });
+                    let read = self.client.vectors(&reply).and_then(&read);
+                    return outcome(read, |fault| self.broken(id, fault));
                 }
                 Err(HttpError::Failed(reason)) => tracing::debug!("{url}: {reason}"),
             }
             Self::pause(stop)?;
         }
         unreachable!("the last attempt has returned")
+    }
+
+    /// The error of a reply that breaks the protocol.
+    pub(super) fn broken(&self, id: u64, fault: String) -> SimulatorError {
+        let UmBridgeModel { model, url, .. } = &self.client.model;
+        SimulatorError::Protocol { simulator: format!("model \"{model}\" of {url}"), id, fault }
+    }
+
+    /// The cycle that `read` makes of a reply, and the reply as an object of JSON, for the values of the inputs and the surfaces of
+    /// a request. Its keys other than `sample` and `joints` are added to the configuration.
+    ///
+    /// # Errors
+    /// As [`Slot::evaluate`]; [`SimulatorError::Vectors`] for surfaces of other numbers of control points than the model takes.
+    pub(super) fn ask_cycle<T>(
+        &self,
+        (id, request): (u64, &CycleLine),
+        expected: &ExpectedCycle,
+        stop: &StopSignal,
+        read: impl Fn(&Map<String, Value>) -> Result<T, NoResult>,
+    ) -> Result<Result<(T, String), SimulationFailure>, SlotError> {
+        let surfaces = expected.joints.iter().flat_map(|joint| {
+            let WornRadii { bushing, journal } = &request.joints[&joint.name];
+            [&**bushing, &**journal]
+        });
+        let vectors: Vec<&[f64]> = std::iter::once(request.sample.values).chain(surfaces).collect();
+        let sizes: Vec<usize> = vectors.iter().map(|vector| vector.len()).collect();
+        if sizes != self.client.input_sizes {
+            let (model, expected) =
+                (self.client.model.model.clone(), format!("{sizes:?} by the control points"));
+            return Err(
+                SimulatorError::Vectors { model, sizes: self.client.input_sizes.clone(), expected }.into()
+            );
+        }
+        let mut config = self.client.config.clone();
+        let CycleLine { cycle, condition, accuracy, period, .. } = request;
+        for (key, value) in [
+            ("cycle", json!(cycle)),
+            ("condition", json!(condition)),
+            ("accuracy", json!(accuracy)),
+            ("period", json!(period)),
+        ] {
+            config[key] = value;
+        }
+        self.ask(id, (&config, &vectors.concat()), stop, |vectors| {
+            let reply = expected.object_of(vectors);
+            Ok((read(&reply)?, Value::Object(reply).to_string()))
+        })
+    }
+}
+
+impl Slot for ModelSlot {
+    fn evaluate(&mut self, request: SlotRequest<'_>, stop: &StopSignal) -> Result<SampleResult, SlotError> {
+        let SlotRequest { id, level, sample } = request;
+        let expected = &self.client.expected;
+        self.ask(id, (&self.client.config_of(level), sample), stop, |vectors| {
+            expected.evaluation(&expected.by_name(vectors.into_iter().flatten()), None, None)
+        })
     }
 
     fn name(&self) -> String {

@@ -1,12 +1,13 @@
 //! Resolves a scene under each of its operating conditions, and checks that they share their bores.
 
-use super::conditions::ConditionRow;
+use super::conditions::{ConditionRow, PARAMETERS};
 use super::context::Overrides;
 use super::faults::{Fault, Faults};
 use super::joint::{Clearance, ContactDamping, GuideClearance, GuideWear, Joint, JointKind};
 use super::limit_state::{Fails, LimitState};
 use super::model::{Condition, Scene};
-use super::resolve::resolve;
+use super::resolve::{Resolved, resolve};
+use std::collections::BTreeSet;
 use toml::Table;
 
 /// Relative difference up to which two ratios of wear coefficients are the same: rounding of what is written [1].
@@ -30,6 +31,7 @@ pub(super) fn conditions(
             .to_owned();
         faults.push(Fault::new(origin, format!("limit_states.{limit}"), message));
     }
+    let changed: BTreeSet<&String> = rows.iter().flat_map(|row| row.changes.keys()).collect();
     for ConditionRow { name, share, changes } in rows {
         let place = format!("conditions.{name}.changes");
         let fault = |key: &str, message: String| {
@@ -46,8 +48,11 @@ pub(super) fn conditions(
                     .filter(|wrong| !wrong.key.starts_with("variables."))
                     .map(|wrong| fault(&wrong.key, format!("{}: {}", wrong.key, wrong.kind))),
             ),
-            Ok(resolved) => {
-                let condition = Condition { name: name.clone(), share: *share, scene: resolved.scene };
+            Ok(Resolved { scene: under, seen, .. }) => {
+                let value =
+                    |key: &&String| Some((key.strip_prefix(PARAMETERS)?.to_owned(), seen.get(*key)?.value));
+                let parameters = changed.iter().filter_map(value).collect();
+                let condition = Condition { name: name.clone(), share: *share, scene: under, parameters };
                 if let Some(joint) = other_surfaces(&condition.scene, scene) {
                     let surfaces = if matches!(joint.kind, JointKind::Guide(_)) { "faces" } else { "bore" };
                     let message = format!(

@@ -14,6 +14,8 @@ const WHOLE: f64 = 1e-9;
 
 /// Tables whose quantities are no property of the motion.
 const FIXED_TABLES: [&str; 2] = ["limit_states.", "conditions."];
+/// Beginning of the keys of parameters.
+pub(super) const PARAMETERS: &str = "parameters.";
 
 /// A row of `[[conditions]]`: its name, its share of the cycles [1] and the keys that it changes with their values [SI].
 pub(super) struct ConditionRow {

@@ -14,6 +14,7 @@ use super::wear_model::WearModel;
 use crate::accuracy::NamedAccuracy;
 use crate::random::{Correlation, RandomVariable};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// A whole study case: mechanism, uncertainty, limit states, life.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -187,6 +188,8 @@ pub struct Condition {
     pub share: f64,
     /// The scene under this condition, on the same bores; without random variables and conditions of its own.
     pub scene: Scene,
+    /// Under this condition the parameters, by name, that a condition of the scene changes [SI].
+    pub parameters: BTreeMap<String, f64>,
 }
 
 /// A rigid body.

@@ -3,7 +3,7 @@
 use super::bodies::bodies;
 use super::body_row::BodyRow;
 use super::clearance::materials;
-use super::conditions::{ConditionRow, condition_rows};
+use super::conditions::{ConditionRow, PARAMETERS, condition_rows};
 use super::context::{Context, Overrides};
 use super::elements::{limit_states, loads, outputs};
 use super::faults::{Fault, FaultKind, Faults};
@@ -55,9 +55,9 @@ pub(super) fn resolve(
     }
     let variables_written = document.get("variables").and_then(toml::Value::as_array).map_or(0, Vec::len);
     let parts = Parts::read(&mut file, variables_written);
-    let conditions = match parts.simulator {
-        None => condition_rows(&mut file, parts.model.life.as_ref()),
-        Some(_) => Vec::new(),
+    let conditions = match parts.changes() {
+        Changes::Required | Changes::Optional => condition_rows(&mut file, parts.model.life.as_ref()),
+        Changes::None => Vec::new(),
     };
     // The parameters of a variable or a correlation are no quantities of the scene that an override could set.
     let seen = cx.seen.take();
@@ -86,7 +86,12 @@ pub(super) fn resolve(
             let mut scene = Scene { variables, correlations: correlated, ..scene };
             scene.units.add_limits(&scene.outputs, &scene.limit_states, document);
             let measured = measured.into_iter().flatten().collect();
-            let used = cx.parameters.borrow().used();
+            let mut used = cx.parameters.borrow().used();
+            if scene.simulator.is_some() {
+                // The program receives them.
+                let changed = conditions.iter().flat_map(|row| row.changes.keys());
+                used.extend(changed.filter_map(|key| key.strip_prefix(PARAMETERS)).map(str::to_owned));
+            }
             Ok(Resolved { scene, conditions, measured, seen, used })
         }
         _ => Err(Faults(without_followers(cx.take_faults()))),

@@ -106,10 +106,6 @@ fn gives(section: &mut Section) -> Option<Gives> {
     if !is_cycle {
         return Some(Gives::Life);
     }
-    if section.get("umbridge").is_some() {
-        section.inconsistent("gives", "is \"cycle\", which a UM-Bridge server cannot give: use a program");
-        return None;
-    }
     let tier = section.word("tier", &CycleTier::WORDS);
     let journal = section.if_any("journal", |section, key| section.text(key, "a folder").map(str::to_owned));
     Some(Gives::Cycle(CycleProgram { tier: tier?, journal: journal? }))
@@ -311,12 +307,11 @@ fn values(row: &mut Section, checkpoints: Option<usize>) -> Option<bool> {
 /// Returns true if the document changed.
 pub(super) fn settle_folder(document: &mut Table, folder: Option<&Path>) -> bool {
     let section = document.get_mut("simulator").and_then(Value::as_table_mut);
-    let Some(section) =
-        section.filter(|section| ["program", "fmu"].iter().any(|key| section.contains_key(*key)))
-    else {
+    let (Some(section), Some(folder)) = (section, folder) else { return false };
+    let is_program = ["program", "fmu"].iter().any(|key| section.contains_key(*key));
+    if !is_program && !section.contains_key("journal") {
         return false;
-    };
-    let Some(folder) = folder else { return false };
+    }
     let below = match section.get("folder") {
         None => ".",
         Some(Value::String(below)) => below,
@@ -330,7 +325,9 @@ pub(super) fn settle_folder(document: &mut Table, folder: Option<&Path>) -> bool
     if let Some(Value::String(journal)) = section.get_mut("journal") {
         *journal = whole.join(&*journal).display().to_string();
     }
-    section.insert("folder".to_owned(), Value::String(whole.display().to_string()));
+    if is_program {
+        section.insert("folder".to_owned(), Value::String(whole.display().to_string()));
+    }
     true
 }
 
@@ -355,12 +352,6 @@ pub(super) fn external(file: &mut Section) -> Model {
 
 /// Reads joints, outputs and life of a program that gives cycles, on the body that stands for the mechanism.
 pub(super) fn cycles(file: &mut Section) -> Model {
-    if file.get("conditions").is_some() {
-        file.inconsistent(
-            "conditions",
-            "are of a mechanism: a program that gives cycles has one kind of cycle",
-        );
-    }
     let materials = materials(file);
     let joints = file.each_row("joints", |name, row| worn_joint(row, name, &materials));
     if joints.is_empty() {

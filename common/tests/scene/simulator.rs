@@ -2,8 +2,8 @@
 
 use common::random::Distribution;
 use common::scene::{
-    CycleProgram, CycleTier, Exchange, Fails, FileExchange, Gives, JointKind, Life, OutputKind, Program,
-    SceneSource, SimulatorKind,
+    Condition, CycleProgram, CycleTier, Exchange, Fails, FileExchange, Gives, JointKind, Life, OutputKind,
+    Program, SceneSource, SimulatorKind,
 };
 
 const BEAM: &str = r#"
@@ -369,22 +369,31 @@ fn joints_of_a_program_that_gives_cycles_are_read() {
     let worn = source.resolve_sample(&[3e-13, 4.0]).unwrap();
     let JointKind::Clearance(pin) = &worn.joints[0].kind else { panic!("a joint with clearance") };
     assert_eq!(pin.wear_coefficients(), [3e-13; 2]);
+    // Each condition has the value of what any of them changes.
+    let of = |condition: &Condition| (condition.name.clone(), condition.share, condition.parameters.clone());
+    let expected = |name: &str, share, value| (name.to_owned(), share, [("worn".to_owned(), value)].into());
+    assert_eq!(
+        worn.conditions.iter().map(of).collect::<Vec<_>>(),
+        [expected("usual", 0.8, 3e-13), expected("hot", 0.2, 6e-13)]
+    );
+    assert!(source.unused_parameters().is_empty());
 }
 
 #[test]
 fn faults_of_a_program_that_gives_cycles_are_named() {
     for (from, to, said) in [
         ("tier = \"contact\"\n", "", "simulator.tier: is missing, expected one of contact, reaction"),
-        (
-            "program = [\"mechanism\"]",
-            "umbridge = \"http://h:1\"",
-            "simulator.gives: is \"cycle\", which a UM-Bridge server cannot give: use a program",
-        ),
         ("gives = \"cycle\"", "gives = \"cycles\"", "simulator.gives: "),
         ("type = \"largest-wear\"", "type = \"driving-torque\"", "outputs.depth.type: "),
         ("type = \"clearance\"", "type = \"guide\"", "joints.pin.type: "),
         ("period = \"50 ms\"\n", "", "life.period: is missing"),
         ("joints = [\"pin\"]", "joints = [\"pen\"]", "outputs.depth.joints"),
+        ("share = 0.8", "share = 0.7", "conditions: the shares add up to 0.9, not to 1"),
+        (
+            "parameters.worn = ",
+            "joints.pin.width = \"9 mm\", parameters.worn = ",
+            "changes the bore of joint \"pin\"",
+        ),
         ("mean = \"3 N m\"\n", "", "variables.load.mean: is missing"),
         ("parameters.worn", "parameters.warn", "variables.wear.changes"),
     ] {

@@ -30,7 +30,7 @@ pub fn explain(
         external::check_accuracy(source.origin(), accuracy)?;
         let json = verbosity.json.then(|| serde_json::to_value(scene)).transpose()?;
         return print(
-            &json.map_or_else(|| Ok(without_mechanism(scene, simulator)), |value| to_json(&value))?,
+            &json.map_or_else(|| Ok(without_mechanism(&source, simulator)), |value| to_json(&value))?,
         );
     }
     worker::mechanism::islands(scene)
@@ -93,7 +93,7 @@ fn explain_into(out: &mut String, source: &SceneSource, model: &Model) -> std::f
 /// The operating conditions with what is simulated under each.
 fn conditions(out: &mut String, source: &SceneSource) -> std::fmt::Result {
     let (variables, overridden) = (&source.nominal().variables, source.overridden_variables());
-    for Condition { name, share, scene } in &source.nominal().conditions {
+    for Condition { name, share, scene, .. } in &source.nominal().conditions {
         let here = overridden.iter().filter(|(_, conditions)| conditions.contains(&name.as_str()));
         let here: Vec<&str> = here.map(|(k, _)| &*variables[*k].name).collect();
         let without = match &here[..] {
@@ -107,7 +107,8 @@ fn conditions(out: &mut String, source: &SceneSource) -> std::fmt::Result {
 }
 
 /// The description of a scene that names its own simulator.
-fn without_mechanism(scene: &Scene, simulator: &ExternalSimulator) -> String {
+fn without_mechanism(source: &SceneSource, simulator: &ExternalSimulator) -> String {
+    let scene = source.nominal();
     let mut out = format!("{}: {}\n\n", scene.name, scene.title);
     // Writing to a String cannot fail.
     let _ = external::explain(&mut out, scene, simulator).and_then(|()| variables(&mut out, scene));
@@ -115,7 +116,7 @@ fn without_mechanism(scene: &Scene, simulator: &ExternalSimulator) -> String {
     if life.cycles > 1 {
         let _ = writeln!(out, "Life: {} cycles, reported every {}.", life.cycles, life.checkpoint_every);
     }
-    let _ = study(&mut out, scene);
+    let _ = conditions(&mut out, source).and_then(|()| study(&mut out, scene));
     out
 }
 

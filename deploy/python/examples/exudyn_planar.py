@@ -1,13 +1,14 @@
-"""Planar linkages with a driven crank in Exudyn: with ideal joints, or with the round bores and the contact law `local-hertz` of Hingewise.
+"""Planar linkages with a driven crank in Exudyn: with ideal joints, or with the worn bores and the contact law `local-hertz` of Hingewise.
 
 A body is (mass [kg], inertia about its centre of mass [kg m^2], place of the centre of mass in its frame [m], place of its origin [m],
 angle [rad]) at the start; the first one is the crank, which turns about the origin, and `None` is the frame. A joint is (journal's body, its place there,
 bushing's body, its place there); a vertical spring is (body, place, height of its anchor [m], stiffness [N/m], free length [m]); a torque is (body, torque [N m]).
 """
 
-from math import cos, hypot, sin, sqrt, tanh
+from math import atan2, cos, hypot, sin, sqrt, tanh, tau
 
 import exudyn as exu
+import numpy as np
 from exudyn.itemInterface import (
     CartesianSpringDamper,
     CoordinateConstraint,
@@ -26,27 +27,50 @@ from exudyn.itemInterface import (
 HEAVY = 1e9
 
 
-class Contact:
-    """The law of one joint [m, N/m^1.5, s/m, N s/m, 1, m/s]."""
+class Bore:
+    """A bore by its radii at control points at equal angles [m], joined by a periodic cubic spline."""
 
-    def __init__(self, journal_radius, bushing_radius, stiffness, damping, film, friction, friction_speed):
-        self.journal_radius, self.bushing_radius, self.stiffness = journal_radius, bushing_radius, stiffness
+    def __init__(self, radii):
+        n, self.radii = len(radii), list(radii)
+        system = sum(share * np.roll(np.eye(n), shift, axis=1) for share, shift in ((4, 0), (1, 1), (1, -1)))
+        # Second derivatives times the squared spacing.
+        bends = 6 * (np.roll(radii, 1) - 2 * np.array(radii) + np.roll(radii, -1))
+        self.bends = np.linalg.solve(system, bends).tolist()
+
+    def at(self, angle):
+        """Radius and its derivative to the angle."""
+        n = len(self.radii)
+        place = angle * n / tau % n
+        i, s = int(place) % n, place % 1
+        j, t = (i + 1) % n, 1 - place % 1
+        (r, q), (a, b) = (self.radii[i], self.radii[j]), (self.bends[i] / 6, self.bends[j] / 6)
+        slope = q - r + a * (1 - 3 * t * t) + b * (3 * s * s - 1)
+        return t * r + s * q + a * (t**3 - t) + b * (s**3 - s), slope * n / tau
+
+
+class Contact:
+    """The law of one joint in a bore [m, N/m^1.5, s/m, N s/m, 1, m/s]."""
+
+    def __init__(self, journal_radius, bore, stiffness, damping, film, friction, friction_speed):
+        self.journal_radius, self.bore, self.stiffness = journal_radius, bore, stiffness
         self.damping, self.film, self.friction, self.friction_speed = damping, film, friction, friction_speed
 
     def forces(self, e, w, turning, of_bushing):
-        """Normal and friction force [N] and the direction of the eccentricity `e` [m], at the relative velocity `w` of the centres [m/s], the
-        angular velocity `turning` of the journal in the bushing and that `of_bushing` [rad/s].
+        """Normal and friction force [N], the direction of the eccentricity `e` [m], the radius of the bore there [m] and the sliding speed
+        [m/s], at the relative velocity `w` of the centres [m/s], the angular velocity `turning` of the journal in the bushing and that
+        `of_bushing` [rad/s].
         """
         size = hypot(*e)
-        delta = size + self.journal_radius - self.bushing_radius
+        radius, slope = self.bore.at(atan2(e[1], e[0]))
+        delta = size + self.journal_radius - radius
         if delta <= 0 or size == 0:
-            return 0.0, 0.0, (0.0, 0.0)
+            return 0.0, 0.0, (0.0, 0.0), radius, 0.0
         u = e[0] / size, e[1] / size
-        factor = 1 + self.damping * (w[0] * u[0] + w[1] * u[1])
-        normal = self.stiffness * delta * sqrt(delta) * max(0.0, factor)
         along = w[1] * u[0] - w[0] * u[1]
-        slip = along + turning * self.journal_radius - of_bushing * (self.bushing_radius - self.journal_radius)
-        return normal, self.friction * normal * tanh(slip / self.friction_speed), u
+        rate = w[0] * u[0] + w[1] * u[1] - slope * (along / size - of_bushing)
+        normal = self.stiffness * delta * sqrt(delta) * max(0.0, 1 + self.damping * rate)
+        slip = along + turning * self.journal_radius - of_bushing * (radius - self.journal_radius)
+        return normal, self.friction * normal * tanh(slip / self.friction_speed), u, radius, slip
 
 
 class Linkage:
@@ -103,12 +127,12 @@ class Linkage:
 
     def connect(self, joint, contact):
         """A joint with clearance: the force of its law by a user function, in the bushing's frame."""
-        node, film, radius = None if joint[2] is None else self.nodes[joint[2]], contact.film, contact.bushing_radius
+        node, film = None if joint[2] is None else self.nodes[joint[2]], contact.film
         rate = exu.OutputVariableType.Coordinates_t
 
         def force(mbs, t, item, e, rotation, w, turning, *unused):
             of_bushing = 0.0 if node is None else mbs.GetNodeOutput(node, rate)[2]
-            normal, friction, (x, y) = contact.forces(e, w, turning[2], of_bushing)
+            normal, friction, (x, y), radius, _ = contact.forces(e, w, turning[2], of_bushing)
             f = normal * x - friction * y + film * w[0], normal * y + friction * x + film * w[1]
             return [f[0], f[1], 0, 0, 0, radius * friction]
 
@@ -174,12 +198,18 @@ class Linkage:
             whole, spin = reactions[0][k], 0.0
         else:
             contact = self.contacts[k]
-            e, w = (turned((p[n] - q[n], p[n + 1] - q[n + 1]), -j[2]) for n in (0, 2))
-            force, friction, (x, y) = contact.forces(e, w, i[5] - j[5], j[5])
+            w, (force, friction, (x, y), _, _) = self.contact(k, state)[1:]
             normal = force * x, force * y
             in_frame = normal[0] - friction * y + contact.film * w[0], normal[1] + friction * x + contact.film * w[1]
             whole, spin = turned(in_frame, j[2]), contact.journal_radius * friction
         return angle, normal, p[0] * whole[1] - p[1] * whole[0] + spin if journal == 0 else 0.0
+
+    def contact(self, k, state):
+        """Eccentricity of joint `k` [m], relative velocity of its centres [m/s], and the forces of its contact."""
+        journal, at_journal, bushing, at_bushing = self.places[k]
+        (i, p), (j, q) = self.point(state, journal, at_journal), self.point(state, bushing, at_bushing)
+        e, w = (turned((p[n] - q[n], p[n + 1] - q[n + 1]), -j[2]) for n in (0, 2))
+        return e, w, self.contacts[k].forces(e, w, i[5] - j[5], j[5])
 
     def point(self, state, body, place):
         """State of a body, and place and velocity of its point."""

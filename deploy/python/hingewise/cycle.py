@@ -8,6 +8,7 @@ coordinator/doc/cycles.md.
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Callable, Iterable
 from math import cos, sin
@@ -17,15 +18,17 @@ from typing import Any
 def serve(cycle: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
     """Answer every request by `cycle(request)`, which returns a dictionary with `joints` and `outputs`.
 
-    An error of `cycle` is the failure of its sample.
+    An error of `cycle` is the failure of its sample. What it prints goes to standard error, since it is no reply.
     """
+    replies = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
     for line in sys.stdin:
         request = json.loads(line)
         try:
             reply = cycle(request)
         except Exception as error:  # whatever a multibody program raises
             reply = {"failure": f"{type(error).__name__}: {error}"}
-        print(json.dumps({"id": request["id"], **reply}), flush=True)
+        print(json.dumps({"id": request["id"], **reply}), file=replies, flush=True)
 
 
 def in_frame(forces: Iterable[tuple[float, float]], angles: Iterable[float]) -> dict[str, list[float]]:

@@ -13,7 +13,6 @@ values at the checkpoints, over the life so far.
 from __future__ import annotations
 
 import difflib
-import os
 import re
 import sys
 from bisect import bisect
@@ -188,10 +187,6 @@ class Fmu:
 def main() -> None:
     if len(sys.argv) < 2:
         raise SystemExit("usage: python3 -m hingewise.fmu FILE.fmu [NAME=VARIABLE ...]")
-    # What the FMU prints is no reply.
-    replies = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)
-    sys.stdout = replies
     serve(Fmu(sys.argv[1], mapping_of(sys.argv[2:])).reply)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1]
 EXAMPLE = PACKAGE / "examples" / "four-bar"
-sys.path[:0] = [str(PACKAGE), str(EXAMPLE)]
+sys.path[:0] = [str(PACKAGE), str(EXAMPLE), str(EXAMPLE.parent)]
 
 def needs(*packages):
     missing = [package for package in packages if importlib.util.find_spec(package) is None]
@@ -33,6 +33,28 @@ class FourBar(unittest.TestCase):
                 for axis in ("force_x", "force_y"):
                     self.assertLess(abs(joint[axis][k] - other[axis][2 * k]), 1e-3 * largest, (name, axis, k))
                 self.assertLess(abs(joint["angle"][k] - other["angle"][2 * k]), 1e-4)
+
+    @needs("exudyn")
+    def test_contacts_on_worn_bores_turn_with_the_ideal_joints(self):
+        import compare
+        import exudyn_cycle
+
+        request = compare.request({"load_torque": -0.8}, ("crank", "coupler", "rocker"), compare.worn(4.03e-3), 4e-3)
+        ideal, worn = exudyn_cycle.cycle(request), exudyn_cycle.contact_cycle(request)
+        for name, joint in worn["joints"].items():
+            other = ideal["joints"][name]
+            column = compare.Column(ideal["time"], other["angle"])
+            rows = zip(worn["time"], joint["angle"])
+            off = max(abs(math.remainder(angle - column.at(t), math.tau)) for t, angle in rows)
+            # The largest play, 36 um, over the shortest body, 20 mm.
+            self.assertLess(off, 4 * 36e-6 / 20e-3)
+            largest, here = (max(map(math.hypot, of["force_x"], of["force_y"])) for of in (other, joint))
+            self.assertLess(abs(here / largest - 1), 0.02, name)
+            # The journal touches where it presses.
+            for x, y, fx, fy in zip(*(joint[key] for key in ("eccentricity_x", "eccentricity_y", "force_x", "force_y"))):
+                if math.hypot(fx, fy) > 0.1 * largest:
+                    self.assertGreater(math.hypot(x, y), 29e-6)
+                    self.assertLess(abs(x * fy - y * fx), 1e-9 * math.hypot(x, y) * math.hypot(fx, fy))
 
     @needs("exudyn")
     def test_a_thick_beam_has_the_motion_of_a_rigid_coupler(self):

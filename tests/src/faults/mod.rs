@@ -70,7 +70,7 @@ impl fmt::Display for Report {
 }
 
 /// An endpoint on a free port of this machine.
-fn free_endpoint() -> String {
+pub fn free_endpoint() -> String {
     let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port is free");
     format!("tcp/{}", listener.local_addr().expect("it is bound"))
 }

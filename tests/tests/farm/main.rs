@@ -2,6 +2,7 @@
 //! One executable, whose tests overlap: many of them wait for timeouts.
 
 mod builds;
+mod cycles;
 mod elastic;
 mod external_limits;
 mod external_workers;

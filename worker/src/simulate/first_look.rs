@@ -3,6 +3,7 @@
 use super::blocks::simulated_lives;
 use super::conditions::condition_scenes;
 use super::control_points::{ContactArc, contact_arcs, with_control_points};
+use super::island_state::IslandState;
 use super::longer_steps::{difference, is_long_enough, longer};
 use super::probe::{FINER, is_probed};
 use super::quasi_static::is_measured;
@@ -275,6 +276,8 @@ impl Run<'_> {
     fn timed_wear(&mut self, block: Range<u32>) -> Option<Duration> {
         let begun = Instant::now();
         let mut wear = vec![vec![]; self.scene.outputs.len()];
-        self.wear(block, &[], &mut wear).ok().map(|()| begun.elapsed())
+        self.wear(block, &[], &mut wear).ok()?;
+        self.islands.iter_mut().for_each(IslandState::wear_copies);
+        Some(begun.elapsed())
     }
 }

@@ -2,6 +2,7 @@
 
 use super::conditions::{mix_contacts, share_bores};
 use super::error_estimate::ErrorEstimate;
+use super::island_state::IslandState;
 use super::motion_estimate::{MeasuredLives, MotionEstimate};
 use super::probe::Probe;
 use super::run::Run;
@@ -160,12 +161,14 @@ impl<'a> PartialLife<'a> {
         mix_contacts(runs);
         runs[0].wear(block.clone(), &checkpoints, &mut self.wear)?;
         runs[0].note_grooves(block.end);
-        self.estimate.add_wear(&runs[0], block.start, &worn);
         runs[0].keep_bores(block.end);
         share_bores(runs);
         let conditions = runs.iter_mut().zip(&mut self.conditions).zip(&mut self.estimate.conditions);
         let cycles = conditions.map(|((run, life), estimate)| life.go_on(run, model, block, estimate));
         join(cycles).await.into_iter().collect::<Result<Vec<()>, _>>()?;
+        // A model may have done so already, while it waited for its cycle.
+        runs[0].islands.iter_mut().for_each(IslandState::wear_copies);
+        self.estimate.add_wear(&runs[0], block.start, &worn);
         Ok(self.compare_finer(runs, block).await?)
     }
 }

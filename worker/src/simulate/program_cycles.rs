@@ -16,6 +16,7 @@
 //! The loop: Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020, with a multibody
 //! program for the cycles.
 
+use super::conditions::condition_scenes;
 use super::cycle_history::FirstCycle;
 use super::finish::finish;
 use super::island_state::{IslandStart, IslandState};
@@ -32,10 +33,11 @@ use common::accuracy::NamedAccuracy;
 use common::external::{CycleReply, CycleRequest, CyclesOfLife, JointCycle, SlotError, WornRadii};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::scene::{CycleTier, Scene};
+use common::scene::{Condition, CycleTier, Scene};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::{ptr, thread};
 use thiserror::Error;
 
 /// Change of the depths between two requests, as a share of the clearance, from which on equal replies show a program that ignores them [1].
@@ -62,20 +64,25 @@ pub fn simulate_program_life(
     tier: CycleTier,
     cycles: &mut CyclesOfLife,
 ) -> Result<Evaluation, CycleError> {
-    let run = |queue| {
+    let run = |queue, (scene, share): (_, f64)| {
+        let scene: &Scene = scene;
         let nothing = vec![None; scene.bodies.len()];
         let pose = Pose { time: 0.0, q: nothing.clone(), v: nothing };
         let start = IslandStart { pose: &pose, turns: &vec![0.0; scene.bodies.len()] };
         let island = island_of_program(scene);
         let state = IslandState::new(island, &start, scene, &RecordingRequest::default(), accuracy);
-        Run::of_islands(queue, scene, accuracy, vec![state])
+        let mut run = Run::of_islands(queue, scene, accuracy, vec![state]);
+        run.share = share;
+        run
     };
-    let answered = Answered { cycles, last: None, sampling_error: 0.0 };
+    let answered = Answered { cycles, last: BTreeMap::new(), sampling_error: 0.0 };
     run_alone(async |queue| {
-        let mut runs = vec![run(queue)];
-        let model = ProgramCycles { name, tier, answered: &RefCell::new(answered) };
-        model.measure(&mut runs[0], 0)?;
-        let first = model.first_cycle(&runs[0]);
+        let mut runs: Vec<Run> =
+            condition_scenes(scene).into_iter().map(|condition| run(queue.clone(), condition)).collect();
+        let model = ProgramCycles { name, tier, scene, answered: &RefCell::new(answered) };
+        runs.iter_mut().try_for_each(|run| model.measure(run, 0))?;
+        let first = runs.iter().map(|run| (run.share, model.first_cycle(run))).collect();
+        let Some(first) = FirstCycle::of_conditions(first) else { unreachable!("at least one condition") };
         let mut life = simulate_life(&mut runs, model).await?;
         let share = model.answered.borrow().sampling_error;
         let outputs = scene.outputs.iter().zip(&life.histories).zip(&mut life.errors);
@@ -89,8 +96,8 @@ pub fn simulate_program_life(
 /// Requests and replies of a life so far.
 struct Answered<'a, 'c> {
     cycles: &'a mut CyclesOfLife<'c>,
-    /// The last reply, and the depths at which it was asked for, of all joints one after the other [m].
-    last: Option<(CycleReply, Vec<f64>)>,
+    /// By condition the last reply, and the depths at which it was asked for, of all joints one after the other [m].
+    last: BTreeMap<Option<&'a str>, (CycleReply, Vec<f64>)>,
     /// Largest relative error of the work of a joint by the distance of the instants [1].
     sampling_error: f64,
 }
@@ -101,6 +108,8 @@ struct ProgramCycles<'m, 'a, 'c> {
     /// Name of the accuracy.
     name: &'m str,
     tier: CycleTier,
+    /// The scene with its conditions.
+    scene: &'a Scene,
     answered: &'m RefCell<Answered<'a, 'c>>,
 }
 
@@ -117,19 +126,27 @@ impl CycleModel for ProgramCycles<'_, '_, '_> {
     }
 }
 
-impl ProgramCycles<'_, '_, '_> {
+impl<'a> ProgramCycles<'_, 'a, '_> {
+    /// The operating condition of a run, if the scene has any.
+    fn condition(&self, run: &Run) -> Option<&'a Condition> {
+        self.scene.conditions.iter().find(|condition| ptr::eq(&condition.scene, run.scene))
+    }
+
     /// Measures the cycle of the life `cycle` [cycles] on the surfaces of the run: its contacts and outputs.
     fn measure(&self, run: &mut Run, cycle: u32) -> Result<(), CycleError> {
+        let condition = self.condition(run);
+        let name = condition.map(|condition| &*condition.name);
         let mut answered = self.answered.borrow_mut();
         let Answered { cycles, last, sampling_error } = &mut *answered;
         let [state] = &mut run.islands[..] else { unreachable!("a program has one island") };
         let depths = state.depth.concat();
-        let reply = match last.take() {
+        let reply = match last.remove(&name) {
             Some((reply, _)) if self.tier == CycleTier::Reaction => reply,
             before => {
                 let joints = radii(run.scene, state);
-                let request = CycleRequest { cycle, accuracy: self.name, joints: &joints };
-                let reply = cycles.ask(&request)??;
+                let (scene, accuracy) = (run.scene, self.name);
+                let request = CycleRequest { scene, condition, cycle, accuracy, joints: &joints };
+                let reply = ask_and_wear_copies(cycles, &request, state)?;
                 run.simulated += 1;
                 let least =
                     state.island.joints.iter().map(|joint| NOTICED * joint.contact.surface().clearance);
@@ -153,14 +170,15 @@ impl ProgramCycles<'_, '_, '_> {
             history.bore_mut().into_iter().for_each(|history| record(joint, cycle, history));
         }
         run.measured.clone_from(&reply.outputs);
-        *last = Some((reply, depths));
+        last.insert(name, (reply, depths));
         Ok(())
     }
 
     /// Summary of the cycle measured last.
     fn first_cycle(&self, run: &Run) -> FirstCycle {
         let answered = self.answered.borrow();
-        let cycles = answered.last.iter().flat_map(|(reply, _)| &reply.joints);
+        let name = self.condition(run).map(|condition| &*condition.name);
+        let cycles = answered.last.get(&name).into_iter().flat_map(|(reply, _)| &reply.joints);
         let joints: Vec<_> = run.scene.joints.iter().map(|joint| &joint.name).zip(cycles).collect();
         let peak = |cycle: &JointCycle| cycle.force.iter().map(|force| length(*force)).fold(0.0, f64::max);
         let free = |cycle: &JointCycle| {
@@ -174,6 +192,20 @@ impl ProgramCycles<'_, '_, '_> {
             energy: None,
         }
     }
+}
+
+/// The reply to a request; the finer copies of the surfaces, which it does not depend on, are worn while the program simulates.
+fn ask_and_wear_copies(
+    cycles: &mut CyclesOfLife,
+    request: &CycleRequest,
+    state: &mut IslandState,
+) -> Result<CycleReply, CycleError> {
+    let reply = thread::scope(|scope| {
+        let copies = thread::Builder::new().name("copies".to_owned());
+        copies.spawn_scoped(scope, || state.wear_copies()).map_err(SlotError::Thread)?;
+        cycles.ask(request)
+    });
+    Ok(reply??)
 }
 
 /// Radii of all surfaces as worn so far, by the names of the joints.

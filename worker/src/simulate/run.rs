@@ -326,7 +326,7 @@ impl<'a> Run<'a> {
     }
 
     /// Wears every bore over a block of the life [cycles] under the contact of the cycle just measured, and adds the wear outputs at
-    /// the `checkpoints` within to `wear` `(outputs, m)` [m or m^3].
+    /// the `checkpoints` within to `wear` `(outputs, m)` [m or m^3]. Finer copies are left to [`IslandState::wear_copies`].
     ///
     /// # Errors
     /// [`SimulationFailure`] if a wear step fails or a wall is worn through.
@@ -358,12 +358,13 @@ impl<'a> Run<'a> {
                 for finer in
                     [&mut state.finer, &mut state.finest].into_iter().filter_map(|all| all.get_mut(k))
                 {
-                    finer.advance(&histories[k], length, sizes.amounts(depth));
+                    finer.freeze(&histories[k], length, sizes.amounts(depth));
                 }
                 let advanced =
                     state.steps[k].advance(rate, depth, length, &marks, note, &mut self.wear_counts);
                 advanced.map_err(|failed| wear_failure(&self.scene.joints[scene_joint], from, failed))?;
-                state.finer[k].marked = marked[..within].iter().map(|joints| joints[scene_joint]).collect();
+                state.finer[k].next_marked =
+                    marked[..within].iter().map(|joints| joints[scene_joint]).collect();
                 let surfaces = depth.split_at(pair.first_depths());
                 if let Some((depth, wall)) = worn_through(self.scene, scene_joint, surfaces.into()) {
                     let joint = self.scene.joints[scene_joint].name.clone();

@@ -12,7 +12,7 @@ use super::quasi_static_island::wear_histories;
 use super::run::Run;
 use crate::contact::{FreeRegion, Surfaces};
 use crate::mechanism::WearingPair;
-use crate::wear::{WearLaw, WornAmounts};
+use crate::wear::{FinerBore, WearLaw, WornAmounts};
 use common::outputs::NarrowGroove;
 
 impl Run<'_> {
@@ -46,9 +46,17 @@ impl Run<'_> {
             let IslandState { island, recorder, finer, rates, depth, .. } = state;
             let histories = wear_histories(&self.mixed, &self.quasi_static, recorder, index);
             for (k, _) in island.pairs().enumerate().filter(|(_, pair)| pair.wears()) {
-                finer[k].advance(&histories[k], 0.0, rates[k].sizes().amounts(&depth[k]));
+                finer[k].freeze(&histories[k], 0.0, rates[k].sizes().amounts(&depth[k]));
             }
+            state.wear_copies();
         }
+    }
+}
+
+impl IslandState {
+    /// Wears the finer copies of all pairs under the contacts that their surfaces were worn by last.
+    pub(crate) fn wear_copies(&mut self) {
+        self.finer.iter_mut().chain(&mut self.finest).for_each(FinerBore::advance);
     }
 }
 

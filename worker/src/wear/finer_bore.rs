@@ -59,8 +59,12 @@ pub struct FinerBore<L> {
     /// Marks within the block behind, and those of the next one, counted from its start [cycle].
     marks: Vec<f64>,
     next_marks: Vec<f64>,
+    /// Wear of the joint at the marks within the next block.
+    pub next_marked: Vec<WornAmounts>,
+    /// Cycles of the next block, and the wear of the joint at its start; `None` if the copy has been worn under its history.
+    due: Option<(f64, WornAmounts)>,
     /// Wear of the joint at the marks within the block behind, and that of the copy at those it has passed.
-    pub marked: Vec<WornAmounts>,
+    marked: Vec<WornAmounts>,
     passed: Vec<WornAmounts>,
     /// Differences of the two at the marks within the block whose end was compared last.
     within: Vec<WornAmounts>,
@@ -85,6 +89,8 @@ impl<L: WearLaw> FinerBore<L> {
             differences: Vec::new(),
             marks: Vec::new(),
             next_marks: Vec::new(),
+            next_marked: Vec::new(),
+            due: None,
             marked: Vec::new(),
             passed: Vec::new(),
             within: Vec::new(),
@@ -96,11 +102,17 @@ impl<L: WearLaw> FinerBore<L> {
         self.next_marks = marks.to_vec();
     }
 
-    /// Compares the copy with the bore at the end of the block behind, where the joint is `worn`
-    /// and the contact history was measured, and wears it to the middle of the next block of `cycles`, which is
-    /// zero at the end of life.
-    pub(crate) fn advance(&mut self, history: &L::History, cycles: f64, worn: WornAmounts) {
+    /// Freezes the contact history measured where the joint is `worn`, at the end of the block behind, for [`FinerBore::advance`]; the next
+    /// block has these `cycles`, zero at the end of life.
+    pub(crate) fn freeze(&mut self, history: &L::History, cycles: f64, worn: WornAmounts) {
         self.rate.freeze(history);
+        self.due = Some((cycles, worn));
+    }
+
+    /// Compares the copy with the bore at the end of the block behind, and wears it to the middle of the next one, under the history frozen
+    /// last; nothing is left to do where that has been done.
+    pub(crate) fn advance(&mut self) {
+        let Some((cycles, worn)) = self.due.take() else { return };
         let mut uncounted = WearStepStats::default();
         let sizes = self.rate.sizes();
         let (behind, half) = (self.behind, 0.5 * cycles);
@@ -131,7 +143,7 @@ impl<L: WearLaw> FinerBore<L> {
         self.within =
             self.marked.iter().zip(&self.passed).map(|(worn, copy)| difference(worn, copy)).collect();
         self.differences.push((self.life, difference(&worn, &end)));
-        (self.marks, self.passed, self.marked) = (next_marks, early, vec![]);
+        (self.marks, self.passed, self.marked) = (next_marks, early, std::mem::take(&mut self.next_marked));
         self.life += cycles;
         self.behind = half;
         self.worn = worn;

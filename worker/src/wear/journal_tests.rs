@@ -61,12 +61,14 @@ fn worn(
         StepRule::Controlled(1e-3),
     );
     for _ in 0..blocks {
-        copy.advance(history, 500.0, rate.sizes().amounts(&depth));
+        copy.freeze(history, 500.0, rate.sizes().amounts(&depth));
+        copy.advance();
         step.advance(&mut rate, &mut depth, 500.0, &[], |_, _| {}, &mut WearStepStats::default())
             .expect("the wear step reaches its tolerance");
     }
     let amounts = rate.sizes().amounts(&depth);
-    copy.advance(history, 0.0, amounts);
+    copy.freeze(history, 0.0, amounts);
+    copy.advance();
     let journal = depth.split_off(points);
     (depth, journal, amounts, copy.errors())
 }

@@ -270,11 +270,13 @@ fn the_finer_copy_states_an_error_that_holds() {
         let (mut depth, mut worn) = (vec![0.0; layout.depths()], WornAmounts::default());
         for _ in 0..8 {
             rate.freeze(&history);
-            copy.advance(&history, life / 8.0, worn);
+            copy.freeze(&history, life / 8.0, worn);
+            copy.advance();
             wear(&mut rate, &mut depth, life / 8.0, 5e-3);
             worn = rate.sizes().amounts(&depth);
         }
-        copy.advance(&history, 0.0, worn);
+        copy.freeze(&history, 0.0, worn);
+        copy.advance();
         (worn, copy.errors())
     };
     let (exact, _) = run(layout(241, 30, true));

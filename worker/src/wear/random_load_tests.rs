@@ -101,7 +101,8 @@ fn worn(law: &str, case: &Case, points: usize) -> (Vec<f64>, Vec<f64>) {
     for block in ENDS.windows(2) {
         let history = history(case, block[0]);
         let cycles = case.block * (block[1] - block[0]);
-        copy.advance(&history, cycles, amounts);
+        copy.freeze(&history, cycles, amounts);
+        copy.advance();
         stated.push(copy.errors().depth(0));
         rate.freeze(&history);
         step.advance(&mut rate, &mut depth, cycles, &[], |_, _| {}, &mut WearStepStats::default())
@@ -109,7 +110,8 @@ fn worn(law: &str, case: &Case, points: usize) -> (Vec<f64>, Vec<f64>) {
         amounts = rate.sizes().amounts(&depth);
         depths.push(amounts.depth(0));
     }
-    copy.advance(&history(case, LIFE), 0.0, amounts);
+    copy.freeze(&history(case, LIFE), 0.0, amounts);
+    copy.advance();
     stated.push(copy.errors().depth(0));
     stated.remove(0);
     (depths, stated)

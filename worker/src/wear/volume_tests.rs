@@ -204,10 +204,12 @@ fn scar(contact: &Contact, history: &ContactHistory, points: usize) -> (f64, f64
     for _ in 0..8 {
         step.advance(&mut rate, &mut depth, 250.0, &[], |_, _| {}, &mut WearStepStats::default())
             .unwrap_or_else(|failed| panic!("{points} points: {failed:?}"));
-        copy.advance(history, 250.0, worn);
+        copy.freeze(history, 250.0, worn);
+        copy.advance();
         worn = rate.sizes().amounts(&depth);
     }
-    copy.advance(history, 0.0, worn);
+    copy.freeze(history, 0.0, worn);
+    copy.advance();
     (worn.depth(0), copy.errors().depth(0))
 }
 

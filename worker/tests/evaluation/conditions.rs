@@ -4,6 +4,7 @@ use crate::scenes::short;
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use common::scene::{Condition, Scene, SceneSource};
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use worker::simulate::{LaneWidth, SimulateOptions, SimulationInput, simulate, simulate_side_by_side};
 
@@ -132,7 +133,12 @@ changes = { "gravity.y" = "-9.81 m/s^2" }
 
 /// The scene with two conditions that change nothing.
 fn twice(scene: &Scene, share: f64) -> Scene {
-    let alike = |name: &str, share| Condition { name: name.into(), share, scene: scene.clone() };
+    let alike = |name: &str, share| Condition {
+        name: name.into(),
+        share,
+        scene: scene.clone(),
+        parameters: BTreeMap::new(),
+    };
     Scene { conditions: vec![alike("one", share), alike("other", 1.0 - share)], ..scene.clone() }
 }
 
@@ -166,8 +172,12 @@ fn two_equal_conditions_are_one() {
 fn a_duty_cycle_does_not_depend_on_lanes() {
     let mut scene = short("flapping-wing", &[], 1000);
     let slow = short("flapping-wing", &[("parameters.crank_speed", 40.0)], 1000);
-    let condition =
-        |name: &str, share, scene: &Scene| Condition { name: name.into(), share, scene: scene.clone() };
+    let condition = |name: &str, share, scene: &Scene| Condition {
+        name: name.into(),
+        share,
+        scene: scene.clone(),
+        parameters: BTreeMap::new(),
+    };
     scene.conditions = vec![condition("fast", 0.6, &scene), condition("slow", 0.4, &slow)];
     let accuracy = Accuracy::draft();
     let alone = simulate(&scene, &accuracy, SimulateOptions::default());

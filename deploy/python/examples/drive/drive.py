@@ -6,7 +6,7 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[k]) for k in (1, 2)]
 
-from exudyn_planar import HEAVY, Contact, Linkage, turned  # noqa: E402  of this folder's parent
+from exudyn_planar import HEAVY, Bore, Contact, Linkage, turned  # noqa: E402  of this folder's parent
 
 CRANK, SPEED = 8e-3, 480 * 2 * pi / 60
 PERIOD = 2 * pi / SPEED
@@ -46,8 +46,8 @@ def side(sign):
     return rod, rocker, rod_rate, rocker_rate
 
 
-def linkage(friction=FRICTION, ideal=False):
-    """The drive at its start, with ideal joints or with clearance."""
+def linkage(friction=FRICTION, ideal=False, radii=(BUSHING, BUSHING, BUSHING)):
+    """The drive at its start, with ideal joints or with clearance in bores of these radii at control points."""
     bodies, rates = [(HEAVY, HEAVY, (0.0, 0.0), (0.0, 0.0), 0.0)], [((0.0, 0.0), SPEED)]
     joints, springs = [None] * 6, []
     if ideal:
@@ -64,15 +64,15 @@ def linkage(friction=FRICTION, ideal=False):
         joints[2 + k] = rod_body, (ROD, 0.0), rocker_body, (-sign * FRONT, 0.0)
         joints[4 + k] = None, pivot, rocker_body, (0.0, 0.0)
         springs.append((rocker_body, (sign * REAR, 0.0), PIVOT[1], LOAD, FREE_LENGTH))
-    law = Contact(JOURNAL, BUSHING, stiffness(), DAMPING, FILM, friction, FRICTION_SPEED)
+    law = Contact(JOURNAL, Bore(radii), stiffness(), DAMPING, FILM, friction, FRICTION_SPEED)
     return Linkage(bodies, rates, joints, SPEED, springs, contacts=None if ideal else [law] * 6)
 
 
-def cycle(friction, ideal):
+def cycle(friction, ideal, radii=(BUSHING, BUSHING, BUSHING)):
     """The settled cycle: `time` and, by joint, the force on the bushing in its frame and the angle, as replies have them, without friction and
     film; and the driving torque [N m].
     """
-    drive = linkage(friction, ideal)
+    drive = linkage(friction, ideal, radii)
     rows = drive.simulate(PERIOD, 1, 2000, None if ideal else TOLERANCE)
     reply = {"time": [time for time, _, _ in rows], "joints": {}, "torque": []}
     for name in JOINTS:
