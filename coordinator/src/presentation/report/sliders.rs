@@ -119,9 +119,7 @@ fn of_variable(
         let tables = all.map(|(mean, std)| table(&with_moments(law, mean, std, fixed).ok()?));
         Some((*reach, tables.collect::<Option<Vec<_>>>()?))
     };
-    let has_moments =
-        !matches!(law, Distribution::Constant(_) | Distribution::Empirical(_) | Distribution::Triangular(_));
-    let found = REACHES.iter().find_map(of_nodes).filter(|_| has_moments);
+    let found = REACHES.iter().find_map(of_nodes).filter(|_| !law.is_constant());
     let (reach, tables) = found.unwrap_or((0.0, vec![table(law).unwrap_or_default()]));
     let (written, scale) = of_unit(&variable.unit);
     json!({ "name": variable.name, "unit": variable.unit, "written": written, "scale": scale, "mean": mean, "std": std,
