@@ -86,8 +86,10 @@ fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Fau
     // A distribution without moments of its own moves to those that a normal one has as they are written.
     let moves = |k: &usize| {
         let keys = of_variable(*k);
-        matches!(source.variables()[*k].distribution, Distribution::Triangular(_) | Distribution::Empirical(_))
-            && !keys.is_empty()
+        matches!(
+            source.variables()[*k].distribution,
+            Distribution::Triangular(_) | Distribution::Empirical(_)
+        ) && !keys.is_empty()
             && keys.iter().all(|(key, _)| ["mean", "std"].contains(key))
     };
     let moved: Vec<usize> = (0..source.variables().len()).filter(moves).collect();

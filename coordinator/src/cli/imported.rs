@@ -1,12 +1,13 @@
 //! Scenes from files of linkage programs, for `coordinator init --from`: `.linkage2` (Linkage by D. Rector) and the text of PMKS.
 //!
-//! Both formats state points and the links that join them. Every link becomes a body: the links with two points of the ground the frame, the one
+//! All formats state points and the links that join them. Every link becomes a body: the links with two points of the ground the frame, the one
 //! with the input a driven body, the others free bodies with the mass of rods of steel. Joints are ideal, but for the hinges of the last link,
 //! which get a clearance, so that there is something to study. Everything that was assumed, and everything that could not be read, is stated.
 //!
 //! # Source
 //! Elements and attributes of `.linkage2` as its program writes them; lines of PMKS: links, type, x, y, angle of a slide in degrees.
 
+mod pmks_plus;
 #[cfg(test)]
 mod tests;
 
@@ -54,12 +55,16 @@ pub struct ImportedLinkage {
     pub unread: Vec<String>,
 }
 
-/// Reads a file by its content: XML is `.linkage2`, else lines of PMKS.
+/// Reads a file by its content: XML is `.linkage2`, an address is a link of PMKS+, else lines of PMKS.
 ///
 /// # Errors
 /// What is wrong, with the line.
 pub fn read(text: &str) -> Result<ImportedLinkage, String> {
-    let linkage = if text.trim_start().starts_with('<') { linkage2(text)? } else { pmks(text)? };
+    let linkage = match text.trim_start() {
+        xml if xml.starts_with('<') => linkage2(text)?,
+        link if link.starts_with("http") => pmks_plus::read(link.split_once('?').unwrap_or_default().1)?,
+        _ => pmks(text)?,
+    };
     let mut inputs = linkage.pins.iter().filter(|pin| pin.speed.is_some());
     if linkage.cylinders.is_empty() && inputs.next().is_none() {
         return Err("has no input: neither a turning link nor an actuator".to_owned());

@@ -1,7 +1,8 @@
 //! The drawing of a mechanism as SVG: bodies with their names, joints, supports, sliders on rails, drives, loads and a scale.
 
 use super::geometry::{
-    CLEARANCE, DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, FIXED, LENGTH_UNIT, LoadSymbol, middle_of,
+    CLEARANCE, DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, FIXED, LENGTH_UNIT, LoadSymbol,
+    middle_of,
 };
 use super::labels::{Label, LabelArea, LetterSize, PlacedLabel, place_labels};
 use super::symbols::{self, arrow, coordinate, path_along};
