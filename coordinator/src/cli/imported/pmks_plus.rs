@@ -7,7 +7,7 @@
 //! The encoder of PMKS+ (github.com/PMKS-Web/PMKSWeb, `string-transcoder.ts`): joint `[flags][id],name,x,y,angle[,carrier,end,end]`,
 //! link `[Y or N][R or P][id],name,mass,inertia,x,y,colour,joints..,,parts..`.
 
-use super::{ImportedLinkage, Pin};
+use super::linkage::{ImportedLinkage, Pin};
 use std::collections::BTreeMap;
 
 /// Digits of numbers.
