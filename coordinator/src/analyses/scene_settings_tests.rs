@@ -101,7 +101,9 @@ fn bounds_with_a_mode_and_samples_move_with_the_moments() {
         }
     }
     let refused = |set: &str| changed_scene(&source, &[set.to_owned()]).unwrap_err().to_string();
-    assert!(refused("bore.std=-1 um").contains("> 0") && refused("bore.mean=1 N").contains("is a force"));
+    assert!(
+        refused("bore.std=-1 um").contains("> 0") && refused("bore.mean=1 N").contains("expected a force")
+    );
 }
 
 #[test]
