@@ -176,7 +176,7 @@ pub(super) fn contact_damping(row: &mut Section) -> Option<ContactDamping> {
     const EXPECTED: &str = "\"none\", { hunt_crossley = \"7.5 s/m\" } or { law, restitution, least_speed }";
     match row.get("contact_damping") {
         None => Some(ContactDamping::None),
-        Some(toml::Value::String(_)) => {
+        Some(toml::Value::String(word)) if !word.starts_with(|letter: char| letter.is_ascii_digit()) => {
             row.choice("contact_damping", EXPECTED, &[("none", ContactDamping::None)])
         }
         Some(toml::Value::Table(_)) => {

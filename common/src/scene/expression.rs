@@ -33,7 +33,10 @@ pub fn evaluate(
     let mut parser = Parser { tokens: &tokens, next: 0, depth: 0, lookup };
     let quantity = parser.sum()?;
     if let Some(token) = parser.peek() {
-        return Err(ExpressionError::Unexpected { found: token.to_string(), expected: "an operator" });
+        return Err(ExpressionError::Unexpected {
+            found: token.to_string(),
+            expected: "an operator; a unit follows a number, as in 2 * 1 mm",
+        });
     }
     if quantity.value.is_finite() { Ok(quantity) } else { Err(ExpressionError::NotFinite) }
 }

@@ -12,29 +12,29 @@ use toml::Value;
 impl<'s> Section<'s> {
     /// A required table.
     pub fn section(&mut self, key: &'static str, expected: &str) -> Option<Section<'s>> {
-        self.require(key, || expected.to_owned())?;
-        self.section_if_any(key)
+        let value = self.require(key, || expected.to_owned())?;
+        self.as_section(key, value, expected)
     }
 
     /// An optional table.
     pub(super) fn section_if_any(&mut self, key: &'static str) -> Option<Section<'s>> {
         let value = self.get(key)?;
-        self.as_section(key, value)
+        self.as_section(key, value, "a table")
     }
 
     /// The tables of a table, each with its name.
     pub(super) fn named(&mut self, key: &'static str) -> Vec<(&'s str, Section<'s>)> {
         let Some(all) = self.section_if_any(key) else { return Vec::new() };
         all.entries()
-            .filter_map(|(name, value)| Some((name.as_str(), all.as_section(name, value)?)))
+            .filter_map(|(name, value)| Some((name.as_str(), all.as_section(name, value, "a table")?)))
             .collect()
     }
 
-    fn as_section(&self, key: &str, value: &'s Value) -> Option<Section<'s>> {
+    fn as_section(&self, key: &str, value: &'s Value, expected: &str) -> Option<Section<'s>> {
         if let Some(table) = value.as_table() {
             return Some(Section::new(self.cx, self.key(key), table));
         }
-        self.wrong_type(key, value, "a table");
+        self.wrong_type(key, value, expected);
         None
     }
 
@@ -47,7 +47,7 @@ impl<'s> Section<'s> {
         };
         (1..)
             .zip(list)
-            .filter_map(|(number, value)| self.as_section(&format!("{key}[{number}]"), value))
+            .filter_map(|(number, value)| self.as_section(&format!("{key}[{number}]"), value, "a table"))
             .collect()
     }
 

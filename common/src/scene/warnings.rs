@@ -29,9 +29,20 @@ impl fmt::Display for Warning {
     }
 }
 
-/// The warnings about a scene: bodies that nothing holds, and loads that are seen in one cycle only, while cycles follow each other.
+/// The warnings about a scene: bodies that nothing holds, loads of fixed bodies, and loads that are seen in one cycle only, while cycles
+/// follow each other.
 pub(super) fn warnings(scene: &Scene) -> Vec<Warning> {
-    [loose_bodies(scene), single_loads(scene)].concat()
+    [loose_bodies(scene), idle_loads(scene), single_loads(scene)].concat()
+}
+
+fn idle_loads(scene: &Scene) -> Vec<Warning> {
+    let is_fixed = |body: usize| scene.bodies[body].motion == Motion::Fixed;
+    let idle = scene.loads.iter().filter(|load| load.bodies().into_iter().all(is_fixed));
+    let warning = |load: &Load| Warning {
+        key: format!("loads.{}", load.name()),
+        message: "acts on fixed bodies only: it has no effect".to_owned(),
+    };
+    idle.map(warning).collect()
 }
 
 fn loose_bodies(scene: &Scene) -> Vec<Warning> {
@@ -84,8 +95,8 @@ const LARGEST_GYRATION: f64 = 10.0;
 const DENSITIES: (f64, f64) = (1e-3, 5e4);
 /// Radial clearances of hinges are 0.01 to 2 % of the radius.
 const LARGEST_CLEARANCE: f64 = 0.2;
-/// Young's moduli from soft rubber to diamond [Pa].
-const MODULI: (f64, f64) = (1e5, 2e12);
+/// Young's moduli from PTFE to diamond [Pa].
+const MODULI: (f64, f64) = (3e8, 2e12);
 /// Wear coefficients per hardness, from films in oil to abrasion of plastics, 1e-2 mm^3/(N m) [1/Pa].
 const WEAR: (f64, f64) = (1e-21, 1e-11);
 /// Largest speed of a driven body [rad/s]: a dental turbine has 4e4.
@@ -197,7 +208,7 @@ fn of_hinge(clearance: &Clearance) -> Vec<(&'static str, String)> {
     {
         if !within(elastic_modulus, MODULI) {
             let message = format!(
-                "has an elastic modulus of {elastic_modulus:.3e} Pa; steel has 2.06e11 Pa = 206 GPa, plastics have 1e8 to 1e10 Pa"
+                "has an elastic modulus of {elastic_modulus:.3e} Pa; steel has 2.06e11 Pa = 206 GPa, plastics of bearings have 4e8 to 1e10 Pa"
             );
             found.push((key, message));
         }
@@ -233,6 +244,8 @@ mod tests {
         let with_it = SceneSource::parse(&format!("{}\n{loose}", four_bar.text()), "loose").expect("valid");
         let keys = |source: &SceneSource| source.warnings().into_iter().map(|w| w.key).collect::<Vec<_>>();
         assert_eq!(keys(&with_it), ["bodies.loose"]);
+        let on_frame = four_bar.text().replace("body = \"rocker\"\ntorque", "body = \"frame\"\ntorque");
+        assert_eq!(keys(&SceneSource::parse(&on_frame, "idle").expect("valid")), ["loads.work"]);
         assert!(keys(&four_bar).is_empty());
     }
 
@@ -250,6 +263,7 @@ mod tests {
     fn a_unit_that_is_wrong_by_a_thousand_is_pointed_out() {
         for (from, to, key) in [
             ("\"206 GPa\"", "\"2060 GPa\"", "journal_material"),
+            ("\"206 GPa\"", "\"206 MPa\"", "journal_material"),
             ("width = \"10 mm\"", "width = \"10 m\"", "width"),
             ("coupler_mass = \"20 g\"", "coupler_mass = \"20 kg\"", "bodies.coupler.mass"),
             ("coupler_mass = \"20 g\"", "coupler_mass = \"1e-8 g\"", "bodies.coupler.mass"),

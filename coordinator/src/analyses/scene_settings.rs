@@ -7,9 +7,9 @@
 //! replace the others; what the distribution then lacks is taken from the present one.
 
 use super::setting::{Allowed, Place, Setting, parse_all};
-use common::random::RandomVariable;
+use common::random::{Distribution, RandomVariable};
 use common::scene::expression::read_unit;
-use common::scene::{DEFAULT_LAW, Fault, Faults, LAWS, SceneSource};
+use common::scene::{DEFAULT_LAW, Fault, Faults, LAWS, MeasuredVariable, SceneSource};
 use toml::{Table, Value};
 
 /// Keys of a tolerance fit that gives a variable its moments.
@@ -76,15 +76,36 @@ fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Fau
     if settings.is_empty() {
         return Ok(source.clone());
     }
+    let of_variable = |k: usize| {
+        let of = move |setting: &Setting| match setting.place {
+            Place::Variable(i, key) if i == k => Some((key, setting.value.clone())),
+            _ => None,
+        };
+        settings.iter().filter_map(of).collect::<Vec<(&str, Value)>>()
+    };
+    // A distribution without moments of its own moves to those that a normal one has as they are written.
+    let moves = |k: &usize| {
+        let keys = of_variable(*k);
+        matches!(
+            source.variables()[*k].distribution,
+            Distribution::Triangular(_) | Distribution::Empirical(_)
+        ) && !keys.is_empty()
+            && keys.iter().all(|(key, _)| ["mean", "std"].contains(key))
+    };
+    let moved: Vec<usize> = (0..source.variables().len()).filter(moves).collect();
+    let normal = |k: &usize| Setting { place: Place::Variable(*k, "distribution"), value: "normal".into() };
+    let normals: Vec<Setting> = moved.iter().map(normal).collect();
+    let targets =
+        if moved.is_empty() { source.clone() } else { edited(source, &[settings, &normals].concat())? };
     let mut faults: Vec<Fault> = Vec::new();
     let changed = source.edited("--set", |document| {
         for (k, variable) in source.variables().iter().enumerate() {
-            let of_variable = |setting: &Setting| match setting.place {
-                Place::Variable(i, key) if i == k => Some((key, setting.value.clone())),
-                _ => None,
-            };
-            let set: Vec<(&str, Value)> = settings.iter().filter_map(of_variable).collect();
-            if let Some(row) = row(document, &variable.name).filter(|_| !set.is_empty()) {
+            let set = of_variable(k);
+            let Some(row) = row(document, &variable.name).filter(|_| !set.is_empty()) else { continue };
+            if moved.contains(&k) {
+                let samples = source.measured().iter().find(|measured| measured.name == variable.name);
+                move_values(row, variable, samples, &targets.variables()[k].distribution);
+            } else {
                 change_variable(row, variable, &set);
             }
         }
@@ -228,8 +249,30 @@ fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Val
     }
 }
 
-/// Replaces measured samples by the distribution that is asked for or was fitted, with their moments. An empirical distribution has
-/// none that could be changed: that is a fault of the changed scene.
+/// Moves the samples of a variable, or the bounds and the mode of a triangular one, to the mean and the standard deviation of `target`.
+fn move_values(
+    row: &mut Table,
+    variable: &RandomVariable,
+    samples: Option<&MeasuredVariable>,
+    target: &Distribution,
+) {
+    let law = &variable.distribution;
+    let (mean, (lower, upper)) = (law.parent_mean(), law.support());
+    let stretch = target.given_std() / law.given_std();
+    let moved = |x: f64| written_value(target.parent_mean() + (x - mean) * stretch, &variable.unit);
+    match samples {
+        Some(measured) => {
+            let values = measured.samples.iter().map(|x| moved(*x)).collect();
+            row.insert("samples".to_owned(), Value::Array(values));
+        }
+        None => {
+            let values = [("lower", lower), ("mode", 3.0 * mean - lower - upper), ("upper", upper)];
+            row.extend(values.map(|(key, x)| (key.to_owned(), moved(x))));
+        }
+    }
+}
+
+/// Replaces measured samples by the distribution that is asked for or was fitted, with their moments.
 fn leave_samples(row: &mut Table, variable: &RandomVariable, set: &[(&str, Value)]) {
     let asked = set.iter().find(|(key, _)| *key == "distribution").map(|(_, value)| value.clone());
     let Some(law) = asked.or_else(|| row.get("fit").cloned()).filter(|_| row.contains_key("samples")) else {

@@ -84,6 +84,29 @@ fn keys_that_exclude_each_other_are_replaced() {
 }
 
 #[test]
+fn bounds_with_a_mode_and_samples_move_with_the_moments() {
+    let row = "{ name = \"fixed\", distribution = \"constant\", mean = 3 },";
+    let rows = "{ name = \"skew\", distribution = \"triangular\", lower = \"1 um\", mode = \"2 um\", upper = \"6 um\" },
+        { name = \"bore\", samples = { unit = \"um\", values = [3, 4, 4, 9] } },";
+    let source = SceneSource::parse(&SCENE.replace(row, rows), "bar").unwrap();
+    let (before, sets) = (source.variables(), ["skew.mean=4 um", "skew.std=50 %", "bore.mean=8 um"]);
+    let changed = changed_scene(&source, &sets.map(str::to_owned)).unwrap();
+    for (k, mean, std) in [(3, 4e-6, 2e-6), (4, 8e-6, before[4].distribution.std())] {
+        let (law, own) = (&changed.variables()[k].distribution, &before[k].distribution);
+        assert_eq!(law.name(), own.name());
+        assert!(near(law.mean(), mean) && near(law.std(), std), "{law:?}");
+        for p in [0.01, 0.3, 0.9] {
+            let moved = mean + (own.quantile(p) - own.mean()) / own.std() * std;
+            assert!((law.quantile(p) - moved).abs() < 1e-15, "{law:?} at {p}");
+        }
+    }
+    let refused = |set: &str| changed_scene(&source, &[set.to_owned()]).unwrap_err().to_string();
+    assert!(
+        refused("bore.std=-1 um").contains("> 0") && refused("bore.mean=1 N").contains("expected a force")
+    );
+}
+
+#[test]
 fn every_fault_is_reported_and_names_what_is_allowed() {
     let refused = |settings: &[&str]| changed(settings).unwrap_err().to_string();
     let all =

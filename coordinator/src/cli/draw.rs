@@ -12,12 +12,12 @@ use worker::mechanism::Prescribed;
 
 pub const EXAMPLES: &str = "\
 Without --out the drawing is a sketch in the terminal. It shows bodies and joints with their names, supports, sliders on their \
-rails, drives with the angle of the crank, and loads; as SVG in true proportions, with a scale. Loads that vary are drawn over the angle \
+rails, drives with the angle of the crank, and loads; as SVG in true proportions, with a scale; as DXF (R12) in true dimensions. Loads that vary are drawn over the angle \
 of the crank, to SCENE-loads.svg. With --json it is printed as data: outlines of bodies, positions of joints, loads and drives in m and deg.
 
 Examples:
   coordinator draw four-bar
-  coordinator draw slider-crank --out slider-crank.svg
+  coordinator draw slider-crank --out slider-crank.dxf
   coordinator draw my.toml --set parameters.crank='25 mm' --at 0.5 --out my.svg --json";
 
 /// Instants of the cycle at which sliders are followed for the length of their rails.
@@ -87,7 +87,8 @@ fn write_figures(
     let drawing = (file.to_owned(), drawing::figure(drawn, scene));
     let all: Vec<(PathBuf, Figure)> = [drawing].into_iter().chain(of_loads.into_iter().map(beside)).collect();
     for (file, figure) in &all {
-        write_text(file, &standalone(figure))?;
+        let text = if ending(file) == "dxf" { drawing::dxf(drawn) } else { standalone(figure) };
+        write_text(file, &text)?;
     }
     Ok(all.into_iter().map(|(file, _)| file).collect())
 }
@@ -99,14 +100,15 @@ fn write_figures(
 pub fn check_picture(file: Option<&Path>) -> Result<(), CommandError> {
     check_destination(file)?;
     let Some(file) = file else { return Ok(()) };
-    let end = file.extension().map(|end| end.to_string_lossy().to_lowercase());
-    match end.as_deref() {
-        None | Some("svg") => Ok(()),
-        Some(other) => {
-            let fault = format!("pictures are written as .svg, not as .{other}");
-            Err(unusable(file, fault))
-        }
+    match ending(file).as_str() {
+        "" | "svg" | "dxf" => Ok(()),
+        other => Err(unusable(file, format!("pictures are written as .svg or .dxf, not as .{other}"))),
     }
+}
+
+/// The ending of a file's name in small letters.
+fn ending(file: &Path) -> String {
+    file.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
 /// Lines about the loads of a mechanism that vary, after its drawing was written to `file`, if any; with the files.
@@ -194,6 +196,43 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn a_dxf_file_has_the_pins_and_the_lengths_of_the_scene() {
+        let (drawn, _) = of("four-bar");
+        let text = drawing::dxf(&drawn);
+        let pairs: Vec<&str> = text.lines().map(str::trim).collect();
+        let mut entities: Vec<Vec<(&str, &str)>> = Vec::new();
+        for pair in pairs.chunks_exact(2) {
+            if pair[0] == "0" {
+                entities.push(vec![]);
+            }
+            entities.last_mut().into_iter().for_each(|entity| entity.push((pair[0], pair[1])));
+        }
+        let of_kind = |kind: &str, layer: &str, codes: &[&str]| -> Vec<Vec<f64>> {
+            let number = |entity: &Vec<(&str, &str)>, code: &str| {
+                let found = entity.iter().find(|(known, _)| *known == code).expect(code);
+                found.1.parse::<f64>().expect(code)
+            };
+            let chosen = entities.iter().filter(|e| e[0] == ("0", kind) && e.contains(&("8", layer)));
+            chosen.map(|entity| codes.iter().map(|code| number(entity, code)).collect()).collect()
+        };
+        let lines = of_kind("LINE", "BODY", &["10", "20", "11", "21"]);
+        let lengths = lines.iter().map(|e| (e[2] - e[0]).hypot(e[3] - e[1]));
+        for (length, exact) in lengths.zip([20.0, 60.0, 50.0]) {
+            assert!((length - exact).abs() < 1e-6, "{lines:?}");
+        }
+        let circles = of_kind("CIRCLE", "CLEARANCE", &["10", "20", "40"]);
+        for (k, circle) in circles.iter().enumerate() {
+            let [x, y] = drawn.joints[k / 2].at_m;
+            let radius = [4.0, 4.03][k % 2];
+            assert!((circle[2] - radius).abs() < 1e-6, "{circles:?}");
+            assert!((circle[0] - 1e3 * x).hypot(circle[1] - 1e3 * y) < 1e-6, "{circles:?}");
+        }
+        assert_eq!((lines.len(), circles.len()), (3, 6));
+        assert_eq!(of_kind("ARC", "DRIVE", &["50", "51"]), [[-30.0, 210.0]]);
+        assert!(pairs.contains(&"lengths in mm") && pairs.ends_with(&["0", "EOF"]));
     }
 
     #[test]

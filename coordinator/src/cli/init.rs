@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 pub struct InitArguments {
     /// Name of the scene: letters, digits, hyphens and underscores
     pub name: String,
-    /// Read the mechanism from a file of a linkage program: .linkage2 (Linkage), or text of PMKS
+    /// Read the mechanism from a file of a linkage program: .linkage2 (Linkage), text of PMKS, or a link of PMKS+
     #[arg(long, value_name = "FILE")]
     pub from: Option<PathBuf>,
     /// Folder for NAME.toml, created if missing [default: the working folder]; a path with an ending is the file

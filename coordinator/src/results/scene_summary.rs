@@ -3,7 +3,7 @@
 use common::random::RandomVariable;
 use common::scene::expression::read_unit;
 use common::scene::quantity::{AngleUnit, Dimension};
-use common::scene::{Fails, Scene};
+use common::scene::{Fails, OutputUnit, Scene};
 use ring::digest::{SHA256, digest};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
@@ -43,6 +43,36 @@ pub struct LimitRow {
     pub unit: String,
     /// Side of the threshold on which failure lies: `above` or `below`, or `outside` of two.
     pub fails: String,
+}
+
+/// Units of a random variable or an output.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct UnitRow {
+    /// Name of the variable or output.
+    pub name: String,
+    /// Unit of its values in `samples.csv`, if it is a variable, and in the tables of `campaign.db`.
+    pub unit: String,
+    /// Unit that the scene chooses for readers.
+    pub shown: String,
+    /// Number of the shown units in one unit [1].
+    pub per_unit: f64,
+}
+
+/// The units of the variables and outputs of a scene, in its order.
+pub fn unit_rows(scene: &Scene) -> Vec<UnitRow> {
+    let variables = scene.variables.iter().map(|variable| UnitRow {
+        name: variable.name.clone(),
+        unit: si_unit(&variable.unit),
+        shown: variable.unit.clone(),
+        per_unit: read_unit(&variable.unit).map_or(1.0, |unit| unit.divide / unit.multiply),
+    });
+    let outputs = scene.outputs.iter().map(|output| {
+        let unit = scene.unit_of(output);
+        let (shown, per_unit) = (unit.symbol().to_owned(), unit.to_shown(1.0));
+        let own = if matches!(unit, OutputUnit::External(_)) { &shown } else { unit.kind().si };
+        UnitRow { name: output.name.clone(), unit: own.to_owned(), shown, per_unit }
+    });
+    variables.chain(outputs).collect()
 }
 
 /// The random variables of a scene, in its order.
@@ -136,6 +166,15 @@ mod tests {
             ("max_wear_depth", "m", "above")
         );
         assert!((limit.threshold - 8e-6).abs() < 1e-18);
+        let of = |row: &UnitRow| format!("{}: {:.2} {} in a {}", row.name, row.per_unit, row.shown, row.unit);
+        let units: Vec<String> = unit_rows(&scene).iter().skip(2).map(of).collect();
+        let said = [
+            "clearance_crank: 1000000.00 um in a m",
+            "friction: 1.00 1 in a 1",
+            "max_wear_depth: 1000000.00 µm in a m",
+        ];
+        assert_eq!(units[..3], said);
+        assert_eq!(units[3], "coupler_joint_speed: 9.55 r/min in a rad/s");
         assert_eq!(["deg", "mm", "r/min", "kN", "lumens"].map(si_unit), ["rad", "m", "rad/s", "N", "lumens"]);
     }
 

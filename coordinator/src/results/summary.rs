@@ -7,7 +7,7 @@ use super::life_summary::{LifeCurveRow, LifeRow, UnresolvedFall};
 use super::outlier_summary::OutlierRow;
 use super::point_summary::{FailurePointRow, PredictionRow};
 pub use super::reliability_summary::{PerLimitState, ReliabilityRange, ReliabilityRow};
-use super::scene_summary::{LimitRow, VariableRow, limit_rows, sha256, variable_rows};
+use super::scene_summary::{LimitRow, UnitRow, VariableRow, limit_rows, sha256, unit_rows, variable_rows};
 pub use super::surrogate_summary::{SurrogateRow, UntestedRow};
 pub use super::timing::{ScaleRow, Timing, WorkerShare};
 pub use super::variant_summary::VariantRow;
@@ -70,6 +70,9 @@ pub struct StudySummary {
     /// Random variables, in the scene's order; empty in studies by earlier versions.
     #[serde(default)]
     pub variables: Vec<VariableRow>,
+    /// Units of the random variables and outputs; empty in studies by earlier versions.
+    #[serde(default)]
+    pub units: Vec<UnitRow>,
     /// Reliabilities, one row per checkpoint.
     pub reliability: Vec<ReliabilityRow>,
     /// Lives at the usual levels of reliability, per limit state and in total; empty with a single checkpoint and in studies by
@@ -145,6 +148,7 @@ impl StudySummary {
         self.scene_sha256 = sha256(source);
         self.limits = limit_rows(scene);
         self.variables = variable_rows(scene);
+        self.units = unit_rows(scene);
     }
 
     /// True for a mechanism, false for a scene that names its own simulator.

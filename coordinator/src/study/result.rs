@@ -7,7 +7,7 @@ use super::plan::ResponseLayout;
 use super::stopped::{stop_in_words, targets_met};
 use super::surrogate_rows::{predictions, simulations_beyond_a_limit, sobol};
 use super::{CampaignResult, ClassifiedPopulation, ExplicitModel, Failed, Settings, StopReason, Surrogate};
-use crate::results::scene_summary::{limit_rows, variable_rows};
+use crate::results::scene_summary::{limit_rows, unit_rows, variable_rows};
 use crate::results::summary::{
     ConditionRow, Convergence, EvaluationCounts, FailureRow, Failures, FirstFailureRow, MomentsRow,
     ReliabilityRange, ReliabilityRow, SCHEMA, SensitivityError, SensitivityRow, StudySummary, SurrogateRow,
@@ -86,6 +86,7 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
         limit_states: scene.limit_states.iter().map(|limit| limit.name.clone()).collect(),
         limits: limit_rows(scene),
         variables: variable_rows(scene),
+        units: unit_rows(scene),
         ..StudySummary::default()
     }
 }

@@ -107,9 +107,16 @@ class Study:
 
     @property
     def units(self) -> dict[str, str]:
-        """Units in which the files, and so the frames, have the variables, the limits and their outputs; `1` and an empty text: a number."""
-        named = {row["name"]: row["unit"] for key in ("variables", "limits") for row in self.summary[key]}
-        return named | {row["output"]: row["unit"] for row in self.summary["limits"]}
+        """Units of the frames: of variables, outputs and limits; `1` and an empty text: a number."""
+        return {row["name"]: row["unit"] for key in ("limits", "units") for row in self.summary.get(key, [])}
+
+    def in_units(self, table: str) -> pandas.DataFrame:
+        """`samples`, `outputs` or `output_errors` in the units that the scene chooses, with them in the columns: `rod_length [mm]`."""
+        frame, units = self.frame(table), self.summary.get("units", [])
+        for row in units:
+            if row["name"] in frame:
+                frame[row["name"]] *= row["per_unit"]
+        return frame.rename(columns={row["name"]: f"{row['name']} [{row['shown']}]" for row in units})
 
     def plot(self, ax: Any = None, limit_states: list[str] | None = None) -> Any:
         """R(n) with its 95 % interval, total and of every limit state; returns the axes. Needs matplotlib.

@@ -106,6 +106,9 @@ class WithStudy(unittest.TestCase):
             self.assertTrue(frame.index.is_unique, table)
         reliability = self.study.reliability["R_total"]
         self.assertTrue(reliability.is_monotonic_decreasing and reliability.between(0, 1).all())
+        ratio = self.study.in_units("outputs")["max_wear_depth [µm]"] / self.study.outputs["max_wear_depth"]
+        self.assertTrue(((ratio - 1e6).abs() < 1e-3).all(), ratio)
+        self.assertIn("clearance_crank [um]", self.study.in_units("samples"))
         wear = self.study.outputs["max_wear_depth"].unstack("cycles")
         self.assertEqual(wear.shape, (16, len(reliability)))
         with self.assertRaises(AttributeError):
@@ -135,6 +138,7 @@ class WithStudy(unittest.TestCase):
         self.assertIn("16 simulations", page)
         self.assertEqual(page.count("<tr>"), 1 + len(self.study.rows("lives")))
         self.assertEqual(self.study.units["max_wear_depth"], "m")
+        self.assertEqual(self.study.units["coupler_joint_speed"], "rad/s")
         curves = self.study.rows("curves")
         self.assertTrue(all(row["lower"] <= row["reliability"] <= row["upper"] for row in curves))
         try:

@@ -150,6 +150,7 @@ fn linkages_follow_their_dyads() {
             "copy",
             7,
         ),
+        ("peaucellier", vec![(4, [2, 3], dyad), (5, [2, 3], dyad), (6, [4, 5], dyad)], "far1", 6),
     ] {
         let (scene, linkage) = scene(&format!("{name}.pmks"));
         let mut places: Vec<[f64; 2]> = linkage.pins.iter().map(|pin| pin.at).collect();
@@ -157,6 +158,11 @@ fn linkages_follow_their_dyads() {
         for (angle, place) in path(&scene, body, &format!("p{pin}")) {
             solved(&linkage, angle, &steps, &mut places);
             assert!(far(place, places[pin - 1]) < 1e-5, "{name}: {place:?} against {:?}", places[pin - 1]);
+            if name == "peaucellier" {
+                // The product of the distances is that of the squares' difference, so that a circle through the pivot gives a line.
+                let products = [place, places[1]].map(|at| far(at, places[2])).iter().product::<f64>();
+                assert!((products - 82.0 * 92.0).abs() < 1e-3, "{products}");
+            }
             if name == "pantograph" {
                 // The copy is twice as large, about the fixed pin.
                 let twice = [0, 1].map(|axis| 2.0 * places[1][axis] - places[2][axis]);
@@ -205,6 +211,46 @@ fn mechanisms_with_slides_have_their_closed_forms() {
         let [x, y] = places[2];
         near(place, [55.0, y - (65.0_f64.powi(2) + 25.0 - (55.0 - x).powi(2)).sqrt()]);
     }
+    let (scene, _) = self::scene("scissor-lift.pmks");
+    let left = path(&scene, "table", "p8");
+    for ((angle, [x, y]), (_, left)) in path(&scene, "table", "p7").into_iter().zip(left) {
+        // Bars of 100 mm at an angle, of which one is driven at a quarter of its length.
+        let pushed = far([0.75 * x, 0.25 * y], [150.0 - 12.0 * angle.sin(), 12.0 * angle.cos()]);
+        assert!(
+            (x.hypot(y) - 100.0).abs() < 1e-6 && (pushed - far([60.0, 15.0], [150.0, 12.0])).abs() < 1e-6
+        );
+        near(left, [x - 80.0, y]);
+    }
+}
+
+#[test]
+fn a_landing_gear_folds_by_the_stroke_of_its_cylinder() {
+    let (scene, linkage) = scene("landing-gear.linkage2");
+    let at = |k: usize| linkage.pins[k].at;
+    let wheel = path(&scene, "link0", "p2")[36].1;
+    let short = far(at(5), at(6)) - 12.0;
+    let push = dyad(at(4), far(at(4), at(5)), at(6), short, at(5));
+    let knee = carried([at(4), at(5), at(3)], at(4), push);
+    let brace = dyad(at(0), far(at(0), at(1)), knee, far(at(3), at(1)), at(1));
+    near(wheel, carried([at(0), at(1), at(2)], at(0), brace));
+    assert!(far(wheel, at(2)) > 10.0, "{wheel:?}");
+}
+
+#[test]
+fn a_link_of_pmks_plus_moves_by_its_closed_forms() {
+    let (scene, linkage) = scene("slots.pmksplus");
+    assert_eq!(linkage.unread, ["force 2F1,BC,F1,VG,Fe,VG,0,1E8"]);
+    assert_eq!(linkage.driven().map(|(_, pin, speed)| (pin.at, speed)), Some(([0.0; 2], -20.0)));
+    // The crank of 3 cm begins upward; a rod of 5 cm with its block on the ground, and a lever with the crank's pin in its slot.
+    for (angle, place) in path(&scene, "BC", "C") {
+        let [x, y] = [-30.0 * angle.sin(), 30.0 * angle.cos()];
+        near(place, [x + (2500.0 - y * y).sqrt(), 0.0]);
+    }
+    for (angle, place) in path(&scene, "DE", "E") {
+        let [x, y] = [60.0 - 30.0 * angle.sin(), 30.0 * angle.cos()];
+        let share = 120f64.hypot(60.0) / x.hypot(y);
+        near(place, [share * x - 60.0, share * y]);
+    }
 }
 
 #[test]
@@ -234,6 +280,10 @@ fn what_cannot_be_read_is_said_with_its_place() {
             "ground,input,R,0,0\ninput,yoke,RP,30,0,90\nyoke,ground,P,30,0,0",
             "no hinge beside that of its drive",
         ),
+        ("https://app.pmksplus.com/", "copy the whole link"),
+        ("https://app.pmksplus.com/?2P.Fe.K,0.1011.MA,A,0,0", "MA,A,0,0: expected flags with a name"),
+        ("https://app.pmksplus.com/?2P.Fe.K,0.1011.MA,A,0,+,0", "\"+\" is no number of PMKS+"),
+        ("https://app.pmksplus.com/?2P.Fe.K,0.1011.MA,A,0,0,0..YRAB,AB,0,0,0,0,,A,B,,..", "no joint B"),
     ] {
         let fault = read(text).unwrap_err();
         assert!(fault.contains(said), "{fault}");

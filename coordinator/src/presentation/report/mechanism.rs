@@ -117,17 +117,33 @@ pub fn rail(joint: &Joint, cycle: &[Vec<Pose>]) -> Option<[[f64; 2]; 2]> {
 /// Corners of a circle, the last one that of the first.
 const CORNERS: usize = 48;
 
-/// Lines that show wheels, strands, racks, cams and linear drives in these poses, each `(n, 2)` [m].
+/// Circle of a drawing in true size: centre `(2,)` and radius [m].
+pub type Circle = ([f64; 2], f64);
+
+/// Journal and bore of a hinge with clearance, and the pitch circles of wheels, in these poses.
+pub fn circles(poses: &[Pose], joint: &Joint) -> Vec<Circle> {
+    let (a, b) = (place(poses, &joint.journal), place(poses, &joint.bushing));
+    match &joint.kind {
+        JointKind::Clearance(bearing) => vec![(a, bearing.journal_radius), (b, bearing.bushing_radius)],
+        JointKind::Mesh(Mesh { form: MeshForm::Rack, radii: [_, radius], .. }) => vec![(b, *radius)],
+        JointKind::Mesh(Mesh { radii, .. }) => vec![(a, radii[0]), (b, radii[1])],
+        _ => vec![],
+    }
+}
+
+/// Corners `(n, 2)` [m] of an outline around a centre, the last one that of the first; `radius` by angle [rad].
+pub fn around(radius: impl Fn(f64) -> f64, [x, y]: [f64; 2]) -> Vec<[f64; 2]> {
+    let corner = |k: usize| {
+        let angle = std::f64::consts::TAU * k as f64 / CORNERS as f64;
+        [x + radius(angle) * angle.cos(), y + radius(angle) * angle.sin()]
+    };
+    (0..=CORNERS).map(corner).collect()
+}
+
+/// Lines that show strands, racks, cams and linear drives in these poses, each `(n, 2)` [m].
 pub fn shapes(poses: &[Pose], joint: &Joint) -> Vec<Vec<[f64; 2]>> {
     let (a, b) = (place(poses, &joint.journal), place(poses, &joint.bushing));
     let beside = |[x, y]: [f64; 2], [dx, dy]: [f64; 2], far: f64| [x + far * dx, y + far * dy];
-    let around = |radius: &dyn Fn(f64) -> f64, centre: [f64; 2]| -> Vec<[f64; 2]> {
-        let corner = |k: usize| {
-            let angle = std::f64::consts::TAU * k as f64 / CORNERS as f64;
-            beside(centre, [angle.cos(), angle.sin()], radius(angle))
-        };
-        (0..=CORNERS).map(corner).collect()
-    };
     match &joint.kind {
         JointKind::LinearDrive(_) => {
             let length = (a[0] - b[0]).hypot(a[1] - b[1]).max(f64::MIN_POSITIVE);
@@ -143,29 +159,22 @@ pub fn shapes(poses: &[Pose], joint: &Joint) -> Vec<Vec<[f64; 2]>> {
         }) => {
             let angle = direction[1].atan2(direction[0]) - pressure_angle;
             let along = [angle.cos(), angle.sin()];
-            vec![
-                around(&|_| *radius, b),
-                vec![beside(a, along, -2.0 * radius), beside(a, along, 2.0 * radius)],
-            ]
+            vec![vec![beside(a, along, -2.0 * radius), beside(a, along, 2.0 * radius)]]
         }
-        JointKind::Mesh(Mesh { form, radii, direction: [x, y], .. }) => {
-            let mut lines = vec![around(&|_| radii[0], a), around(&|_| radii[1], b)];
-            if *form == MeshForm::Belt {
-                let taut = [beside(a, [-y, *x], radii[0]), beside(b, [-y, *x], radii[1])];
-                let length = (b[0] - a[0]).hypot(b[1] - a[1]).max(f64::MIN_POSITIVE);
-                let line = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
-                let mirrored = |p: [f64; 2]| {
-                    let across = (p[1] - a[1]) * line[0] - (p[0] - a[0]) * line[1];
-                    beside(p, [-line[1], line[0]], -2.0 * across)
-                };
-                lines.extend([taut.to_vec(), taut.map(mirrored).to_vec()]);
-            }
-            lines
+        JointKind::Mesh(Mesh { form: MeshForm::Belt, radii, direction: [x, y], .. }) => {
+            let taut = [beside(a, [-y, *x], radii[0]), beside(b, [-y, *x], radii[1])];
+            let length = (b[0] - a[0]).hypot(b[1] - a[1]).max(f64::MIN_POSITIVE);
+            let line = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
+            let mirrored = |p: [f64; 2]| {
+                let across = (p[1] - a[1]) * line[0] - (p[0] - a[0]) * line[1];
+                beside(p, [-line[1], line[0]], -2.0 * across)
+            };
+            vec![taut.to_vec(), taut.map(mirrored).to_vec()]
         }
         JointKind::Cam { direction: [x, y], lift } => {
             let (of_cam, axis) = (poses[joint.bushing.body].1, y.atan2(*x));
             // A point of the outline meets the axis when the cam has turned by the angle between them.
-            vec![around(&|angle| monotone_value(lift, of_cam + axis - angle), b)]
+            vec![around(|angle| monotone_value(lift, of_cam + axis - angle), b)]
         }
         _ => vec![],
     }

@@ -12,7 +12,7 @@ use crate::statistics::design::{InputModel, fixed_bounds, with_moments};
 use crate::study::{ExplicitLimitState, LEVELS};
 use common::random::{Distribution, RandomVariable, standard_normal_cdf};
 use common::scene::expression::read_unit;
-use common::scene::{LimitState, SceneSource};
+use common::scene::{LimitState, OutputUnit, SceneSource};
 use maud::{Markup, PreEscaped, html};
 use serde_json::{Value, json};
 
@@ -119,9 +119,7 @@ fn of_variable(
         let tables = all.map(|(mean, std)| table(&with_moments(law, mean, std, fixed).ok()?));
         Some((*reach, tables.collect::<Option<Vec<_>>>()?))
     };
-    let has_moments =
-        !matches!(law, Distribution::Constant(_) | Distribution::Empirical(_) | Distribution::Triangular(_));
-    let found = REACHES.iter().find_map(of_nodes).filter(|_| has_moments);
+    let found = REACHES.iter().find_map(of_nodes).filter(|_| !law.is_constant());
     let (reach, tables) = found.unwrap_or((0.0, vec![table(law).unwrap_or_default()]));
     let (written, scale) = of_unit(&variable.unit);
     json!({ "name": variable.name, "unit": variable.unit, "written": written, "scale": scale, "mean": mean, "std": std,
@@ -132,10 +130,15 @@ fn of_variable(
 fn of_state(input: &ReportInput, state: &LimitState, explicit: &ExplicitLimitState) -> Value {
     let unit = input.unit_of(state);
     let symbol = unit.symbol().replace('µ', "u");
-    let (written, scale) = of_unit(&symbol);
+    let (written, scale) = of_output_unit(&unit, &symbol);
     json!({ "name": state.name, "title": words(&state.name), "unit": unit.symbol(), "written": written, "scale": scale,
         "thresholds": state.thresholds(), "reach": 0.5 * state.scale(),
         "sign": state.response(1.0) - state.response(0.0), "surrogate": explicit })
+}
+
+/// As [`of_unit`], of an output: those of a simulator of its own are plain numbers, whose unit is only displayed.
+fn of_output_unit<'s>(unit: &OutputUnit, symbol: &'s str) -> (&'s str, f64) {
+    if matches!(unit, OutputUnit::External(_)) { ("", 1.0) } else { of_unit(symbol) }
 }
 
 /// A unit as a scene writes it, empty for plain numbers, and its size [SI].
@@ -143,5 +146,16 @@ fn of_unit(unit: &str) -> (&str, f64) {
     match read_unit(unit) {
         Ok(read) if unit != "1" => (unit, read.multiply / read.divide),
         _ => ("", 1.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn issue_thresholds_of_a_simulators_outputs_had_a_unit_that_what_if_refuses() {
+        assert_eq!(of_output_unit(&OutputUnit::External("N/mm".into()), "N/mm"), ("", 1.0));
+        assert_eq!(of_output_unit(&OutputUnit::Length, "um"), ("um", 1e-6));
     }
 }

@@ -10,7 +10,7 @@ use crate::presentation::report::{
 };
 use crate::results::journal::Journal;
 use crate::results::life_summary::{CyclesRange, LifeCurveRow, LifeRow};
-use crate::results::scene_summary::{limit_rows, sha256, variable_rows};
+use crate::results::scene_summary::{limit_rows, sha256, unit_rows, variable_rows};
 use crate::results::store::{CampaignFile, CampaignMeta};
 use crate::results::summary::*;
 use common::accuracy::Accuracy;
@@ -239,6 +239,7 @@ pub fn study() -> TestStudy {
         scene_sha256: sha256("a scene"),
         limits: limit_rows(&scene),
         variables: variable_rows(&scene),
+        units: unit_rows(&scene),
         lives: curves.iter().flat_map(lives).collect(),
         curves,
         unresolved_fall: None,

@@ -129,7 +129,8 @@
       z[k].reduce((sum, z) => sum + (z < from || z > to ? 1 : 0), 0) / count);
     const own = states.map((state) => lives(state, setting[state.name] ?? {}, z));
     const whole = own[0].map((_, j) => Math.min(...own.map((lives) => lives[j])));
-    return { lives: [...own, whole].map((lives) => lives.sort()), outside };
+    const unsorted = [...own, whole];
+    return { unsorted, lives: unsorted.map((lives) => lives.slice().sort()), outside };
   };
   // Share of ascending lives beyond a time.
   const surviving = (lives, time) => {
@@ -225,12 +226,11 @@
     const changed = knobs.filter(({ slider }) => Number(slider.value) !== 0);
     for (const { slider, owner, key } of changed) (setting[owner] ??= {})[key] = Number(slider.value);
     const found = changed.length ? assess(setting) : studied;
-    let scatter = 0;
-    const shown = curves.map(({ times, studied: before }, c) => !changed.length ? before : times.map((time) => {
-      const r = surviving(found.lives[c], time);
-      scatter = Math.max(scatter, Math.abs(r - surviving(studied.lives[c], time)));
-      return between(...calibrations[c], r);
-    }));
+    const shown = curves.map(({ times, studied: before }, c) => !changed.length ? before
+      : times.map((time) => between(...calibrations[c], surviving(found.lives[c], time))));
+    // Points that reach a time in one setting only, at some of the times.
+    const differ = (c, time) => found.unsorted[c].reduce((sum, life, j) => sum + ((life > time) !== (studied.unsorted[c][j] > time)), 0);
+    const differing = curves.flatMap(({ times }, c) => times.filter((_, i) => i % 10 === 0).map((time) => differ(c, time)));
     drawn.forEach((path, c) => {
       const points = shown[c].map((r, i) => [curves[c].times[i] / data.divisor, r]).filter(([life]) => life >= axes.x.first);
       path.setAttribute("d", points.map(([life, r], i) => `${i ? "L" : "M"}${place(axes.x, life).toFixed(0)} ${place(axes.y, r).toFixed(0)}`).join(""));
@@ -244,7 +244,7 @@
     lifeTable.replaceChildren(whole);
     const left = variables.filter((_, k) => found.outside[k] > 2 * studied.outside[k] + 0.05).map(({ name }) => name);
     notes.textContent = [
-      changed.length ? `Sampling error of the change of R: at most ${digits(1.96 * Math.sqrt(scatter / count), 2)} (95 %).` : "",
+      changed.length ? `Sampling error of the change of R: at most ${digits(1.96 * Math.sqrt(Math.max(...differing)) / count, 2)} (95 %).` : "",
       left.length ? `This setting leaves the simulated values of ${left.join(", ")}: there the surrogates only continue what they know.` : "",
       fixed.length ? `No sliders for ${fixed.join(", ")}: their distributions are not given by mean and standard deviation.` : "",
     ].join(" ");

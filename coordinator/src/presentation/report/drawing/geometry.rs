@@ -2,7 +2,7 @@
 //! drawing, the sketch in the terminal and other programs.
 
 use crate::presentation::report::format::{seven_digits, unit_scale};
-use crate::presentation::report::mechanism::{self, Pose, of_body, place};
+use crate::presentation::report::mechanism::{self, Circle, Pose, of_body, place};
 use common::scene::{Drive, Form, Load, Motion, OutputUnit, Scene, Table, Units, Value, filled};
 use serde::Serialize;
 
@@ -33,9 +33,12 @@ pub struct DrawnMechanism {
 /// Motion of a body that does not move.
 pub const FIXED: &str = "fixed";
 
+/// Kind of a hinge with clearance.
+pub const CLEARANCE: &str = "clearance";
+
 /// Kinds of joints with their symbol in the drawing, their sign in a sketch, and what they are; without a sign, the lines of the joint show it.
 pub const SYMBOLS: [(&str, &str, Option<char>, &str); 12] = [
-    ("clearance", "circle with a dot", Some('●'), "hinge with clearance"),
+    (CLEARANCE, "circle with a dot", Some('●'), "hinge with clearance"),
     ("revolute", "circle", Some('o'), "ideal hinge"),
     ("prismatic", "block on a rail", Some('■'), "slider"),
     ("guide", "block on a rail", Some('■'), "slider in a guide with clearance"),
@@ -75,8 +78,19 @@ pub struct DrawnJoint {
     pub rail_m: Option<[[f64; 2]; 2]>,
     /// True if the rail belongs to a fixed body.
     pub on_ground: bool,
-    /// Lines of wheels, strands, racks, cams and linear drives, each `(n, 2)` [m].
+    /// Lines of strands, racks, cams and linear drives, each `(n, 2)` [m].
     pub shapes_m: Vec<Vec<[f64; 2]>>,
+    /// Centres and radii of journal and bore, or of wheels [m].
+    pub circles_m: Vec<Circle>,
+}
+
+impl DrawnJoint {
+    /// Lines of wheels and of all other shapes, each `(n, 2)` [m].
+    pub fn lines(&self) -> Vec<Vec<[f64; 2]>> {
+        let wheels = self.circles_m.iter().filter(|_| self.kind != CLEARANCE);
+        let wheels = wheels.map(|(centre, radius)| mechanism::around(|_| *radius, *centre));
+        wheels.chain(self.shapes_m.iter().cloned()).collect()
+    }
 }
 
 /// A load in its place.
@@ -189,8 +203,8 @@ impl DrawnMechanism {
             LoadSymbol::Coil(a, b) => vec![a, b],
             _ => vec![],
         });
-        let shapes = self.joints.iter().flat_map(|joint| joint.shapes_m.iter().flatten());
-        mechanism::extent(bodies.chain(joints).chain(rails).chain(shapes).chain(coils).copied())
+        let shapes = self.joints.iter().flat_map(DrawnJoint::lines).flatten();
+        mechanism::extent(bodies.chain(joints).chain(rails).chain(coils).copied().chain(shapes))
     }
 }
 
@@ -206,6 +220,7 @@ fn joint(scene: &Scene, cycle: &[Vec<Pose>], poses: &[Pose], index: usize) -> Dr
         on_ground: fixed && rail_m.is_some(),
         rail_m,
         shapes_m: mechanism::shapes(poses, joint),
+        circles_m: mechanism::circles(poses, joint),
     }
 }
 

@@ -1,5 +1,5 @@
 //! The drawing of a mechanism, made before any simulation: bodies, joints, drives and loads in one position of the cycle, as
-//! SVG for the report and for `draw`, and as letters for the terminal.
+//! SVG for the report and for `draw`, as DXF, and as letters for the terminal.
 //!
 //! | file | content |
 //! |---|---|
@@ -9,7 +9,9 @@
 //! | `symbols` | links, supports, sliders, arrows and springs as SVG |
 //! | `sheet` | the whole drawing as SVG |
 //! | `sketch` | the drawing in letters |
+//! | `dxf` | the drawing for CAD |
 
+mod dxf;
 mod geometry;
 pub mod labels;
 mod sheet;
@@ -18,6 +20,7 @@ pub mod symbols;
 #[cfg(test)]
 mod tests;
 
+pub use dxf::dxf;
 pub use geometry::{DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, LoadSymbol};
 pub use labels::{Label, LabelArea, PlacedLabel};
 pub use sheet::{MechanismSheet, sheet};

@@ -1,7 +1,8 @@
 //! The drawing of a mechanism as SVG: bodies with their names, joints, supports, sliders on rails, drives, loads and a scale.
 
 use super::geometry::{
-    DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, FIXED, LENGTH_UNIT, LoadSymbol, middle_of,
+    CLEARANCE, DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, FIXED, LENGTH_UNIT, LoadSymbol,
+    middle_of,
 };
 use super::labels::{Label, LabelArea, LetterSize, PlacedLabel, place_labels};
 use super::symbols::{self, arrow, coordinate, path_along};
@@ -25,19 +26,19 @@ const ATTEMPTS: usize = 10;
 const MARGIN: f64 = 14.0;
 
 /// Length of the arrow of a force [drawing units].
-const FORCE: f64 = 52.0;
+pub const FORCE: f64 = 52.0;
 
 /// Shortest spring that is drawn [drawing units].
 const LEAST_COIL: f64 = 40.0;
 
 /// Radii of the curved arrows of drives and of torques [drawing units].
-const TURNS: [f64; 2] = [27.0, 19.0];
+pub const TURNS: [f64; 2] = [27.0, 19.0];
 
 /// Size of the letters [drawing units]; the width is that of a wide sans-serif font.
 pub const LETTERS: LetterSize = LetterSize { width: 8.6, height: 19.0, step: 6.0, whole: false };
 
 /// Font size of the labels [drawing units].
-const FONT: f64 = 15.2;
+pub const FONT: f64 = 15.2;
 
 /// A drawing of a mechanism.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,17 +49,27 @@ pub struct MechanismSheet {
     pub labels: Vec<PlacedLabel>,
     /// Rectangle of the whole drawing [drawing units].
     pub area: LabelArea,
+    /// Scale of the drawing.
+    pub scale: SheetScale,
 }
 
 /// Drawing units per metre, and the point of the mechanism at the origin of the drawing.
-struct SheetScale {
-    units: f64,
+#[derive(Debug, Clone, PartialEq)]
+pub struct SheetScale {
+    /// Drawing units per metre.
+    pub units: f64,
     origin: [f64; 2],
 }
 
 impl SheetScale {
-    fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    /// Place on the drawing [drawing units] of a point of the mechanism [m].
+    pub fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [(x - self.origin[0]) * self.units, (self.origin[1] - y) * self.units]
+    }
+
+    /// Point of the mechanism [m] at a place on the drawing [drawing units].
+    pub fn point(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [self.origin[0] + x / self.units, self.origin[1] - y / self.units]
     }
 }
 
@@ -109,7 +120,7 @@ fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
     };
     let view = format!("{x} {y} {width} {height}");
     let drawing = Drawing { view, letters: Some(FONT), axes: None, content: content.into_string() };
-    MechanismSheet { drawing, labels, area }
+    MechanismSheet { drawing, labels, area, scale }
 }
 
 /// The rectangle around points and labels with a margin, at least as wide as a drawing is.
@@ -173,7 +184,8 @@ fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     (0..12).map(corner).collect()
 }
 
-fn places(points: &[[f64; 2]], scale: &SheetScale) -> Vec<[f64; 2]> {
+/// Places on the drawing [drawing units] of points of the mechanism [m].
+pub fn places(points: &[[f64; 2]], scale: &SheetScale) -> Vec<[f64; 2]> {
     points.iter().map(|point| scale.place(*point)).collect()
 }
 
@@ -235,7 +247,7 @@ fn joint_symbol(joint: &DrawnJoint, scale: &SheetScale) -> Symbol {
                 rect x=(left_text) y=(top_text) width="10" height="10" transform="translate(-5 -5)" fill=(ink) {}
             },
         ),
-        (None, "clearance") => (
+        (None, CLEARANCE) => (
             10.0,
             html! {
                 circle cx=(left_text) cy=(top_text) r="6" fill=(paper) stroke=(ink) stroke-width="2" {}
@@ -247,7 +259,7 @@ fn joint_symbol(joint: &DrawnJoint, scale: &SheetScale) -> Symbol {
             html! { circle cx=(left_text) cy=(top_text) r="5" fill=(paper) stroke=(ink) stroke-width="2" {} },
         ),
     };
-    let shapes: Vec<Vec<[f64; 2]>> = joint.shapes_m.iter().map(|line| places(line, scale)).collect();
+    let shapes: Vec<Vec<[f64; 2]>> = joint.lines().iter().map(|line| places(line, scale)).collect();
     covers.extend(shapes.iter().flat_map(|line| along(line)));
     let label = Some(Label { text: joint.name.clone(), at, clear, body: None });
     let markup = html! {

@@ -89,8 +89,8 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
         if let Some([from, to]) = joint.rail_m {
             canvas.line(place(from), place(to));
         }
-        for pair in joint.shapes_m.iter().flat_map(|line| line.windows(2)) {
-            canvas.line(place(pair[0]), place(pair[1]));
+        for line in joint.lines() {
+            line.windows(2).for_each(|pair| canvas.line(place(pair[0]), place(pair[1])));
         }
     }
     for load in &drawn.loads {

@@ -60,7 +60,7 @@ pub fn ground([x, y]: [f64; 2]) -> Markup {
 }
 
 /// Direction from a point to another [1], and their distance.
-fn direction(from: [f64; 2], to: [f64; 2]) -> ([f64; 2], f64) {
+pub fn direction(from: [f64; 2], to: [f64; 2]) -> ([f64; 2], f64) {
     let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
     let length = dx.hypot(dy).max(1e-9);
     ([dx / length, dy / length], length)
@@ -118,10 +118,9 @@ pub fn rail([left, right]: [[f64; 2]; 2], on_ground: bool, ink: Ink) -> Markup {
 }
 
 /// A triangle with its tip at a point, towards a direction.
-fn head([x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> String {
+pub fn head([x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> [[f64; 2]; 3] {
     let base = [x - 9.0 * dx, y - 9.0 * dy];
-    path_along(&[[x, y], [base[0] - 4.5 * dy, base[1] + 4.5 * dx], [base[0] + 4.5 * dy, base[1] - 4.5 * dx]])
-        + "Z"
+    [[x, y], [base[0] - 4.5 * dy, base[1] + 4.5 * dx], [base[0] + 4.5 * dy, base[1] - 4.5 * dx]]
 }
 
 /// A straight arrow.
@@ -130,7 +129,7 @@ pub fn arrow(from: [f64; 2], to: [f64; 2], ink: Ink) -> Markup {
     let shaft = [to[0] - 7.0 * direction[0], to[1] - 7.0 * direction[1]];
     html! {
         path d=(path_along(&[from, shaft])) fill="none" stroke=(ink.hex()) stroke-width="2.5" {}
-        path d=(head(to, direction)) fill=(ink.hex()) {}
+        path d=(path_along(&head(to, direction)) + "Z") fill=(ink.hex()) {}
     }
 }
 
@@ -153,7 +152,7 @@ pub fn turn([x, y]: [f64; 2], radius: f64, counter_clockwise: bool, ink: Ink) ->
     );
     html! {
         path d=(arc) fill="none" stroke=(ink.hex()) stroke-width="2.5" {}
-        path d=(head(end, direction)) fill=(ink.hex()) {}
+        path d=(path_along(&head(end, direction)) + "Z") fill=(ink.hex()) {}
     }
 }
 
