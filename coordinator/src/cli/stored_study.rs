@@ -199,13 +199,19 @@ impl OpenedStudy {
         let learned = learn_from_results(scene, self.study.scene(), &self.settings, &self.outcomes()?)
             .map_err(|error| failed(error, dir))?;
         let model = LifeModel::new(scene, &learned);
-        let fits = uncertain_fits(&model, changed.measured(), scene);
-        if fits.is_empty() {
-            let fault = "--confidence: no independent variable of the scene has measured samples (samples = [...]), so that no \
-                         parameter is known from few values; `coordinator learn` takes what was observed of units";
-            return Err(CommandError::refused(dir.display(), fault));
-        }
-        Ok(fitted_reliability(scene, model, &fits, confidence, self.settings.seed))
+        let fault = match uncertain_fits(&model, changed.measured(), scene) {
+            Ok(fits) if !fits.is_empty() => {
+                return Ok(fitted_reliability(scene, model, &fits, confidence, self.settings.seed));
+            }
+            Ok(_) => "no variable of the scene has measured samples (samples = [...]), so that no parameter is known from few values; \
+                      `coordinator learn` takes what was observed of units"
+                .to_owned(),
+            Err(names) => format!(
+                "measured variables that are correlated ({}) are not supported: what their samples leave open is not known alone",
+                names.join(", ")
+            ),
+        };
+        Err(CommandError::refused(dir.display(), format!("--confidence: {fault}")))
     }
 
     /// Opens the evaluator of the simulations to be added and starts its workers.

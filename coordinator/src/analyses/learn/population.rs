@@ -73,16 +73,21 @@ impl<'a> WeightedPopulation<'a> {
     }
 }
 
-/// The variables of a scene that measured samples gave, without those that are correlated, whose samples say nothing alone.
+/// The variables of a scene that measured samples gave.
+///
+/// # Errors
+/// The names of those that are correlated, whose samples say nothing alone.
 pub fn uncertain_fits<'m>(
     model: &LifeModel,
     measured: &'m [MeasuredVariable],
     scene: &Scene,
-) -> Vec<(usize, &'m MeasuredVariable)> {
+) -> Result<Vec<(usize, &'m MeasuredVariable)>, Vec<&'m str>> {
     let index =
         |own: &MeasuredVariable| scene.variables.iter().position(|variable| variable.name == own.name);
-    let all = measured.iter().filter_map(|own| Some((index(own)?, own)));
-    all.filter(|(k, _)| !model.inputs().copula().is_correlated(*k)).collect()
+    let all: Vec<_> = measured.iter().filter_map(|own| Some((index(own)?, own))).collect();
+    let correlated = all.iter().filter(|(k, _)| model.inputs().copula().is_correlated(*k));
+    let correlated: Vec<&str> = correlated.map(|(_, own)| own.name.as_str()).collect();
+    if correlated.is_empty() { Ok(all) } else { Err(correlated) }
 }
 
 /// R and lives of `scene` at a confidence in (0, 1), with what the samples of `fits` leave open; the responses are those of `model`.

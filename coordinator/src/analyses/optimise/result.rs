@@ -75,6 +75,9 @@ pub enum TargetState {
     NotMet,
 }
 
+/// Share of the failure probability allowed by which a target may be missed for the tolerance of the search [1].
+const TOLERANCE: f64 = 1e-4;
+
 /// A target before and at the optimum.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OptimisedTarget {
@@ -121,13 +124,12 @@ impl OptimisedTarget {
     /// The target with the state that its interval gives; `feasible` if the design meets all targets on the surrogates.
     pub(super) fn judged(mut self, feasible: bool) -> Self {
         let [lower, upper] = self.interval;
-        self.met = self.at_least.unwrap_or(lower) >= self.target;
+        // An optimum lies on its target up to the tolerance of the search.
+        let target = self.target - TOLERANCE * (1.0 - self.target);
+        self.met = self.at_least.unwrap_or(lower) >= target;
         self.state = if self.met {
             TargetState::Met
-        } else if upper < self.target
-            || self.at_least.is_some()
-            || (!feasible && self.reliability < self.target)
-        {
+        } else if upper < target || self.at_least.is_some() || (!feasible && self.reliability < target) {
             TargetState::NotMet
         } else {
             TargetState::MetWithinErrors
