@@ -175,7 +175,7 @@ fn a_confidence_is_a_share_from_a_half_on() {
     }
     for (given, said) in [
         ("0", "0 is out of range, allowed: 0.5 to 0.999"),
-        ("\"100 %\"", "1 is out of range, allowed: 0.5 to 0.999"),
+        ("\"100 %\"", "\"100 %\" is out of range, allowed: 0.5 to 0.999"),
         ("\"high\"", "high"),
     ] {
         let faults = with(&format!(", confidence = {given}")).unwrap_err();
