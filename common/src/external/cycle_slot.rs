@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// A slot whose program or model gives cycles.
 #[derive(Debug)]
 pub enum CycleSlot {
-    /// A program.
+    /// A program with its setup.
     Program(Arc<Setup>, ProgramSlot),
     /// A model of a server.
     Model(ModelSlot),

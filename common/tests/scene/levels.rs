@@ -1,5 +1,6 @@
 //! The levels of accuracy of a scene: what is read, and what is refused.
 
+use crate::simulator::beam;
 use common::scene::SceneSource;
 
 const FOUR_BAR: &str = include_str!("../../scenes/four-bar.toml");
@@ -44,5 +45,18 @@ fn levels_out_of_order_are_refused() {
     ] {
         let found = four_bar(study).expect_err(study);
         assert!(found.contains(expected), "{study}: {found}");
+    }
+}
+
+#[test]
+fn the_cost_of_a_level_belongs_to_levels() {
+    let read = |keys: &str| SceneSource::parse(&beam("timeout = \"2 min\"", keys), "beam.toml");
+    let cost = |keys: &str| read(keys).unwrap().nominal().simulator.as_ref().unwrap().level_cost;
+    let levels = "levels = [\"coarse\", \"fine\"]";
+    assert_eq!((cost(levels), cost(&format!("{levels}\nlevel_cost = 30"))), (4.0, 30.0));
+    let low = format!("{levels}\nlevel_cost = 0.5");
+    for (keys, said) in [("level_cost = 8", "belongs to levels"), (&low, "1 to 1000")] {
+        let found = read(keys).unwrap_err().to_string();
+        assert!(found.contains("simulator.level_cost") && found.contains(said), "{keys}: {found}");
     }
 }

@@ -53,7 +53,7 @@ std = 4
 unit = "K"
 "#;
 
-fn beam(from: &str, to: &str) -> String {
+pub fn beam(from: &str, to: &str) -> String {
     assert!(BEAM.contains(from), "no \"{from}\"");
     BEAM.replacen(from, to, 1)
 }
@@ -130,21 +130,6 @@ fn an_fmu_is_run_with_its_mapping() {
     ] {
         let found = read(&format!("fmu = \"beam.fmu\"\n{more}")).unwrap_err().to_string();
         assert!(found.contains(said), "{more}: {found}");
-    }
-}
-
-#[test]
-fn the_cost_of_a_level_belongs_to_levels() {
-    let read = |keys: &str| SceneSource::parse(&beam("timeout = \"2 min\"", keys), "beam.toml");
-    let cost = |keys: &str| read(keys).unwrap().nominal().simulator.as_ref().unwrap().level_cost;
-    let levels = "levels = [\"coarse\", \"fine\"]";
-    assert_eq!((cost(levels), cost(&format!("{levels}\nlevel_cost = 30"))), (4.0, 30.0));
-    for (keys, said) in [
-        ("level_cost = 8".to_owned(), "belongs to levels"),
-        (format!("{levels}\nlevel_cost = 0.5"), "1 to 1000"),
-    ] {
-        let found = read(&keys).unwrap_err().to_string();
-        assert!(found.contains("simulator.level_cost") && found.contains(said), "{keys}: {found}");
     }
 }
 
@@ -395,7 +380,7 @@ fn faults_of_a_program_that_gives_cycles_are_named() {
             "changes the bore of joint \"pin\"",
         ),
         ("mean = \"3 N m\"\n", "", "variables.load.mean: is missing"),
-        ("parameters.worn", "parameters.warn", "variables.wear.changes"),
+        ("[\"parameters.worn\"]", "[\"parameters.warn\"]", "variables.wear.changes"),
     ] {
         assert!(CYCLE.contains(from), "{from}");
         let faults =

@@ -208,7 +208,7 @@ mod tests {
             vec![NarrowGroove { joint: "crank".into(), since: 4000, angle: 1.0, width: 0.3, open: 1.25e-6 }];
         let simulated = Simulated { scene: &scene, accuracy: "draft", evaluation: &evaluation, wall: 0.25 };
         let text = simulated.text(&[]);
-        let line = "joint crank: a groove at 57 deg is narrower than the journal, which stays 1.25 µm above its bottom; \
+        let line = "joint crank: a groove at 57.3 deg is narrower than the journal, which stays 1.25 µm above its bottom; \
                     first at 4 000 cycles\n";
         assert!(text.ends_with(line), "{text}");
     }

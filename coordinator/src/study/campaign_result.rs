@@ -5,15 +5,13 @@ use super::campaign::Campaign;
 use super::classified_population::ClassifiedPopulation;
 use super::failures::Failed;
 use super::interim::InterimResult;
-use super::lives::learned_lives;
 use super::observations::{Observations, ObservedOutcome};
 use super::outliers::Outlier;
-use super::plan::Problem;
 use super::round::Assessment;
 use super::settings::Method;
 use super::step::{CampaignError, SampleRequest, Step, StopReason};
 use crate::results::summary::Round;
-use crate::statistics::reliability::{CurvePoint, REACH};
+use crate::statistics::reliability::CurvePoint;
 use std::collections::VecDeque;
 
 /// Result of an active-learning campaign.
@@ -45,16 +43,6 @@ impl CampaignResult {
     /// R(n) with its standard error, as a study states it, per curve `(limit states + 1)(m,)`, the system last.
     pub fn reliability(&self) -> Vec<Vec<CurvePoint>> {
         self.shares.curves()
-    }
-
-    /// Standard errors of P_f by the stated numerical errors of the simulations, curves as in [`Self::reliability`]; `problem` is that of
-    /// the campaign.
-    pub fn numerical_errors(&self, problem: &Problem) -> Vec<Vec<f64>> {
-        let band = learned_lives(&problem.modes, &problem.checkpoints, self).numerical_band();
-        let scale = 0.5 * self.classified.condition.probability / REACH;
-        let error = |(most, least): (&f64, &f64)| scale * (most - least).max(0.0);
-        let curve = |(most, least): (&Vec<f64>, &Vec<f64>)| most.iter().zip(least).map(error).collect();
-        band.most.iter().zip(&band.least).map(curve).collect()
     }
 }
 

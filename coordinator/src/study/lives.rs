@@ -8,8 +8,8 @@ use crate::results::life_summary::{CyclesRange, LifeCurveRow, LifeRow, Unresolve
 use crate::results::summary::StudySummary;
 use crate::statistics::learning::Mode;
 use crate::statistics::reliability::{
-    LifeAtLevel, LifeCounts, LifeCurve, LifeCurveInput, ModeLives, PredictedMode, ResponseErrors, Track,
-    mode_lives, population_lives,
+    LifeAtLevel, LifeCounts, LifeCurve, LifeCurveInput, ModeLives, PredictedMode, REACH, ResponseErrors,
+    Track, mode_lives, population_lives,
 };
 use faer::Mat;
 
@@ -25,6 +25,18 @@ const WITHIN: f64 = 5.0;
 /// Checkpoints as times `(m,)` [cycles].
 fn times(checkpoints: &[u32]) -> Vec<f64> {
     checkpoints.iter().map(|cycles| f64::from(*cycles)).collect()
+}
+
+impl CampaignResult {
+    /// Standard errors of P_f by the stated numerical errors of the simulations, curves as in [`Self::reliability`]; `problem` is that of
+    /// the campaign.
+    pub fn numerical_errors(&self, problem: &Problem) -> Vec<Vec<f64>> {
+        let band = learned_lives(&problem.modes, &problem.checkpoints, self).numerical_band();
+        let scale = 0.5 * self.classified.condition.probability / REACH;
+        let error = |(most, least): (&f64, &f64)| scale * (most - least).max(0.0);
+        let curve = |(most, least): (&Vec<f64>, &Vec<f64>)| most.iter().zip(least).map(error).collect();
+        band.most.iter().zip(&band.least).map(curve).collect()
+    }
 }
 
 /// Lives of the population by the surrogates of a campaign.

@@ -262,7 +262,7 @@ fn pictures_and_files_that_are_no_scenes() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     let message = refused(&["draw", "four-bar", "--out", &path("x.pdf")], 2);
-    one_message(&message, &["--out", "x.pdf", "pictures are written as .svg, not as .pdf"]);
+    one_message(&message, &["--out", "x.pdf", "pictures are written as .svg or .dxf, not as .pdf"]);
     std::fs::write(path("campaign.db"), [0x53, 0xff, 0xfe, 0x00]).unwrap();
     let message = refused(&["check", &path("campaign.db")], 2);
     one_message(&message, &["campaign.db", "it is no text, expected the TOML file of a scene"]);

@@ -158,7 +158,7 @@ fn faults_of_a_program_that_gives_cycles_are_found() {
         ("tier = \"contact\"", "tier = \"contacts\""),
         ("gives = \"cycle\"", "gives = \"cycles\""),
         ("gives = \"cycle\"\n", ""),
-        ("program = [\"mechanism\"]", "umbridge = \"http://h:1\""),
+        ("share = 0.8\n", ""),
         ("period = \"50 ms\"\n", ""),
         ("period = \"50 ms\"", "settle_cycles = 2\nperiod = \"50 ms\""),
         ("width = \"10 mm\"\n", ""),

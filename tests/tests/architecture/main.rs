@@ -42,8 +42,9 @@ const WORKER: [&str; 24] = [
     "main",
 ];
 
-/// The layers of the coordinator's library; `cli` and `main` belong to its binary.
-const COORDINATOR: [&str; 7] = ["farm", "results", "study", "presentation", "analyses", "cli", "main"];
+/// The layers of the coordinator's library, the crate `statistics` first; `cli` and `main` belong to its binary.
+const COORDINATOR: [&str; 8] =
+    ["statistics", "farm", "results", "study", "presentation", "analyses", "cli", "main"];
 
 /// The layers of its statistics, a crate of their own.
 const STATISTICS: [&str; 13] = [

@@ -42,7 +42,7 @@ pub struct LearnReport {
     pub units: usize,
     /// Reliability and lives with their bounds.
     pub confident: ConfidentReliability,
-    /// The same before simulations were added.
+    /// Reliability and lives before simulations were added.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub before: Option<ConfidentReliability>,
     /// Distributions of the variables of one more unit, with the moments that the sets give `(d,)`.

@@ -248,7 +248,7 @@ fn simulations_where_the_population_has_gone_improve_what_was_learned() {
     assert!((half / life(35.0) - 1.0).abs() < 0.1, "{half} {}", life(35.0));
     let answered = LearnReport { evaluations: 7, before: Some(before.confident), ..after };
     let text = answer(&answered).text();
-    assert!(text.contains("Before 7 simulations were added: **Life at R = 0.99"), "{text}");
+    assert!(text.contains("Before 7 simulations were added: Life at R = 0.99"), "{text}");
 }
 
 #[test]

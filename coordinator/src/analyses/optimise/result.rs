@@ -124,9 +124,9 @@ impl OptimisedTarget {
     /// The target with the state that its interval gives; `feasible` if the design meets all targets on the surrogates.
     pub(super) fn judged(mut self, feasible: bool) -> Self {
         let [lower, upper] = self.interval;
+        self.met = self.at_least.unwrap_or(lower) >= self.target;
         // An optimum lies on its target up to the tolerance of the search.
         let target = self.target - TOLERANCE * (1.0 - self.target);
-        self.met = self.at_least.unwrap_or(lower) >= target;
         self.state = if self.met {
             TargetState::Met
         } else if upper < target || self.at_least.is_some() || (!feasible && self.reliability < target) {

@@ -327,6 +327,7 @@ fn nothing_fails_and_nothing_at_all() {
     }
     input.summary.lives.clear();
     input.summary.curves.clear();
+    input.summary.first_failure.clear();
     let report = render(&input, FigureFiles::NextToPage);
     assert_sound(&report);
     assert!(report.html(None).contains("No limit state is reached within the life studied."));

@@ -73,7 +73,7 @@ impl<'a> Axis<'a> {
 
 /// A number with at most three decimals, or three digits where it is small, and no trailing zeros.
 pub fn tick_label(value: f64) -> String {
-    if value.abs() < 0.1 { shortest(value, 3) } else { plain(value, 3) }
+    if value != 0.0 && value.abs() < 0.1 { shortest(value, 3) } else { plain(value, 3) }
 }
 
 /// Number of ticks that is aimed at.
