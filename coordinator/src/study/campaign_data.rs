@@ -59,9 +59,9 @@ impl CampaignData {
 
     /// Adds a simulation that failed for good at the standardised point `z` `(d,)`. A failure was to be expected
     /// `beyond` the population, where the simulator may not reach, and of a `learning` request, one after the initial
-    /// design, where the nearest simulation failed, too.
+    /// design, near a failure.
     pub fn add_failed(&mut self, z: Vec<f64>, cause: SimulationFailure, learning: bool, beyond: bool) {
-        let expected = learning && (beyond || self.is_nearest_to_a_failure(&z));
+        let expected = learning && (beyond || self.is_near_a_failure(&z));
         self.failed.push(Failed { z, cause, expected });
     }
 
@@ -90,12 +90,13 @@ impl CampaignData {
         results.map(|z| (z, factor(z))).chain(failed).collect()
     }
 
-    /// True if the simulation nearest to the standardised point `z` `(d,)` failed.
-    fn is_nearest_to_a_failure(&self, z: &[f64]) -> bool {
+    /// True if a failure at the standardised point `z` `(d,)` has a probability of a third or more by the distances from failures and
+    /// results.
+    fn is_near_a_failure(&self, z: &[f64]) -> bool {
         let distance = |known: &[f64]| z.iter().zip(known).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
         let results = self.observations.standardised().chain(self.confirmed.iter().map(Vec::as_slice));
         let result = results.map(distance).fold(f64::INFINITY, f64::min);
-        self.failed.iter().any(|failed| distance(&failed.z) < result)
+        self.failed.iter().any(|failed| distance(&failed.z) <= 2.0 * result)
     }
 }
 

@@ -40,8 +40,8 @@ pub struct Failed {
     pub z: Vec<f64>,
     /// Cause of the failure.
     pub cause: SimulationFailure,
-    /// True for a point that learning or exploring requested nearer to an earlier failure than to any result: it adds
-    /// little to what was known, and does not count against the largest share of failures.
+    /// True for a point that learning or exploring requested near an earlier failure: it adds little to what was known, and does not count
+    /// against the largest share of failures.
     pub expected: bool,
 }
 

@@ -98,7 +98,7 @@ impl CurveDraws {
         let mut next = self.cycles.iter().peekable();
         for j in order {
             while next.next_if(|n| lives[*j] > **n).is_some() {
-                row.push(1.0 - failed / sum);
+                row.push((1.0 - failed / sum).max(0.0));
             }
             failed += points[*j];
             for (life, level) in at_level.iter_mut().zip(&self.levels) {
