@@ -17,7 +17,7 @@
 //! | [`optimisation`] | minimum cost under constraints, discrete choices |
 //! | [`goodness_of_fit`] | whether measured values can come from a fitted family |
 //! | [`sensitivity`] | derivatives of the failure probability, Sobol indices |
-//! | [`named`] | names of the values of settings |
+//! | [`mod@named`] | names of the values of settings |
 
 pub mod design;
 pub mod goodness_of_fit;
