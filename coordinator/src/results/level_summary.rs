@@ -24,7 +24,7 @@ pub struct DifferenceRow {
     pub limit_state: String,
     /// Checkpoint of the correction [cycles].
     pub cycles: u32,
-    /// `constant`, or `line` over the value.
+    /// `constant`, `line` over the value, or `kriging` over the variables.
     pub form: String,
     /// What is added to a result, over the limit [1]; where the limit is 0 in its own unit.
     pub correction: f64,

@@ -16,6 +16,8 @@ const FEWEST: usize = 3;
 /// Results of one sample at several levels.
 #[derive(Debug, Clone)]
 pub(super) struct LevelPair {
+    /// Values of the variables `(d,)` [SI].
+    pub sample: Vec<f64>,
     /// At the working accuracy.
     pub working: Observed,
     /// At the next finer level.
@@ -25,7 +27,7 @@ pub(super) struct LevelPair {
 }
 
 /// Correction of every output of a scene.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Correction {
     /// What the second level is.
     target: PairedModel,
@@ -33,6 +35,8 @@ pub struct Correction {
     pub pairs: usize,
     /// Number of them with a third level.
     pub thirds: usize,
+    /// Values of the variables of the first pair `(d,)` [SI].
+    first: Vec<f64>,
     outputs: Vec<OutputCorrection>,
 }
 
@@ -46,7 +50,7 @@ pub(super) enum PairedModel {
 }
 
 /// Correction of the history of one output.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 struct OutputCorrection {
     difference: HistoryDifference,
     /// True if the first value of the difference is that at the start of life.
@@ -67,9 +71,13 @@ impl OutputCorrection {
         let of_pair =
             |pair: &LevelPair| (values(&pair.working), values(&pair.finer), pair.finest.as_ref().map(values));
         let all: Vec<_> = pairs.iter().map(of_pair).collect();
-        let slices: Vec<HistoryPair<'_>> = all
-            .iter()
-            .map(|(working, finer, finest)| HistoryPair { working, finer, finest: finest.as_deref() })
+        let slices: Vec<HistoryPair<'_>> = std::iter::zip(&all, pairs)
+            .map(|((working, finer, finest), LevelPair { sample: point, .. })| HistoryPair {
+                point,
+                working,
+                finer,
+                finest: finest.as_deref(),
+            })
             .collect();
         let difference = HistoryDifference::new(&slices);
         let is_variant = target == PairedModel::Variant;
@@ -83,6 +91,7 @@ impl Correction {
         (pairs.len() >= FEWEST).then(|| Self {
             target,
             pairs: pairs.len(),
+            first: pairs[0].sample.clone(),
             thirds: pairs.iter().filter(|pair| pair.finest.is_some()).count(),
             outputs: (0..outputs).map(|output| OutputCorrection::new(pairs, output, target)).collect(),
         })
@@ -98,20 +107,22 @@ impl Correction {
         let (second, third) = (of_level(1), of_level(2));
         let mut known = HashMap::new();
         let pair = |one: &StoredOutcome| {
+            let sample = one.sample.clone();
             let key = bits(&one.sample);
             let working = one.outcome.as_ref().ok()?.clone();
             let finer = (*second.get(&key)?).clone();
             let finest = third.get(&key).map(|observed| (*observed).clone());
             // A sample of two campaigns counts once.
-            known.insert(key, ()).is_none().then_some(LevelPair { working, finer, finest })
+            known.insert(key, ()).is_none().then_some(LevelPair { sample, working, finer, finest })
         };
         let pairs: Vec<LevelPair> = working.iter().filter_map(pair).collect();
         let outputs = pairs.first()?.working.histories.len();
         Self::new(&pairs, outputs, PairedModel::FinerLevel)
     }
 
-    /// The corrected result of an evaluation; responses that were derived from its outputs are left out.
-    pub fn correct(&self, observed: Observed) -> Observed {
+    /// The corrected result of an evaluation at values of the variables `(d,)` [SI]; responses that were derived from its outputs are left
+    /// out.
+    pub fn correct(&self, sample: &[f64], observed: Observed) -> Observed {
         let Observed { mut histories, mut errors, mut start, rough: known, source, .. } = observed;
         let adds = self.target == PairedModel::Variant;
         let outputs = self.outputs.len();
@@ -125,15 +136,16 @@ impl Correction {
             for (n, (value, error)) in values.enumerate() {
                 let stated = if adds { *error } else { 0.0 };
                 *error = stated.hypot(REACH * difference.std_at(n + shift, *value));
-                *value += difference.at(n + shift, *value);
+                *value += difference.at(n + shift, *value, sample);
             }
             if let (true, Some(value)) = (*has_start, start[output].as_mut()) {
-                *value += difference.at(0, *value);
+                *value += difference.at(0, *value, sample);
             }
             let before =
                 |n: usize| known.get(output).filter(|_| adds).map_or(0.0, |rough: &Vec<f64>| rough[n]);
-            let all = difference.differences[shift..].iter().enumerate();
-            rough.push(all.map(|(n, one)| one.rough.hypot(before(n))).collect::<Vec<f64>>());
+            let checkpoints = 0..histories[output].len();
+            let own = |n: usize| difference.rough(n + shift).hypot(before(n));
+            rough.push(checkpoints.map(own).collect::<Vec<f64>>());
         }
         // A difference that is the same everywhere shows no noise where none was known.
         if adds && known.is_empty() && rough.iter().flatten().all(|rough| *rough == 0.0) {
@@ -144,25 +156,26 @@ impl Correction {
 
     /// The corrected outcomes of stored ones.
     pub fn correct_all(&self, stored: Vec<StoredOutcome>) -> Vec<StoredOutcome> {
-        let correct = |StoredOutcome { sample, outcome }| StoredOutcome {
-            sample,
-            outcome: outcome.map(|observed| self.correct(observed)),
+        let correct = |StoredOutcome { sample, outcome }| {
+            let outcome = outcome.map(|observed| self.correct(&sample, observed));
+            StoredOutcome { sample, outcome }
         };
         stored.into_iter().map(correct).collect()
     }
 
     /// The difference of an output at its `n`th checkpoint, without what remains of the finer level: form and order of convergence in words,
-    /// value, 1.96 standard deviations of the correction, and roughness, at the value `at` [unit of the output].
+    /// value, 1.96 standard deviations of the correction, and roughness, at the value `at` [unit of the output] and the first pair, that of
+    /// the nominal point.
     pub(super) fn figures(&self, output: usize, n: usize, at: f64) -> LevelFigures {
         let OutputCorrection { difference, has_start } = &self.outputs[output];
         let n = n + usize::from(*has_start);
         LevelFigures {
-            form: difference.form.name(),
-            correction: difference.at(n, at),
-            of_pairs: REACH * difference.differences[n].std_at(at),
+            form: difference.form(),
+            correction: difference.at(n, at, &self.first),
+            of_pairs: REACH * difference.std_of_pairs(n, at),
             of_thirds: REACH * difference.remainders[n].of_points,
             error: REACH * difference.std_at(n, at),
-            rough: difference.differences[n].rough,
+            rough: difference.rough(n),
             order: difference.remainders[n].order,
         }
     }

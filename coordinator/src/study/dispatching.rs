@@ -26,6 +26,7 @@ use std::time::Instant;
 struct Chunk {
     /// Number of its first request.
     first: u64,
+    samples: Vec<Vec<f64>>,
     /// Outcomes by sample; `None` until received.
     outcomes: Vec<Option<ObservedOutcome>>,
 }
@@ -341,29 +342,28 @@ impl StudyRequests<'_, '_> {
         share.0 += 1;
         share.1 += finished.wall;
         let id = finished.id;
+        let chunk = self.chunks.iter_mut().rev().find(|chunk| chunk.first <= id);
+        let chunk = chunk.expect("every request has a chunk");
+        let place = (id - chunk.first) as usize;
         let Record { responses, correction, .. } = &*self.record;
         let observed = |found| {
             let observed = Observed::from_evaluation(found).by(id, &finished.worker);
             responses.complete(match correction {
-                Some(correction) => correction.correct(observed),
+                Some(correction) => correction.correct(&chunk.samples[place], observed),
                 None => observed,
             })
         };
-        let outcome = finished.outcome.map(observed);
-        let chunk = self.chunks.iter_mut().rev().find(|chunk| chunk.first <= id);
-        let chunk = chunk.expect("every request has a chunk");
-        chunk.outcomes[(id - chunk.first) as usize] = Some(outcome);
+        chunk.outcomes[place] = Some(finished.outcome.map(observed));
     }
 
-    /// Numbers the samples of a chunk, takes the finished ones from the campaign file, and returns the
-    /// others.
-    fn begin(&mut self, samples: Vec<SampleRequest>, purpose: &str) -> Result<Vec<Request>, StudyError> {
-        let first = self.record.next_id;
-        let size = samples.len();
+    /// Numbers the samples of a chunk, takes the finished ones from the campaign file, and returns the others.
+    fn begin(&mut self, wanted: Vec<SampleRequest>, purpose: &str) -> Result<Vec<Request>, StudyError> {
+        let (first, size) = (self.record.next_id, wanted.len());
         self.record.next_id += size as u64;
-        self.chunks.push_back(Chunk { first, outcomes: vec![None; size] });
+        let samples = wanted.iter().map(|wanted| wanted.sample.clone()).collect();
+        self.chunks.push_back(Chunk { first, samples, outcomes: vec![None; size] });
         let mut missing = Vec::new();
-        for (id, wanted) in (first..).zip(samples) {
+        for (id, wanted) in (first..).zip(wanted) {
             let accuracy = match usize::from(wanted.level) {
                 0 => self.record.stricter.filter(|_| wanted.stricter),
                 level => self.record.finer.get(level - 1).copied(),

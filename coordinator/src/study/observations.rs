@@ -241,9 +241,12 @@ impl Observations {
         self.results.last()?.rough.get(output).map(Vec::as_slice)
     }
 
-    /// Replaces every result by what `change` makes of it.
-    pub(super) fn change(&mut self, change: impl Fn(Observed) -> Observed) {
-        self.results = std::mem::take(&mut self.results).into_iter().map(change).collect();
+    /// Replaces every result by what `change` makes of its standardised point `(d,)` and itself.
+    pub(super) fn change(&mut self, change: impl Fn(&[f64], Observed) -> Observed) {
+        let results = std::mem::take(&mut self.results);
+        let changed: Vec<Observed> =
+            self.standardised().zip(results).map(|(z, one)| change(z, one)).collect();
+        self.results = changed;
     }
 
     /// The matrix of a row of numbers of each result.

@@ -5,7 +5,8 @@
 //! level, whose scatter moves some R(n) by A and by B, more pairs or more points at the third level follow, whichever reduces A^2 + B^2 more
 //! for its cost, A^2 / n / c against B^2 / m / c^2, where c is the cost of a level over that of the coarser one, that of the scene or [`LEVEL_COST`]. They end when
 //! hypot(A, B) is no larger than the error of the surrogates, when the whole half width of R(n) is that of `--target-error`, or with the
-//! cost of [`MOST`] times the evaluations at the working accuracy. The points are the nominal one and those farthest from it and from each
+//! cost of [`MOST`] times the evaluations at the working accuracy; while hypot(A, B) is above [`WIDE`], with what those evaluations would
+//! cost at the finest level. The points are the nominal one and those farthest from it and from each
 //! other, weighted by their nearness to a limit. Then the surrogates are fitted to the corrected results; if they no longer meet the targets
 //! and the budget allows, learning goes on with them.
 //!
@@ -39,6 +40,8 @@ const THIRD: usize = 3;
 const NEXT_THIRD: usize = 2;
 /// Cost of all pairs over that of the evaluations at the working accuracy [1].
 const MOST: f64 = 1.5;
+/// Reach of the scatter [1] above which a study whose pairs end is worth less than one at the finest level.
+const WIDE: f64 = 0.05;
 
 /// A simulation at the working accuracy.
 #[derive(Debug)]
@@ -145,7 +148,9 @@ impl<'a> PairedCampaign<'a> {
             if thirds > 0 && has_more && gains[1] > gains[0] { (2, NEXT_THIRD) } else { (1, NEXT) };
         let cost = |pairs: usize, thirds: usize| level_cost * (pairs as f64 + level_cost * thirds as f64);
         let spent = cost(paired, thirds) + if level == 1 { cost(count, 0) } else { cost(0, count) };
-        if spent > MOST * self.simulated.len() as f64 {
+        let is_wide = self.target == PairedModel::FinerLevel && of_pairs + of_thirds > WIDE * WIDE;
+        let most = if is_wide { MOST.max(level_cost.powi(self.finer as i32) - 1.0) } else { MOST };
+        if spent > most * self.simulated.len() as f64 {
             return vec![];
         }
         at(self.farthest_points(count, level - 1), level).collect()
@@ -194,7 +199,12 @@ impl<'a> PairedCampaign<'a> {
     fn current(&self) -> Option<Correction> {
         let pair = |one: &PairedPoint| {
             let [finer, finest] = one.finer.clone();
-            Some(LevelPair { working: one.observed.clone(), finer: finer?, finest })
+            Some(LevelPair {
+                sample: one.sample.clone(),
+                working: one.observed.clone(),
+                finer: finer?,
+                finest,
+            })
         };
         let pairs: Vec<LevelPair> = self.simulated.iter().filter_map(pair).collect();
         Correction::new(&pairs, self.scene.outputs.len(), self.target)
@@ -246,7 +256,9 @@ impl<'a> PairedCampaign<'a> {
             return Ok(());
         };
         let (campaign, responses) = (&mut self.campaign, &self.responses);
-        campaign.data.observations.change(|observed| responses.complete(correction.correct(observed)));
+        let Campaign { problem, data, .. } = &mut *campaign;
+        let corrected = |z: &[f64], one| correction.correct(&problem.inputs.to_physical(z), one);
+        data.observations.change(|z, one| responses.complete(corrected(z, one)));
         campaign.surrogates.reset_population();
         campaign.surrogates.require_fit();
         campaign.progress.stopping.reset();
@@ -314,19 +326,20 @@ impl Learner for PairedCampaign<'_> {
         let known: Vec<bool> =
             samples.iter().map(|sample| self.simulated.iter().any(|one| one.sample == *sample)).collect();
         let repeated = known.contains(&true);
-        let new = samples.into_iter().zip(&outcomes).zip(known);
+        let new = samples.iter().zip(&outcomes).zip(known);
         let results = new.filter(|(_, known)| !*known).map(|(result, _)| result);
         let simulated = results.filter_map(|(sample, outcome)| {
-            let observed = outcome.as_ref().ok()?.clone();
+            let (sample, observed) = (sample.clone(), outcome.as_ref().ok()?.clone());
             Some(PairedPoint { sample, observed, finer: [None, None], requested: [false; 2] })
         });
         self.simulated.extend(simulated);
         let Self { correction, responses, .. } = &*self;
-        let corrected = |observed: Observed| match correction {
-            Some(correction) => responses.complete(correction.correct(observed)),
+        let corrected = |sample: &[f64], observed: Observed| match correction {
+            Some(correction) => responses.complete(correction.correct(sample, observed)),
             None => observed,
         };
-        let outcomes = outcomes.into_iter().map(|outcome| outcome.map(corrected)).collect();
+        let new = samples.iter().zip(outcomes);
+        let outcomes = new.map(|(sample, outcome)| outcome.map(|one| corrected(sample, one))).collect();
         self.campaign.record(outcomes)?;
         if repeated && self.correction.is_none() {
             let Campaign { problem, data, .. } = &self.campaign;

@@ -2,14 +2,19 @@
 //! checkpoints.
 
 use super::difference::{Difference, DifferenceForm};
+use super::kriged::KrigedDifference;
 use super::remainder::Remainder;
 
 /// Fewest pairs for a line.
 const ENOUGH: usize = 5;
+/// Largest mean square of the errors of Kriging over that of a constant or a line, at pairs left out [1].
+const BETTER: f64 = 0.25;
 
 /// Histories of one output at the same point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HistoryPair<'a> {
+    /// Values of the variables `(d,)`.
+    pub point: &'a [f64],
     /// At the first level `(m,)` [unit of the output].
     pub working: &'a [f64],
     /// At the second level `(m,)`.
@@ -19,12 +24,14 @@ pub struct HistoryPair<'a> {
 }
 
 /// Difference of the histories of one output.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct HistoryDifference {
-    /// Form at all checkpoints.
-    pub form: DifferenceForm,
+    /// Form at all checkpoints, unless they follow the variables.
+    form: DifferenceForm,
     /// To the second level, at each checkpoint `(m,)`.
-    pub differences: Vec<Difference>,
+    differences: Vec<Difference>,
+    /// The same as a function of the variables, where that predicts better.
+    kriged: Option<KrigedDifference>,
     /// What the second level leaves, at each checkpoint `(m,)`.
     pub remainders: Vec<Remainder>,
 }
@@ -46,6 +53,15 @@ impl HistoryDifference {
         let ratio = line.iter().zip(&constant).map(gain).sum::<f64>() / m as f64;
         let (form, differences) =
             if ratio < 1.0 { (DifferenceForm::Line, line) } else { (DifferenceForm::Constant, constant) };
+        let points: Vec<&[f64]> = pairs.iter().map(|pair| pair.point).collect();
+        let of_pair = |p: &HistoryPair<'_>| p.finer.iter().zip(p.working).map(|(f, w)| f - w).collect();
+        let all: Vec<Vec<f64>> = pairs.iter().map(of_pair).collect();
+        let kriged = KrigedDifference::fit(&points, &all).filter(|kriged| {
+            let gain = |(kriged, plain): (&f64, &Difference)| {
+                if plain.left_out > 0.0 { kriged / plain.left_out } else { 1.0 }
+            };
+            kriged.left_out.iter().zip(&differences).map(gain).sum::<f64>() < BETTER * m as f64
+        });
         let remainder = |n: usize| {
             let third =
                 pairs.iter().filter_map(|p| Some((p.finer[n] - p.working[n], p.finest?[n] - p.finer[n])));
@@ -53,7 +69,7 @@ impl HistoryDifference {
             let known = values(n).iter().map(|(_, difference)| difference).sum::<f64>() / pairs.len() as f64;
             Remainder::new(&coarse, &fine, known)
         };
-        Self { form, differences, remainders: (0..m).map(remainder).collect() }
+        Self { form, differences, kriged, remainders: (0..m).map(remainder).collect() }
     }
 
     /// The differences to the second level itself, which leaves nothing: where it is no level of accuracy.
@@ -63,14 +79,36 @@ impl HistoryDifference {
         Self { remainders: vec![none; self.remainders.len()], ..self }
     }
 
-    /// What is added to a value of the first level at checkpoint `n` [unit of the output].
-    pub fn at(&self, n: usize, value: f64) -> f64 {
-        self.differences[n].at(value) + self.remainders[n].mean
+    /// The form in a word.
+    pub fn form(&self) -> &'static str {
+        if self.kriged.is_some() { "kriging" } else { self.form.name() }
+    }
+
+    /// What is added to a value of the first level at checkpoint `n` and at values of the variables `(d,)` [unit of the output].
+    pub fn at(&self, n: usize, value: f64, point: &[f64]) -> f64 {
+        let difference = match &self.kriged {
+            Some(kriged) => kriged.at(n, point),
+            None => self.differences[n].at(value),
+        };
+        difference + self.remainders[n].mean
     }
 
     /// Standard deviation of its error, common to all points [unit of the output].
     pub fn std_at(&self, n: usize, value: f64) -> f64 {
-        self.differences[n].std_at(value).hypot(self.remainders[n].std)
+        self.std_of_pairs(n, value).hypot(self.remainders[n].std)
+    }
+
+    /// The part of it that more pairs reduce [unit of the output].
+    pub fn std_of_pairs(&self, n: usize, value: f64) -> f64 {
+        self.kriged
+            .as_ref()
+            .map_or_else(|| self.differences[n].std_at(value), |kriged| kriged.left_out[n].sqrt())
+    }
+
+    /// Spread of the pairs around the difference at checkpoint `n`, which acts as noise [unit of the output]; where the difference follows
+    /// the variables, all of it is in its error.
+    pub fn rough(&self, n: usize) -> f64 {
+        if self.kriged.is_some() { 0.0 } else { self.differences[n].rough }
     }
 }
 
@@ -88,17 +126,37 @@ mod tests {
             .map(|(i, y)| y.map(|y| y + if i % 2 == 0 { 0.9 } else { 1.1 }))
             .collect();
         let difference = |finer: &[[f64; 2]]| {
-            let pair = |(working, finer)| HistoryPair { working, finer, finest: None };
+            let pair = |(working, finer)| HistoryPair { point: &[0.0], working, finer, finest: None };
             let slices = working.iter().zip(finer).map(|(a, b)| (&a[..], &b[..]));
             HistoryDifference::new(&slices.map(pair).collect::<Vec<_>>())
         };
         let line = difference(&scaled);
         assert_eq!(line.form, DifferenceForm::Line);
-        assert!((line.at(1, 100.0) - 11.0).abs() < 1e-12);
+        assert!((line.at(1, 100.0, &[0.0]) - 11.0).abs() < 1e-12);
         // A third of the mean difference to the second level, 1.35, without a third one.
         assert!((line.std_at(0, 3.0) - 0.45).abs() < 1e-12);
         let constant = difference(&shifted);
         assert_eq!(constant.form, DifferenceForm::Constant);
-        assert!((constant.at(0, 5.0) - 1.0).abs() < 1e-14 && constant.differences[1].rough > 0.1);
+        assert!((constant.at(0, 5.0, &[0.0]) - 1.0).abs() < 1e-14 && constant.rough(1) > 0.1);
+    }
+
+    #[test]
+    fn a_difference_that_follows_the_variables_is_followed() {
+        // The third variable never varies.
+        let points: Vec<[f64; 3]> =
+            (1..=16).map(f64::from).map(|i| [(1.3 * i).sin(), (2.1 * i).sin(), 4.0]).collect();
+        let wave = |x: &[f64]| 0.5 * (2.0 * x[0] + x[1]).sin();
+        let working: Vec<[f64; 2]> = points.iter().map(|x| [x[1], 2.0 * x[1]]).collect();
+        let finer: Vec<[f64; 2]> = points.iter().zip(&working).map(|(x, y)| y.map(|y| y + wave(x))).collect();
+        let pair = |((point, working), finer)| HistoryPair { point, working, finer, finest: None };
+        let slices = points.iter().map(|x| &x[..]).zip(working.iter().map(|y| &y[..]));
+        let pairs: Vec<HistoryPair<'_>> = slices.zip(finer.iter().map(|y| &y[..])).map(pair).collect();
+        let found = HistoryDifference::new(&pairs).without_remainder();
+        let at = [0.3, -0.4, 4.0];
+        let (error, stated) = (found.at(1, -0.8, &at) - wave(&at), found.std_at(1, -0.8));
+        assert_eq!((found.form(), found.rough(1)), ("kriging", 0.0));
+        assert!(error.abs() < 2.0 * stated && stated < 0.05, "{error} {stated}");
+        // As many pairs as variables do not tell a function from noise.
+        assert_ne!(HistoryDifference::new(&pairs[..5]).form(), "kriging");
     }
 }
