@@ -176,11 +176,12 @@ impl Problem {
         let names: Vec<String> = (0..self.levels).map(|k| format!("\"level {k}\"")).collect();
         let mut text = format!(
             "scene = {{ name = \"levels\" }}\n\
-             simulator = {{ program = [\"closure\"], levels = [{}] }}\n\
+             simulator = {{ program = [\"closure\"], levels = [{}], finest_is_exact = {} }}\n\
              life = {{ cycles = {}, checkpoint_every = 100 }}\n\
              outputs = [{{ name = \"y\", unit = \"\" }}]\n\
              limit_states = [{{ name = \"limit\", output = \"y\", threshold = {limit} }}]\n",
             names.join(", "),
+            self.exact() != EXACT,
             100 * CHECKPOINTS,
         );
         write!(text, "variables = [{}]", self.variables.join(", "))?;

@@ -203,7 +203,7 @@ fn of_study(arguments: &Arguments, totals: &mut Totals) -> Result<(), Box<dyn Er
     file.for_each_finer(|level, sample, outcome| {
         finer.push((level, StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) }));
     })?;
-    if let Some(correction) = Correction::from_stored(&outcomes, &finer) {
+    if let Some(correction) = Correction::from_stored(source.nominal(), &outcomes, &finer) {
         outcomes = correction.correct_all(outcomes);
     }
     for seed in arguments.seeds.0..=arguments.seeds.1 {

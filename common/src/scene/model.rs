@@ -77,6 +77,8 @@ pub struct ExternalSimulator {
     pub levels: Vec<String>,
     /// Cost of an evaluation over that of one at the next coarser level [1].
     pub level_cost: f64,
+    /// True if the finest level is the model itself, which leaves no error.
+    pub finest_is_exact: bool,
 }
 
 /// What a simulator gives in reply to a sample.

@@ -40,7 +40,11 @@ pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>>
     let life_or_cycle = gives(&mut section);
     let read = record!(ExternalSimulator {
         levels: levels(&mut section, life_or_cycle.as_ref()),
-        level_cost: level_cost(&mut section),
+        level_cost: with_levels(&mut section, "level_cost", |section, key| {
+            section.quantity_or(key, NUMBER, Range::Within(1.0, 1000.0), LEVEL_COST)
+        }),
+        finest_is_exact: with_levels(&mut section, "finest_is_exact", |section, key| section
+            .boolean_or(key, false)),
         kind: kind(&mut section),
         timeout: section.quantity_or("timeout", TIME, Range::Positive, TIMEOUT),
         version: section.text_or("version", "a text, e.g. \"2024.1\"", "").map(str::to_owned),
@@ -143,14 +147,18 @@ fn levels(section: &mut Section, gives: Option<&Gives>) -> Option<Vec<String>> {
     None
 }
 
-/// Reads the cost of a level over that of the one before [1].
-fn level_cost(section: &mut Section) -> Option<f64> {
-    if section.peek("level_cost").is_some() && section.peek("levels").is_none() {
-        section.get("level_cost");
-        section.inconsistent("level_cost", "belongs to levels, of which there are none");
+/// Reads a key that belongs to levels.
+fn with_levels<T>(
+    section: &mut Section,
+    key: &'static str,
+    read: impl FnOnce(&mut Section, &'static str) -> Option<T>,
+) -> Option<T> {
+    if section.peek(key).is_some() && section.peek("levels").is_none() {
+        section.get(key);
+        section.inconsistent(key, "belongs to levels, of which there are none");
         return None;
     }
-    section.quantity_or("level_cost", NUMBER, Range::Within(1.0, 1000.0), LEVEL_COST)
+    read(section, key)
 }
 
 fn program(section: &mut Section) -> Option<Program> {

@@ -49,14 +49,22 @@ fn levels_out_of_order_are_refused() {
 }
 
 #[test]
-fn the_cost_of_a_level_belongs_to_levels() {
+fn cost_and_exactness_belong_to_levels() {
     let read = |keys: &str| SceneSource::parse(&beam("timeout = \"2 min\"", keys), "beam.toml");
     let cost = |keys: &str| read(keys).unwrap().nominal().simulator.as_ref().unwrap().level_cost;
     let levels = "levels = [\"coarse\", \"fine\"]";
     assert_eq!((cost(levels), cost(&format!("{levels}\nlevel_cost = 30"))), (4.0, 30.0));
     let low = format!("{levels}\nlevel_cost = 0.5");
-    for (keys, said) in [("level_cost = 8", "belongs to levels"), (&low, "1 to 1000")] {
+    let alone = "finest_is_exact = true";
+    assert!(
+        read(&format!("{levels}\n{alone}")).unwrap().nominal().simulator.as_ref().unwrap().finest_is_exact
+    );
+    for (keys, said) in [
+        ("level_cost = 8", "simulator.level_cost: belongs to levels"),
+        (&low, "1 to 1000"),
+        (alone, "simulator.finest_is_exact: belongs to levels"),
+    ] {
         let found = read(keys).unwrap_err().to_string();
-        assert!(found.contains("simulator.level_cost") && found.contains(said), "{keys}: {found}");
+        assert!(found.contains(said), "{keys}: {found}");
     }
 }

@@ -127,7 +127,8 @@ const FMU: &str = include_str!("../../../deploy/python/examples/fmu/slider-crank
 fn known() -> BTreeSet<String> {
     // Keys that exclude one of these scenes.
     let mut known = BTreeSet::from(
-        ["extends", "without", "above", "source", "levels", "level_cost", "python"].map(str::to_owned),
+        ["extends", "without", "above", "source", "levels", "level_cost", "finest_is_exact", "python"]
+            .map(str::to_owned),
     );
     for text in SIMULATORS.into_iter().chain([EVERYTHING, CYCLE, FMU]) {
         SceneSource::parse(text, "scene").unwrap();

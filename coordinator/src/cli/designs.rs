@@ -198,12 +198,12 @@ fn refine_with(
         Machines::Open(evaluator) => evaluator,
         Machines::ToOpen(farm) => own.insert(opened.evaluator(farm, verbosity.quiet)?),
     };
-    let correction = stored_correction(&opened.study.campaign)?;
-    let campaign = &mut opened.study.campaign;
+    let StoredStudy { campaign, source, .. } = &mut opened.study;
+    let correction = stored_correction(campaign, source.nominal())?;
     let mut simulate = |learning: &FurtherLearning<'_>| -> Result<Vec<StoredOutcome>, AnalysisError> {
         let learning = FurtherLearning { correction: correction.as_ref(), ..*learning };
         learning.learn(evaluator.evaluator(), &mut FurtherEvaluations::of(campaign), &mut Silent)?;
-        Ok(known_outcomes(campaign).map_err(EvaluateError::from)?)
+        Ok(known_outcomes(campaign, source.nominal()).map_err(EvaluateError::from)?)
     };
     let mut progress = |error: f64, added: usize| {
         let target = designs.settings.targets().error;

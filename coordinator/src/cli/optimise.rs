@@ -100,7 +100,7 @@ fn search(
         return Ok(find(&basis, problem, 0, &mut |_| Ok(vec![]), &mut say)?);
     }
     let mut evaluator = opened.evaluator(&arguments.farm, verbosity.quiet)?;
-    let correction = stored_correction(&opened.study.campaign)?;
+    let correction = stored_correction(&opened.study.campaign, opened.study.scene())?;
     let OpenedStudy { study: StoredStudy { campaign, source, .. }, settings, .. } = opened;
     let mut journal = FurtherEvaluations::of(campaign);
     let mut next = basis.outcomes.len() as u64;

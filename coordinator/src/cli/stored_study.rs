@@ -168,7 +168,7 @@ impl OpenedStudy {
     /// # Errors
     /// [`CommandError::Store`].
     pub fn outcomes(&self) -> Result<Vec<StoredOutcome>, CommandError> {
-        Ok(known_outcomes(&self.study.campaign)?)
+        Ok(known_outcomes(&self.study.campaign, self.study.scene())?)
     }
 
     /// Reliability and lives of a changed scene against those of `base`, from all simulations that the study has.
@@ -235,7 +235,7 @@ impl OpenedStudy {
         quiet: bool,
     ) -> Result<usize, CommandError> {
         let stored = &self.outcomes()?;
-        let correction = stored_correction(&self.study.campaign)?;
+        let correction = stored_correction(&self.study.campaign, self.study.scene())?;
         let StoredStudy { campaign, source, .. } = &mut self.study;
         let (studied, settings) = (source.nominal(), &self.settings);
         let correction = correction.as_ref();
@@ -274,7 +274,7 @@ impl OpenedStudy {
 ///
 /// # Errors
 /// [`StoreError`].
-pub fn stored_correction(campaign: &CampaignFile) -> Result<Option<Correction>, StoreError> {
+pub fn stored_correction(campaign: &CampaignFile, scene: &Scene) -> Result<Option<Correction>, StoreError> {
     let mut finer = Vec::new();
     campaign.for_each_finer(|level, sample, outcome| {
         finer.push((level, StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) }));
@@ -282,15 +282,16 @@ pub fn stored_correction(campaign: &CampaignFile) -> Result<Option<Correction>, 
     if finer.is_empty() {
         return Ok(None);
     }
-    Ok(Correction::from_stored(&as_simulated(campaign)?, &finer))
+    Ok(Correction::from_stored(scene, &as_simulated(campaign)?, &finer))
 }
 
 /// Outcomes of a study, corrected where its pairs allow it.
 fn corrected(
     campaign: &CampaignFile,
+    scene: &Scene,
     outcomes: Vec<StoredOutcome>,
 ) -> Result<Vec<StoredOutcome>, StoreError> {
-    Ok(match stored_correction(campaign)? {
+    Ok(match stored_correction(campaign, scene)? {
         Some(correction) => correction.correct_all(outcomes),
         None => outcomes,
     })
@@ -300,8 +301,8 @@ fn corrected(
 ///
 /// # Errors
 /// [`StoreError`].
-pub fn known_outcomes(campaign: &CampaignFile) -> Result<Vec<StoredOutcome>, StoreError> {
-    corrected(campaign, as_simulated(campaign)?)
+pub fn known_outcomes(campaign: &CampaignFile, scene: &Scene) -> Result<Vec<StoredOutcome>, StoreError> {
+    corrected(campaign, scene, as_simulated(campaign)?)
 }
 
 /// Outcomes at the working accuracy as they were simulated, without correction.

@@ -66,8 +66,8 @@ pub fn after_study(
         return Ok(opened.study);
     }
     let dir = opened.study.campaign.dir().to_path_buf();
-    let outcomes = known_outcomes(&opened.study.campaign)?;
-    let correction = stored_correction(&opened.study.campaign)?;
+    let outcomes = known_outcomes(&opened.study.campaign, opened.study.scene())?;
+    let correction = stored_correction(&opened.study.campaign, opened.study.scene())?;
     let scene = opened.study.scene().clone();
     let (settings, correction) = (&opened.settings, correction.as_ref());
     let of_variants = StudyOfVariants { scene: &scene, settings, stored: &outcomes, correction };

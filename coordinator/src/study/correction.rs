@@ -8,6 +8,7 @@ use super::observations::Observed;
 use super::stored_outcome::StoredOutcome;
 use crate::statistics::levels::{HistoryDifference, HistoryPair};
 use crate::statistics::reliability::REACH;
+use common::scene::Scene;
 use std::collections::HashMap;
 
 /// Fewest pairs for a correction.
@@ -45,6 +46,8 @@ pub struct Correction {
 pub(super) enum PairedModel {
     /// A finer level: its remainder is a part of the correction, whose error takes the place of the stated one.
     FinerLevel,
+    /// A finer level, and the last one is exact: the difference to it is the correction, whose error takes the place of the stated one.
+    ExactLevel,
     /// A variant of the model: the difference is the correction, whose error is added to the stated one.
     Variant,
 }
@@ -79,9 +82,20 @@ impl OutputCorrection {
                 finest: finest.as_deref(),
             })
             .collect();
-        let difference = HistoryDifference::new(&slices);
-        let is_variant = target == PairedModel::Variant;
-        Self { difference: if is_variant { difference.without_remainder() } else { difference }, has_start }
+        let difference = match target {
+            PairedModel::FinerLevel => HistoryDifference::new(&slices),
+            PairedModel::ExactLevel => HistoryDifference::to_exact(&slices),
+            PairedModel::Variant => HistoryDifference::new(&slices).without_remainder(),
+        };
+        Self { difference, has_start }
+    }
+}
+
+impl PairedModel {
+    /// What the finer levels of a scene are.
+    pub fn of(scene: &Scene) -> Self {
+        let is_exact = scene.simulator.as_ref().is_some_and(|simulator| simulator.finest_is_exact);
+        if is_exact { Self::ExactLevel } else { Self::FinerLevel }
     }
 }
 
@@ -97,8 +111,12 @@ impl Correction {
         })
     }
 
-    /// The correction by stored outcomes at the working accuracy, and at finer levels `(level, outcome)` of the same samples.
-    pub fn from_stored(working: &[StoredOutcome], finer: &[(u8, StoredOutcome)]) -> Option<Self> {
+    /// The correction of a scene by stored outcomes at the working accuracy, and at finer levels `(level, outcome)` of the same samples.
+    pub fn from_stored(
+        scene: &Scene,
+        working: &[StoredOutcome],
+        finer: &[(u8, StoredOutcome)],
+    ) -> Option<Self> {
         let bits = |sample: &[f64]| sample.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
         let of_level = |wanted: u8| -> HashMap<Vec<u64>, &Observed> {
             let own = finer.iter().filter(|(level, _)| *level == wanted);
@@ -117,7 +135,7 @@ impl Correction {
         };
         let pairs: Vec<LevelPair> = working.iter().filter_map(pair).collect();
         let outputs = pairs.first()?.working.histories.len();
-        Self::new(&pairs, outputs, PairedModel::FinerLevel)
+        Self::new(&pairs, outputs, PairedModel::of(scene))
     }
 
     /// The corrected result of an evaluation at values of the variables `(d,)` [SI]; responses that were derived from its outputs are left
@@ -173,7 +191,7 @@ impl Correction {
             form: difference.form(),
             correction: difference.at(n, at, &self.first),
             of_pairs: REACH * difference.std_of_pairs(n, at),
-            of_thirds: REACH * difference.remainders[n].of_points,
+            of_thirds: REACH * difference.std_of_thirds(n, at),
             error: REACH * difference.std_at(n, at),
             rough: difference.rough(n),
             order: difference.remainders[n].order,

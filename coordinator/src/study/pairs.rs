@@ -87,7 +87,7 @@ impl<'a> PairedCampaign<'a> {
             campaign,
             responses: ResponseLayout::from_scene(scene),
             finer,
-            target: PairedModel::FinerLevel,
+            target: PairedModel::of(scene),
             before: 0,
             under_way: VecDeque::new(),
             simulated: vec![],
@@ -148,7 +148,7 @@ impl<'a> PairedCampaign<'a> {
             if thirds > 0 && has_more && gains[1] > gains[0] { (2, NEXT_THIRD) } else { (1, NEXT) };
         let cost = |pairs: usize, thirds: usize| level_cost * (pairs as f64 + level_cost * thirds as f64);
         let spent = cost(paired, thirds) + if level == 1 { cost(count, 0) } else { cost(0, count) };
-        let is_wide = self.target == PairedModel::FinerLevel && of_pairs + of_thirds > WIDE * WIDE;
+        let is_wide = self.target != PairedModel::Variant && of_pairs + of_thirds > WIDE * WIDE;
         let most = if is_wide { MOST.max(level_cost.powi(self.finer as i32) - 1.0) } else { MOST };
         if spent > most * self.simulated.len() as f64 {
             return vec![];
@@ -222,14 +222,16 @@ impl<'a> PairedCampaign<'a> {
         let moved = |part: fn(&LevelFigures) -> f64| {
             let at = |(n, checkpoint): (usize, &usize)| {
                 let reach = |limit: &LimitState| {
-                    part(&correction.figures(limit.output, *checkpoint, limit.threshold))
+                    let figures = correction.figures(limit.output, *checkpoint, limit.threshold);
+                    (figures.correction, part(&figures))
                 };
-                let reaches: Vec<f64> = self.scene.limit_states.iter().map(reach).collect();
+                let reaches: Vec<(f64, f64)> = self.scene.limit_states.iter().map(reach).collect();
                 let shifted = |j: &usize| {
                     let fails = |sign: f64| {
                         assessment.modes.iter().enumerate().any(|(s, mode)| {
                             let std = mode.sigma[n] * mode.variance_factor[*j].max(0.0).sqrt();
-                            mode.means_of(*j)[n] + std * deviation(s, *j) + sign * reaches[s]
+                            let (correction, reach) = reaches[s];
+                            mode.means_of(*j)[n] + std * deviation(s, *j) + correction + sign * reach
                                 >= mode.threshold
                         })
                     };
@@ -251,7 +253,7 @@ impl<'a> PairedCampaign<'a> {
     /// Corrects the results of the campaign. Learning goes on with corrected results if these no longer meet the targets.
     fn correct(&mut self) -> Result<(), CampaignError> {
         self.correction = self.current();
-        let Some(correction) = self.correction.as_ref().filter(|_| self.target == PairedModel::FinerLevel)
+        let Some(correction) = self.correction.as_ref().filter(|_| self.target != PairedModel::Variant)
         else {
             return Ok(());
         };

@@ -100,7 +100,7 @@ fn a_variant_that_is_the_study_differs_in_no_bit() {
         (1, StoredOutcome { sample: one.sample.clone(), outcome: Ok(Observed::from_evaluation(finer)) })
     };
     let pairs: Vec<(u8, StoredOutcome)> = outcomes.iter().take(6).map(finer).collect();
-    let correction = Correction::from_stored(&outcomes, &pairs);
+    let correction = Correction::from_stored(&scene, &outcomes, &pairs);
     assert!(correction.is_some());
     for correction in [None, correction.as_ref()] {
         let (base, variant, evaluations) = learn(correction, |y| y);

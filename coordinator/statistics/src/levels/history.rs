@@ -7,7 +7,7 @@ use super::remainder::Remainder;
 
 /// Fewest pairs for a line.
 const ENOUGH: usize = 5;
-/// Largest mean square of the errors of Kriging over that of a constant or a line, at pairs left out [1].
+/// Mean square of errors at pairs left out over that of a simpler form below which the difference is no noise [1].
 const BETTER: f64 = 0.25;
 
 /// Histories of one output at the same point.
@@ -34,6 +34,8 @@ pub struct HistoryDifference {
     kriged: Option<KrigedDifference>,
     /// What the second level leaves, at each checkpoint `(m,)`.
     pub remainders: Vec<Remainder>,
+    /// The difference from the second level to an exact third one.
+    to_exact: Option<Box<Self>>,
 }
 
 impl HistoryDifference {
@@ -69,7 +71,7 @@ impl HistoryDifference {
             let known = values(n).iter().map(|(_, difference)| difference).sum::<f64>() / pairs.len() as f64;
             Remainder::new(&coarse, &fine, known)
         };
-        Self { form, differences, kriged, remainders: (0..m).map(remainder).collect() }
+        Self { form, differences, kriged, remainders: (0..m).map(remainder).collect(), to_exact: None }
     }
 
     /// The differences to the second level itself, which leaves nothing: where it is no level of accuracy.
@@ -77,6 +79,16 @@ impl HistoryDifference {
     pub fn without_remainder(self) -> Self {
         let none = Remainder { mean: 0.0, std: 0.0, of_points: 0.0, order: None };
         Self { remainders: vec![none; self.remainders.len()], ..self }
+    }
+
+    /// The differences to the last level, which is exact.
+    pub fn to_exact(pairs: &[HistoryPair<'_>]) -> Self {
+        let mut last = Vec::new();
+        for HistoryPair { point, finer: working, finest, .. } in pairs {
+            last.extend(finest.map(|finer| HistoryPair { point, working, finer, finest: None }));
+        }
+        let to_exact = (!last.is_empty()).then(|| Box::new(Self::new(&last).without_remainder()));
+        Self { to_exact, ..Self::new(pairs).without_remainder() }
     }
 
     /// The form in a word.
@@ -90,12 +102,19 @@ impl HistoryDifference {
             Some(kriged) => kriged.at(n, point),
             None => self.differences[n].at(value),
         };
-        difference + self.remainders[n].mean
+        let further = self.to_exact.as_ref().map_or(0.0, |further| further.at(n, value + difference, point));
+        difference + self.remainders[n].mean + further
     }
 
     /// Standard deviation of its error, common to all points [unit of the output].
     pub fn std_at(&self, n: usize, value: f64) -> f64 {
-        self.std_of_pairs(n, value).hypot(self.remainders[n].std)
+        let further = self.to_exact.as_ref().map_or(0.0, |further| further.std_at(n, value));
+        self.std_of_pairs(n, value).hypot(self.remainders[n].std).hypot(further)
+    }
+
+    /// The part of it that more points at the third level reduce [unit of the output].
+    pub fn std_of_thirds(&self, n: usize, value: f64) -> f64 {
+        self.to_exact.as_ref().map_or(self.remainders[n].of_points, |further| further.std_at(n, value))
     }
 
     /// The part of it that more pairs reduce [unit of the output].
@@ -108,7 +127,8 @@ impl HistoryDifference {
     /// Spread of the pairs around the difference at checkpoint `n`, which acts as noise [unit of the output]; where the difference follows
     /// the variables, all of it is in its error.
     pub fn rough(&self, n: usize) -> f64 {
-        if self.kriged.is_some() { 0.0 } else { self.differences[n].rough }
+        let own = if self.kriged.is_some() { 0.0 } else { self.differences[n].rough };
+        self.to_exact.as_ref().map_or(own, |further| own.hypot(further.rough(n)))
     }
 }
 
@@ -156,6 +176,18 @@ mod tests {
         let (error, stated) = (found.at(1, -0.8, &at) - wave(&at), found.std_at(1, -0.8));
         assert_eq!((found.form(), found.rough(1)), ("kriging", 0.0));
         assert!(error.abs() < 2.0 * stated && stated < 0.05, "{error} {stated}");
+        // An exact third level, at most of the points, off by another wave.
+        let exact: Vec<[f64; 2]> =
+            points.iter().zip(&finer).map(|(x, y)| y.map(|y| y + 0.2 * (x[0] - x[1]).cos())).collect();
+        let mut all = pairs.clone();
+        all.iter_mut().zip(&exact).take(12).for_each(|(pair, exact)| pair.finest = Some(exact));
+        let found = HistoryDifference::to_exact(&all);
+        let wanted = wave(&at) + 0.2 * (at[0] - at[1]).cos();
+        let (error, stated) = (found.at(1, -0.8, &at) - wanted, found.std_at(1, -0.8));
+        assert!(
+            error.abs() < 2.0 * stated && stated < 0.06 && found.std_of_thirds(1, -0.8) > 0.0,
+            "{error} {stated}"
+        );
         // As many pairs as variables do not tell a function from noise.
         assert_ne!(HistoryDifference::new(&pairs[..5]).form(), "kriging");
     }

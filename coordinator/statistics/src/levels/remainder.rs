@@ -5,8 +5,9 @@
 //!
 //!   q = b / a,   r = b + b q / (1 - q)   if 0 < q <= 1/2,   r = b   otherwise:
 //!
-//! a geometric series, half of whose sum beyond the third level is a standard deviation; where the levels do not converge like that,
-//! r is as uncertain as b itself. The observed order of convergence under halving is -log2(q). Without a third level r = 0, with a
+//! a geometric series, half of whose sum beyond the third level is a standard deviation, and to it come the errors s of a and b, by
+//! dr = (db - q^2 da) / (1 - q)^2, which share the second level: (s_b + q^2 s_a) / (1 - q)^2. Where the levels do not converge like
+//! that, r is as uncertain as b itself. The observed order of convergence under halving is -log2(q). Without a third level r = 0, with a
 //! standard deviation of |a| / 3: what a method of second order leaves.
 //!
 //! # Source
@@ -37,14 +38,16 @@ impl Remainder {
         if fine.is_empty() || coarse.len() != fine.len() {
             return Self { mean: 0.0, std: known.abs() / 3.0, of_points: 0.0, order: None };
         }
-        let a = coarse.iter().sum::<f64>() / coarse.len() as f64;
-        let pairs: Vec<(f64, f64)> = fine.iter().map(|difference| (0.0, *difference)).collect();
-        let difference = Difference::fit(&pairs, DifferenceForm::Constant);
-        let (b, scatter) = (difference.at(0.0), difference.std_at(0.0));
+        let mean = |differences: &[f64]| {
+            let pairs: Vec<(f64, f64)> = differences.iter().map(|difference| (0.0, *difference)).collect();
+            let difference = Difference::fit(&pairs, DifferenceForm::Constant);
+            (difference.at(0.0), difference.std_at(0.0))
+        };
+        let ((a, of_a), (b, scatter)) = (mean(coarse), mean(fine));
         let ratio = b / a;
         if ratio > 0.0 && ratio <= CONVERGES {
-            let (factor, beyond) = (1.0 / (1.0 - ratio), b * ratio / (1.0 - ratio));
-            let of_points = factor * scatter;
+            let beyond = b * ratio / (1.0 - ratio);
+            let of_points = (scatter + ratio * ratio * of_a) / (1.0 - ratio).powi(2);
             let std = of_points.hypot(0.5 * beyond);
             return Self { mean: b + beyond, std, of_points, order: Some(-ratio.log2()) };
         }
@@ -63,6 +66,15 @@ mod tests {
         let found = Remainder::new(&[12.0; 3], &[3.0; 3], 12.0);
         assert!((found.mean - 4.0).abs() < 1e-14 && (found.std - 0.5).abs() < 1e-14);
         assert!((found.order.unwrap() - 2.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn the_error_of_the_ratio_is_in_that_of_the_sum() {
+        // Three points each: errors of the means 4.303 / 1.96 / sqrt(3) times the spreads 1.2 and 0.3; q = 1/4.
+        let found = Remainder::new(&[10.8, 12.0, 13.2], &[2.7, 3.0, 3.3], 12.0);
+        let of_means = 4.303 / 1.96 / 3f64.sqrt();
+        let expected = of_means * (0.3 + 1.2 / 16.0) / 0.75f64.powi(2);
+        assert!((found.of_points / expected - 1.0).abs() < 1e-3, "{found:?}");
     }
 
     #[test]
