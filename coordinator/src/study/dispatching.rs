@@ -26,6 +26,7 @@ use std::time::Instant;
 struct Chunk {
     /// Number of its first request.
     first: u64,
+    /// Values of the variables `(size)(d,)` [SI].
     samples: Vec<Vec<f64>>,
     /// Outcomes by sample; `None` until received.
     outcomes: Vec<Option<ObservedOutcome>>,

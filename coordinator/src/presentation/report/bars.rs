@@ -118,6 +118,9 @@ impl NamedRows<'_> {
     pub fn draw(&self, paint: impl FnOnce(&mut RowChart<'_, '_>) -> Result<(), DrawError>) -> Drawing {
         let count = self.names.len() as f64;
         let legend = legend(self.legend);
+        // A tick that is the sum of steps misses 0 by their rounding.
+        let rounding = 1e-9 * (self.range.end - self.range.start);
+        let tick = |value: &f64| tick_label(if value.abs() < rounding { 0.0 } else { *value });
         let top = 10.0 + 20.0 * legend.rows as f64;
         draw(self.row * count + top + AXIS, |root| {
             let mut chart = ChartBuilder::on(root)
@@ -137,7 +140,7 @@ impl NamedRows<'_> {
                 .label_style(letters(LETTERS, Ink::Muted))
                 .axis_desc_style(letters(LETTERS, Ink::Ink))
                 .set_all_tick_mark_size(px(4.0))
-                .x_label_formatter(&|value| tick_label(*value))
+                .x_label_formatter(&tick)
                 .x_desc(self.axis)
                 .draw()?;
             paint(&mut chart)?;

@@ -30,7 +30,7 @@ pub struct HistoryDifference {
     form: DifferenceForm,
     /// To the second level, at each checkpoint `(m,)`.
     differences: Vec<Difference>,
-    /// The same as a function of the variables, where that predicts better.
+    /// To the second level as a function of the variables, where that predicts better.
     kriged: Option<KrigedDifference>,
     /// What the second level leaves, at each checkpoint `(m,)`.
     pub remainders: Vec<Remainder>,

@@ -98,6 +98,10 @@ pub fn sampling_correlation(before: &[u32], after: &[u32], by: (usize, usize)) -
     let n = before.len() as f64;
     let (first, second, both) = (first / n, second / n, both / n);
     let variance = first * (1.0 - first) * second * (1.0 - second);
+    if variance > 0.0 && both == first && both == second {
+        // Without the rounding errors of the quotient, which would leave the change of a study to itself an interval.
+        return 1.0;
+    }
     if variance > 0.0 { (both - first * second) / variance.sqrt() } else { 0.0 }
 }
 
@@ -137,6 +141,8 @@ mod tests {
     fn the_correlation_is_that_of_the_indicators() {
         let before = [0, 1, 2, 3];
         assert_eq!(sampling_correlation(&before, &before, (1, 1)), 1.0);
+        let many: Vec<u32> = (0..4001).map(|j| j % 7).collect();
+        assert!((0..6).all(|n| sampling_correlation(&many, &many, (n, n)) == 1.0));
         assert_eq!(sampling_correlation(&before, &[3, 2, 1, 0], (1, 1)), -1.0);
         assert_eq!(sampling_correlation(&before, &[0, 3, 0, 3], (1, 1)), 0.0);
         assert_eq!(sampling_correlation(&before, &before, (4, 1)), 0.0);
