@@ -2,7 +2,7 @@
 //! results are corrected by the differences.
 //!
 //! The first chunk has [`FIRST`] pairs at the second level, [`THIRD`] of them at the third level too. With n pairs and m points at the third
-//! level, whose scatter moves some R(n) by A and by B, more pairs or more points at the third level follow, whichever reduces A^2 + B^2 more
+//! level, whose scatter moves some R(n), counted around the curves with the correction of the nominal point, by A and by B, more pairs or more points at the third level follow, whichever reduces A^2 + B^2 more
 //! for its cost, A^2 / n / c against B^2 / m / c^2, where c is the cost of a level over that of the coarser one, that of the scene or [`LEVEL_COST`]. They end when
 //! hypot(A, B) is no larger than the error of the surrogates, when the whole half width of R(n) is that of `--target-error`, or with the
 //! cost of [`MOST`] times the evaluations at the working accuracy; while hypot(A, B) is above [`WIDE`], with what those evaluations would

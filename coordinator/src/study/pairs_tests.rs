@@ -107,3 +107,32 @@ fn levels_that_disagree_widen_the_interval() {
     assert!(upper - lower > 0.1 && numerical > 0.02, "{numerical} [{lower}, {upper}]");
     assert!(found.summary.levels.unwrap().differences[0].rough > 0.01);
 }
+
+#[test]
+fn an_exact_finest_level_that_differs_by_a_function_of_the_variables_is_followed() {
+    let text = "scene = { name = \"levels\" }\n\
+        simulator = { program = [\"closure\"], levels = [\"coarse\", \"fine\"], finest_is_exact = true }\n\
+        life = { cycles = 400, checkpoint_every = 100 }\n\
+        outputs = [{ name = \"y\", unit = \"\" }]\n\
+        limit_states = [{ name = \"limit\", output = \"y\", threshold = 6.0 }]\n\
+        variables = [{ name = \"a\", mean = 0.0, std = 1.0 }, { name = \"b\", mean = 0.0, std = 1.0 }]";
+    let source = SceneSource::parse(text, "levels").unwrap();
+    let scene = source.nominal();
+    let last = |level: u8, x: &[f64]| {
+        let exact = 6.0 + x[0] + 0.5 * x[1];
+        exact + if level == 0 { 0.5 + 0.8 * (1.3 * x[0] - x[1]).sin() } else { 0.0 }
+    };
+    let evaluate = |request: &Request| {
+        let y = last(request.level, &request.sample);
+        let history = (1..=4).map(|n| y - 0.5 * f64::from(4 - n)).collect();
+        Ok(Evaluation::from_histories((1..=4).map(|n| 100 * n).collect(), vec![history]))
+    };
+    let settings = Settings { samples: 20_000, seed: 3, ..Settings::from(scene) };
+    let mut evaluator = LocalEvaluator::new(2, evaluate);
+    let found =
+        run(scene, &settings, &mut evaluator, &mut InMemoryJournal::default(), &mut Silent).unwrap().summary;
+    let interval = found.reliability[3].interval_of("total").unwrap();
+    assert_eq!(found.levels.as_ref().unwrap().differences[0].form, "kriging");
+    assert!(interval.lower < 0.5 && 0.5 < interval.upper, "{interval:?}");
+    assert!(interval.upper - interval.lower < 0.2, "{interval:?}");
+}
