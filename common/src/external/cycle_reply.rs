@@ -1,3 +1,5 @@
+//! Requests for one cycle on worn surfaces, as they are asked for and as a program or a model receives them.
+//!
 //! The contacts of one cycle as a program gives them: read from JSON or CSV, closed over the period, and checked by name and field.
 //!
 //! | field | value | unit |
@@ -13,10 +15,13 @@
 //! One cycle as a table of comma-separated values: `time`, `JOINT.FIELD` as a reply names them, and the outputs, whose last value counts.
 
 use super::joint_cycle::{CycleJoint, JointCycle, check_joint, sampling_error, slopes};
+use super::program::SampleByName;
 use super::reply::{NoResult, by_name, is_non_finite_word, number, object, shown};
 use crate::evaluation_shape::LARGEST;
-use crate::scene::{JointKind, Scene};
+use crate::scene::{Condition, JointKind, Scene};
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 
 /// Longest gap between the last instant and the end of the cycle, in the longest steps between instants [1].
 const LONGEST_GAP: f64 = 1.5;
@@ -26,6 +31,45 @@ const ROUNDING: f64 = 1e-6;
 /// Fields of a joint besides its instants, in the order of the vectors of a model.
 pub(super) const FIELDS: [&str; 6] =
     ["force_x", "force_y", "angle", "sliding", "eccentricity_x", "eccentricity_y"];
+
+/// Radii of the surfaces of a joint at their control points, from angle zero on, at equal angles `(points,)` each [m].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WornRadii {
+    /// The bore, in the bushing's frame.
+    pub bushing: Vec<f64>,
+    /// The journal, in its body's frame.
+    pub journal: Vec<f64>,
+}
+
+/// A cycle as it is asked of a program.
+#[derive(Debug, Clone, Copy)]
+pub struct CycleRequest<'a> {
+    /// The scene of the sample, under the condition if it has any.
+    pub scene: &'a Scene,
+    /// The operating condition of the cycle.
+    pub condition: Option<&'a Condition>,
+    /// Cycles worn so far.
+    pub cycle: u32,
+    /// Name of the accuracy.
+    pub accuracy: &'a str,
+    /// Surfaces of every joint, by its name.
+    pub joints: &'a BTreeMap<String, WornRadii>,
+}
+
+/// The line of a request.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct CycleLine<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) id: Option<u64>,
+    pub(super) cycle: u32,
+    pub(super) sample: SampleByName<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) condition: Option<&'a str>,
+    pub(super) accuracy: &'a str,
+    pub(super) period: f64,
+    pub(super) joints: &'a BTreeMap<String, WornRadii>,
+    pub(super) outputs: &'a [&'a str],
+}
 
 /// What a reply has to give.
 #[derive(Debug, Clone, PartialEq)]

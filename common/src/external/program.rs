@@ -6,12 +6,11 @@
 //! same shape under `errors` if the program estimates any, or `{"id": 7, "failure": "..."}`. A process that exceeds the
 //! time limit is killed and replaced; a process that exits is replaced and gets the request once more.
 
-use super::error::SimulatorError;
 use super::guard::check_executable;
 use super::process::{LineError, Process};
 use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::results_file::{self, of_object};
-use super::slot::{SampleResult, Slot, SlotError, SlotRequest, StopSignal};
+use super::slot::{SampleResult, SimulatorError, Slot, SlotError, SlotRequest, StopSignal};
 use super::working_folder::{FileProgram, check_file};
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
@@ -168,7 +167,7 @@ fn start_error(program: &Program, reason: std::io::Error) -> SimulatorError {
 /// A slot with at most one running process.
 #[derive(Debug)]
 pub struct ProgramSlot {
-    setup: Arc<Setup>,
+    pub(super) setup: Arc<Setup>,
     number: usize,
     process: Option<Process>,
 }

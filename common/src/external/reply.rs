@@ -1,7 +1,6 @@
 //! Converts the reply of an external simulator into an evaluation; checks names, shapes and numbers against the scene.
 
-use super::error::SimulatorError;
-use super::slot::SlotError;
+use super::slot::{SimulatorError, SlotError};
 use crate::evaluation_shape::LARGEST;
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;

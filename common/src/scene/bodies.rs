@@ -67,14 +67,10 @@ fn drive(row: &mut Section) -> Option<Drive> {
             }
             table.map(Drive::Angle)
         }
-        (Some(_), Some(_)) => {
-            row.inconsistent_table("give either speed or angle, not both");
-            None
-        }
+        (Some(_), Some(_)) => row.inconsistent_table("give either speed or angle, not both").and(None),
         (None, None) => {
             let expected = format!("{}, or a table of it, or angle, a table", ANGULAR_VELOCITY.in_words());
-            row.missing("speed", expected);
-            None
+            row.missing("speed", expected).and(None)
         }
     }
 }

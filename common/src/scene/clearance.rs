@@ -107,8 +107,8 @@ fn bore_points(row: &mut Section) -> Option<ControlPoints> {
         Some(word) if word.as_str() == Some("auto") => Some(ControlPoints::ByArc),
         Some(word) if word.as_str().is_some() => {
             let (from, to) = (CONTROL_POINTS.start(), CONTROL_POINTS.end());
-            row.wrong_type("control_points", word, format!("a whole number {from} to {to}, or \"auto\""));
-            None
+            row.wrong_type("control_points", word, format!("a whole number {from} to {to}, or \"auto\""))
+                .and(None)
         }
         _ => control_points(row).map(ControlPoints::Number),
     }
@@ -129,8 +129,9 @@ pub(super) fn second_coefficient(
 ) -> Option<Option<f64>> {
     let found = row.quantity_if_any(key, INVERSE_PRESSURE, Range::NonNegative);
     if row.get(key).is_some() && surfaces.is_some_and(|surfaces| surfaces != WearingSurfaces::Both) {
-        row.inconsistent(key, "needs wears = \"both\"; a single surface that wears has wear_coefficient");
-        return None;
+        return row
+            .inconsistent(key, "needs wears = \"both\"; a single surface that wears has wear_coefficient")
+            .and(None);
     }
     found
 }
@@ -139,8 +140,9 @@ pub(super) fn second_coefficient(
 fn bushing_radius(row: &mut Section, journal_radius: Option<f64>) -> Option<f64> {
     if row.get("radial_clearance").is_some() {
         if row.get("bushing_radius").is_some() {
-            row.inconsistent_table("give either bushing_radius or radial_clearance, not both");
-            return None;
+            return row
+                .inconsistent_table("give either bushing_radius or radial_clearance, not both")
+                .and(None);
         }
         let clearance = row.quantity("radial_clearance", LENGTH, Range::Positive)?;
         let journal_radius = journal_radius?;
@@ -148,8 +150,7 @@ fn bushing_radius(row: &mut Section, journal_radius: Option<f64>) -> Option<f64>
             return Some(journal_radius + clearance);
         }
         let allowed = format!("smaller than journal_radius = {}", in_first_unit(journal_radius, LENGTH));
-        row.refuse("radial_clearance", clearance, LENGTH, allowed);
-        return None;
+        return row.refuse("radial_clearance", clearance, LENGTH, allowed).and(None);
     }
     let radius = row.quantity("bushing_radius", LENGTH, Range::Positive)?;
     let journal_radius = journal_radius?;
@@ -160,8 +161,7 @@ fn bushing_radius(row: &mut Section, journal_radius: Option<f64>) -> Option<f64>
         "larger than the journal and below twice that, journal_radius = {}",
         in_first_unit(journal_radius, LENGTH)
     );
-    row.refuse("bushing_radius", radius, LENGTH, allowed);
-    None
+    row.refuse("bushing_radius", radius, LENGTH, allowed).and(None)
 }
 
 /// Reads the name of a material under `key`.
@@ -188,22 +188,19 @@ pub(super) fn contact_damping(row: &mut Section) -> Option<ContactDamping> {
                 }
                 (None, Some(_)) => by_restitution(&mut damping),
                 (Some(_), Some(_)) => {
-                    damping.inconsistent_table("give either hunt_crossley or law, not both");
-                    return None;
+                    return damping
+                        .inconsistent_table("give either hunt_crossley or law, not both")
+                        .and(None);
                 }
                 (None, None) => {
                     let expected = format!("{}, or law with restitution", INVERSE_SPEED.in_words());
-                    damping.missing("hunt_crossley", expected);
-                    None
+                    damping.missing("hunt_crossley", expected).and(None)
                 }
             };
             damping.finish();
             found
         }
-        Some(other) => {
-            row.wrong_type("contact_damping", other, EXPECTED.to_owned());
-            None
-        }
+        Some(other) => row.wrong_type("contact_damping", other, EXPECTED.to_owned()).and(None),
     }
 }
 
@@ -256,7 +253,9 @@ fn wear(row: &mut Section) -> Option<Option<GuideWear>> {
     let given: Vec<&str> = keys.into_iter().filter(|key| row.get(key).is_some()).collect();
     if row.get("wears").is_none() {
         let needs = "needs wears = \"guide\", \"slider\" or \"both\": without it a guide does not wear";
-        given.iter().for_each(|key| row.inconsistent(key, needs));
+        for key in &given {
+            row.inconsistent(key, needs);
+        }
         return given.is_empty().then_some(None);
     }
     let wear = record!(GuideWear {
@@ -276,8 +275,7 @@ fn guide_clearance(row: &mut Section, height: Option<f64>) -> Option<f64> {
         return Some(clearance);
     }
     let allowed = format!("smaller than height = {}", in_first_unit(height, LENGTH));
-    row.refuse("clearance", clearance, LENGTH, allowed);
-    None
+    row.refuse("clearance", clearance, LENGTH, allowed).and(None)
 }
 
 /// The ends of the guide, between which there is room for the slider.
@@ -289,6 +287,5 @@ fn reach(row: &mut Section, length: Option<f64>) -> Option<[f64; 2]> {
         return Some([start, end]);
     }
     let least = in_first_unit(length, LENGTH);
-    row.inconsistent("guide_end", format!("leaves no room for the slider, whose length is {least}"));
-    None
+    row.inconsistent("guide_end", format!("leaves no room for the slider, whose length is {least}")).and(None)
 }

@@ -83,14 +83,15 @@ impl<'s> Context<'s> {
         }
     }
 
-    /// Records a fault at the path of a key.
-    pub(super) fn fault(&self, key: impl Into<String>, kind: FaultKind) {
+    /// Records a fault at the path of a key; `None`, in the place of the value.
+    pub(super) fn fault(&self, key: impl Into<String>, kind: FaultKind) -> Option<()> {
         self.faults.borrow_mut().push(Fault::new(self.origin, key, kind));
+        None
     }
 
     /// Records that a value contradicts another one.
-    pub(super) fn inconsistent(&self, key: impl Into<String>, message: impl Into<String>) {
-        self.fault(key, message.into().into());
+    pub(super) fn inconsistent(&self, key: impl Into<String>, message: impl Into<String>) -> Option<()> {
+        self.fault(key, message.into().into())
     }
 
     /// Number of faults so far.
@@ -107,15 +108,12 @@ impl<'s> Context<'s> {
     pub(super) fn read_parameters(&self, table: &'s Table) {
         self.parameters.borrow_mut().definitions = Some(table);
         for name in table.keys() {
-            match why_not_a_name(name) {
+            let _ = match why_not_a_name(name) {
                 Some(reason) => {
-                    let (value, reason) = (name.clone(), reason.to_owned());
-                    self.fault(format!("parameters.{name}"), FaultKind::BadName { value, reason });
+                    self.fault(format!("parameters.{name}"), FaultKind::BadName(name.clone(), reason))
                 }
-                None => {
-                    let _ = self.evaluated(name);
-                }
-            }
+                None => self.evaluated(name).ok().map(drop),
+            };
         }
     }
 
@@ -135,15 +133,14 @@ impl<'s> Context<'s> {
                 self.parameters.borrow_mut().close(value);
                 value
             }
-            Lookup::Circular(chain) => {
-                self.inconsistent(
+            Lookup::Circular(chain) => self
+                .inconsistent(
                     key,
                     format!(
                         "depends on itself, or through too many others: {chain}; give one of them a value"
                     ),
-                );
-                None
-            }
+                )
+                .and(None),
             Lookup::Undefined(nearest) => {
                 return Err(ExpressionError::UnknownName { name: name.to_owned(), nearest });
             }
@@ -169,40 +166,36 @@ impl<'s> Context<'s> {
             Value::String(text) => evaluate(text, &mut |name| self.parameter(name)),
             other => {
                 let expected = expected.map_or("a quantity", |kind| kind.name).to_owned();
-                self.wrong_type(key, other, expected);
-                return None;
+                return self.wrong_type(key, other, expected).and(None);
             }
         };
-        let shown = || value.to_string();
+        let without = |unit: &str, Kind { name, units, .. }: Kind| {
+            FaultKind::OfAValue(format!("{value} has no {unit}, expected {name} ({units}, ...)"))
+        };
         let kind = match (found, expected) {
-            (Ok(quantity), None) => return Some(quantity),
             (Ok(_), Some(expected)) if !value.is_str() && !expected.takes_bare_numbers() => {
-                FaultKind::NoUnit { value: shown(), unit: "unit", expected }
+                without("unit", expected)
             }
             (Ok(quantity), Some(expected)) if quantity.dimension != expected.dimension => {
                 // A text such as "5" has no unit either; "a plain number" would be a puzzling answer.
-                FaultKind::WrongUnit { value: shown(), found: quantity.dimension, expected }
+                FaultKind::wrong_unit(value, quantity.dimension, expected)
             }
-            (Ok(quantity), Some(expected)) if !expected.takes(quantity.angle) => {
-                let value = shown();
-                if quantity.angle == AngleUnit::Present {
-                    FaultKind::AngleUnit { value, expected }
-                } else {
-                    FaultKind::NoUnit { value, unit: "unit of angle", expected }
+            (Ok(quantity), Some(expected)) if !expected.takes(quantity.angle) => match quantity.angle {
+                AngleUnit::Present => {
+                    FaultKind::OfAValue(format!("{value} has a unit of angle, expected {}", expected.name))
                 }
-            }
-            (Ok(quantity), Some(_)) => return Some(quantity),
+                _ => without("unit of angle", expected),
+            },
+            (Ok(quantity), _) => return Some(quantity),
             (Err(ExpressionError::Broken(_)), _) => return None,
             (Err(error), _) => {
-                let (message, piece) = (advised(&error, expected), error.piece());
-                FaultKind::Expression { value: shown(), message, piece }
+                FaultKind::Expression(format!("{value}: {}", advised(&error, expected)), error.piece())
             }
         };
-        self.fault(key, kind);
-        None
+        self.fault(key, kind).and(None)
     }
 
-    pub(super) fn wrong_type(&self, key: &str, value: &Value, expected: String) {
+    pub(super) fn wrong_type(&self, key: &str, value: &Value, expected: String) -> Option<()> {
         let found = match value {
             Value::String(_) => "a text",
             Value::Integer(_) | Value::Float(_) => "a number",
@@ -215,7 +208,7 @@ impl<'s> Context<'s> {
             Value::Array(_) | Value::Table(_) => "the value".to_owned(),
             other => other.to_string(),
         };
-        self.fault(key, FaultKind::WrongType { value, found: found.to_owned(), expected });
+        self.inconsistent(key, format!("{value} is {found}, expected {expected}"))
     }
 
     /// A quantity at `key` within its range.
@@ -225,8 +218,7 @@ impl<'s> Context<'s> {
             return Some(quantity.value);
         }
         let value = self.shown(key, value, quantity.value, kind);
-        self.fault(key, FaultKind::OutOfRange { value, allowed: range.words() });
-        None
+        self.fault(key, FaultKind::out_of_range(value, range.words())).and(None)
     }
 
     /// A quantity at `key`, or a share of `whole` such as `"2 %"`.

@@ -135,12 +135,8 @@ impl<'t> CsvFile<'t> {
             // Without units, which are most of a short head.
             let near = nearest(split_unit(name).0, self.head.iter().map(|cell| split_unit(cell.text).0));
             let head = self.head.iter().find(|cell| Some(split_unit(cell.text).0) == near.as_deref());
-            FaultKind::UnknownReference {
-                what: "column",
-                value: name.to_owned(),
-                nearest: head.map(|cell| cell.text.to_owned()),
-                known: self.head.iter().map(|cell| cell.text.to_owned()).collect(),
-            }
+            let known: Vec<&str> = self.head.iter().map(|cell| cell.text).collect();
+            FaultKind::unknown_near("column", name, &head.map(|cell| cell.text.to_owned()), &known)
         })
     }
 

@@ -6,7 +6,7 @@
 use super::builtin;
 use super::csv_import::{SOURCE, import};
 use super::document::document;
-use super::faults::{FaultKind, Faults, nearest};
+use super::faults::{FaultKind, Faults, nearest, suggestion};
 use super::layers::{Layer, Layers};
 use crate::text_file::read_text;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ const COPY: &str = "scene.toml";
 /// Text of a scene file.
 ///
 /// # Errors
-/// [`FaultKind::Unreadable`].
+/// It cannot be read.
 pub(super) fn read(path: &Path) -> Result<String, Faults> {
     read_as(path, "the TOML file of a scene")
 }
@@ -35,7 +35,7 @@ pub(super) fn read(path: &Path) -> Result<String, Faults> {
 /// Text of an input file.
 ///
 /// # Errors
-/// [`FaultKind::Unreadable`].
+/// It cannot be read.
 pub fn read_input(path: &Path) -> Result<String, Faults> {
     read_as(path, "a text file")
 }
@@ -47,17 +47,15 @@ fn read_as(path: &Path, expected: &str) -> Result<String, Faults> {
             true => format!("it is a folder; the scene of a study is {}", copy.display()),
             false => why,
         };
-        Faults::one(&path.display().to_string(), "", FaultKind::Unreadable(message))
+        Faults::one(&path.display().to_string(), "", format!("cannot be read: {message}"))
     })
 }
 
 /// The fault of a name that is neither a built-in scene nor a file.
 pub(super) fn unknown_scene(name: &str) -> FaultKind {
     let known: Vec<&str> = builtin::SCENES.iter().map(|(name, _)| *name).collect();
-    FaultKind::UnknownScene {
-        nearest: nearest(name, known.iter().copied()),
-        known: known.into_iter().map(str::to_owned).collect(),
-    }
+    let meant = suggestion(&nearest(name, known.iter().copied()));
+    format!("no such scene or file{meant}; built-in scenes: {}", known.join(", ")).into()
 }
 
 /// The scene of a text, merged with all scenes that it extends, and their texts.
@@ -127,7 +125,8 @@ fn base(
     folder: Option<&Path>,
 ) -> Result<(String, String, Option<PathBuf>), Faults> {
     if depth == EXTENDS_LIMIT {
-        return Err(Faults::one(origin, KEY, FaultKind::ExtendsTooDeep(EXTENDS_LIMIT)));
+        let message = format!("`extends` goes through more than {EXTENDS_LIMIT} scenes: is it a circle?");
+        return Err(Faults::one(origin, KEY, message));
     }
     let Some(name) = extends.as_str() else {
         let message = format!("{extends} is not the name of a scene or file");

@@ -213,19 +213,20 @@ pub(super) fn mesh(
     };
     let (radii, axis, pressure) = (radii?, axis?, pressure?);
     if pressure.abs() > LARGEST_PRESSURE_ANGLE {
-        row.out_of_range("pressure_angle", format!("{:.1} deg", pressure.to_degrees()), "-45 deg to 45 deg");
-        return None;
+        return row
+            .out_of_range("pressure_angle", format!("{:.1} deg", pressure.to_degrees()), "-45 deg to 45 deg")
+            .and(None);
     }
     let (d, angles) = start_of(bodies, &places?)?;
     let [of_a, of_b] = radii;
     let distance = d[0].hypot(d[1]);
     if form == MeshForm::InternalGear && of_a == of_b {
-        row.inconsistent_table("radius_a and radius_b are equal: one wheel does not fit into the other");
-        return None;
+        return row
+            .inconsistent_table("radius_a and radius_b are equal: one wheel does not fit into the other")
+            .and(None);
     }
     if distance == 0.0 && !is_rack {
-        row.inconsistent_table("the centres of a and b coincide at the start");
-        return None;
+        return row.inconsistent_table("the centres of a and b coincide at the start").and(None);
     }
     // Direction of the line from a to b, and of the motion of the rack.
     let centres = (-d[1]).atan2(-d[0]);
@@ -261,10 +262,9 @@ pub(super) fn linear_drive(row: &mut Section) -> Option<Drive> {
         let table = over_time(row, "length", LENGTH, Repetition::Closed)?;
         return match table.value.iter().position(|length| *length <= 0.0) {
             None => Some(Drive::Angle(table)),
-            Some(k) => {
-                row.out_of_range(&format!("length.value.{}", k + 1), format!("{} m", table.value[k]), "> 0");
-                None
-            }
+            Some(k) => row
+                .out_of_range(&format!("length.value.{}", k + 1), format!("{} m", table.value[k]), "> 0")
+                .and(None),
         };
     }
     let length = row.quantity("length", LENGTH, Range::Positive);
@@ -279,8 +279,9 @@ pub(super) fn cam(row: &mut Section, bodies: &[BodyRow], places: Option<Places>)
     let (axis, Curve { over, table }, [_, cam]) = (axis?, lift?, places?);
     if over != Over::Angle(cam.body) {
         let cam = &bodies[cam.body].name;
-        row.inconsistent("lift", format!("is a curve over the angle of b: over = {{ angle = \"{cam}\" }}"));
-        return None;
+        return row
+            .inconsistent("lift", format!("is a curve over the angle of b: over = {{ angle = \"{cam}\" }}"))
+            .and(None);
     }
     Some(JointKind::Cam { direction: [axis.cos(), axis.sin()], lift: table })
 }

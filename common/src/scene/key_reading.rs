@@ -73,8 +73,7 @@ fn direction(row: &mut Section, key: &'static str) -> Option<[f64; 2]> {
     let [x, y] = row.pair(key, NUMBER)?;
     let length = (x * x + y * y).sqrt();
     if length == 0.0 || !length.is_finite() {
-        row.out_of_range(key, format!("[{x}, {y}]"), "a direction, e.g. [0, 1]");
-        return None;
+        return row.out_of_range(key, format!("[{x}, {y}]"), "a direction, e.g. [0, 1]").and(None);
     }
     Some([x / length, y / length])
 }
@@ -94,8 +93,9 @@ fn factor(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<Op
     let factor = curve_if_any(row, key, NUMBER, bodies)?;
     let least = factor.as_ref().map_or(0.0, |factor| factor.table.range()[0]);
     if least < 0.0 {
-        row.out_of_range(&format!("{key}.value"), least.to_string(), ">= 0: a drag slows down");
-        return None;
+        return row
+            .out_of_range(&format!("{key}.value"), least.to_string(), ">= 0: a drag slows down")
+            .and(None);
     }
     Some(factor)
 }
@@ -116,8 +116,7 @@ fn moves(row: &Section, key: &str, bodies: &[BodyRow], body: usize, word: Motion
     let fitting = bodies.iter().filter(|other| other.word == Some(word)).map(|other| other.name.as_str());
     let there_are = listed(fitting);
     let in_words = if word == MotionWord::Free { "free" } else { "driven" };
-    row.inconsistent(key, format!("body \"{}\" is not {in_words}{there_are}", bodies[body].name));
-    None
+    row.inconsistent(key, format!("body \"{}\" is not {in_words}{there_are}", bodies[body].name)).and(None)
 }
 
 /// Reads where the drives are held, if that is given: `input_angle`, and `input` unless there is only one driven body; the outer `None` if it
@@ -126,8 +125,7 @@ fn held_input(row: &mut Section, bodies: &[BodyRow]) -> Option<Option<HeldInput>
     let input = row.if_any("input", |row, key| moving_body(row, key, bodies, MotionWord::Driven));
     if row.get("input_angle").is_none() {
         if row.get("input").is_some() {
-            row.missing("input_angle", "an angle at which the input is held");
-            return None;
+            return row.missing("input_angle", "an angle at which the input is held").and(None);
         }
         return Some(None);
     }
@@ -138,14 +136,10 @@ fn held_input(row: &mut Section, bodies: &[BodyRow]) -> Option<Option<HeldInput>
     let mut driven = (0..bodies.len()).filter(|&body| bodies[body].word == Some(MotionWord::Driven));
     match (driven.next(), driven.next()) {
         (Some(only), None) => Some(Some(HeldInput { body: only, angle: angle? })),
-        (None, _) => {
-            row.inconsistent("input_angle", "there is no driven body that could be held");
-            None
-        }
-        (Some(_), Some(_)) => {
-            row.missing("input", "the name of the driven body that is held, since there are several");
-            None
-        }
+        (None, _) => row.inconsistent("input_angle", "there is no driven body that could be held").and(None),
+        (Some(_), Some(_)) => row
+            .missing("input", "the name of the driven body that is held, since there are several")
+            .and(None),
     }
 }
 
@@ -238,13 +232,13 @@ fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
         Some(_) => chosen_joints(row, joints)?,
     };
     if chosen.is_empty() {
-        row.inconsistent("joints", "there is no joint with clearance");
-        return None;
+        return row.inconsistent("joints", "there is no joint with clearance").and(None);
     }
     if let Some(ideal) = chosen.iter().map(|&k| &joints[k]).find(|joint| !has_clearance(joint)) {
         let there_are = listed(with_clearance());
-        row.inconsistent("joints", format!("joint \"{}\" has no clearance{there_are}", ideal.name));
-        return None;
+        return row
+            .inconsistent("joints", format!("joint \"{}\" has no clearance{there_are}", ideal.name))
+            .and(None);
     }
     Some(chosen)
 }

@@ -100,18 +100,18 @@ fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
         return fault;
     };
     let used = found.location(span_of(&found, &fault.kind));
-    if let FaultKind::Duplicate { what, value } = &fault.kind {
+    if let FaultKind::Duplicate(what, value) = &fault.kind {
         let first = find(layers, &format!("{what}.{value}"));
         fault.used_at = first.map(|first| Box::new(first.location(first.trace.value.clone())));
     }
-    let location =
-        match definition(layers, &found).filter(|_| found.trace.whole && fault.kind.is_of_a_value()) {
-            Some(definition) => {
-                fault.used_at = Some(Box::new(used));
-                definition.location(definition.trace.value.clone())
-            }
-            None => used,
-        };
+    let is_of_a_value = matches!(fault.kind, FaultKind::OfAValue(_));
+    let location = match definition(layers, &found).filter(|_| found.trace.whole && is_of_a_value) {
+        Some(definition) => {
+            fault.used_at = Some(Box::new(used));
+            definition.location(definition.trace.value.clone())
+        }
+        None => used,
+    };
     fault.file.clone_from(&location.file);
     fault.location = Some(Box::new(location));
     fault
@@ -121,8 +121,8 @@ fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
 fn span_of(found: &Found, kind: &FaultKind) -> Range<usize> {
     match kind {
         FaultKind::UnknownKey { .. } if found.trace.whole => found.trace.key.clone(),
-        FaultKind::BadName { value, .. } if is_key(found, value) => found.trace.key.clone(),
-        FaultKind::Expression { piece: Some(piece), .. } if found.trace.whole => {
+        FaultKind::BadName(value, _) if is_key(found, value) => found.trace.key.clone(),
+        FaultKind::Expression(_, Some(piece)) if found.trace.whole => {
             piece_in(found.source, &found.trace.value, piece).unwrap_or_else(|| found.trace.value.clone())
         }
         _ => found.trace.value.clone(),

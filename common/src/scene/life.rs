@@ -63,8 +63,7 @@ fn turn(life: &Section, name: &str, bodies: &[BodyRow]) -> Option<(f64, Option<u
     if let Some(driven) = bodies.iter().find(|body| body.word == Some(MotionWord::Driven)) {
         let message =
             format!("is a turn of a body, but the drive of {} sets the cycle: write a time", driven.name);
-        life.inconsistent("period", message);
-        return None;
+        return life.inconsistent("period", message).and(None);
     }
     match bodies[body].motion {
         Some(Motion::Free { start_speed: Some(speed), .. }) if speed != 0.0 => {
@@ -72,13 +71,11 @@ fn turn(life: &Section, name: &str, bodies: &[BodyRow]) -> Option<(f64, Option<u
         }
         Some(Motion::Free { .. }) => {
             let expected = "about the speed at which it turns once settled, since a turn of it is the cycle";
-            life.cx.fault(format!("bodies.{name}.start_speed"), FaultKind::Missing(expected.into()));
-            None
+            life.cx.fault(format!("bodies.{name}.start_speed"), FaultKind::Missing(expected.into())).and(None)
         }
-        Some(_) => {
-            life.inconsistent("period", format!("is a turn of {name}, which does not turn: it is fixed"));
-            None
-        }
+        Some(_) => life
+            .inconsistent("period", format!("is a turn of {name}, which does not turn: it is fixed"))
+            .and(None),
         // Its own fault comes first.
         None => None,
     }
@@ -132,8 +129,7 @@ fn period_of_drive(life: &Section, bodies: &[BodyRow], strokes: &[(&str, &Drive)
         },
         _ => format!("a time: the scene has {} driven bodies, not one", driven.len()),
     };
-    life.missing("period", expected);
-    None
+    life.missing("period", expected).and(None)
 }
 
 /// Time after which a drive repeats itself [s].

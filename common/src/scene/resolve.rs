@@ -50,7 +50,7 @@ pub(super) fn resolve(
     if let Some(parameters) = file.get("parameters") {
         match parameters.as_table() {
             Some(table) => cx.read_parameters(table),
-            None => file.wrong_type("parameters", parameters, "a table"),
+            None => drop(file.wrong_type("parameters", parameters, "a table")),
         }
     }
     let variables_written = document.get("variables").and_then(toml::Value::as_array).map_or(0, Vec::len);
@@ -101,7 +101,7 @@ pub(super) fn resolve(
 /// The faults without those of references where a name of the same list is given twice: it is the one that they miss.
 fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
     let twice = |list: &str, faults: &[Fault]| {
-        faults.iter().any(|fault| matches!(&fault.kind, FaultKind::Duplicate { what, .. } if what == list))
+        faults.iter().any(|fault| matches!(&fault.kind, FaultKind::Duplicate(what, _) if what == list))
     };
     for (list, missed) in [
         ("bodies", &["body", "point", "quantity"][..]),
@@ -111,9 +111,9 @@ fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
         ("variables", &["random variable"]),
     ] {
         if twice(list, &faults) {
-            faults.retain(|fault| {
-                !matches!(&fault.kind, FaultKind::UnknownReference { what, .. } if missed.contains(what))
-            });
+            faults.retain(
+                |fault| !matches!(&fault.kind, FaultKind::UnknownReference(what, _) if missed.contains(what)),
+            );
         }
     }
     faults
@@ -295,12 +295,11 @@ fn levels(section: &mut Section) -> Option<Levels> {
     let named = names.iter().map(|name| accuracy(section, "levels", name));
     let levels: Vec<NamedAccuracy> = named.collect::<Option<_>>()?;
     match LevelsError::of(&levels) {
-        Some(error) => section.inconsistent("levels", error.to_string()),
-        None => return Some((single.unwrap_or_else(|| levels[0].clone()), levels)),
+        Some(error) => section.inconsistent("levels", error.to_string()).and(None),
+        None => Some((single.unwrap_or_else(|| levels[0].clone()), levels)),
     }
-    None
 }
 
 fn accuracy(section: &Section, key: &str, name: &str) -> Option<NamedAccuracy> {
-    name.parse().map_err(|error: AccuracyNameError| section.fault(key, FaultKind::Accuracy(error))).ok()
+    name.parse().map_err(|error: AccuracyNameError| section.inconsistent(key, error.to_string())).ok()
 }

@@ -1,9 +1,11 @@
 //! One table of a file while it is read: its values by key, and at the end a fault for every key that was not
-//! read. What is wrong is recorded in the context of the pass; a method then returns `None` and reading continues.
+//! read. What is wrong is recorded in the context of the pass; a method then returns `None` and reading continues. What records a
+//! fault returns `None` too, so that a reader gives `.and(None)` of it in the place of its value.
 
 use super::context::{Context, Range};
 use super::faults::{FaultKind, Faults, nearest};
 use super::quantity::Kind;
+use std::fmt::Display;
 use std::ops::RangeInclusive;
 use toml::{Table, Value};
 
@@ -37,8 +39,8 @@ impl<'s> Section<'s> {
     }
 
     /// Records a fault at a key.
-    pub fn fault(&self, key: &str, kind: FaultKind) {
-        self.cx.fault(self.key(key), kind);
+    pub fn fault(&self, key: &str, kind: FaultKind) -> Option<()> {
+        self.cx.fault(self.key(key), kind)
     }
 
     /// Number of faults of the file so far.
@@ -52,34 +54,34 @@ impl<'s> Section<'s> {
     }
 
     /// Records that the value of a key contradicts something.
-    pub fn inconsistent(&self, key: &str, message: impl Into<String>) {
-        self.cx.inconsistent(self.key(key), message);
+    pub fn inconsistent(&self, key: &str, message: impl Into<String>) -> Option<()> {
+        self.cx.inconsistent(self.key(key), message)
     }
 
     /// Records that keys of this table contradict each other.
-    pub(super) fn inconsistent_table(&self, message: impl Into<String>) {
-        self.cx.inconsistent(&self.path, message);
+    pub(super) fn inconsistent_table(&self, message: impl Into<String>) -> Option<()> {
+        self.cx.inconsistent(&self.path, message)
     }
 
     /// Records that a value is not in its range.
-    pub fn out_of_range(&self, key: &str, value: impl Into<String>, allowed: impl Into<String>) {
-        self.fault(key, FaultKind::OutOfRange { value: value.into(), allowed: allowed.into() });
+    pub fn out_of_range(&self, key: &str, value: impl Display, allowed: impl Display) -> Option<()> {
+        self.fault(key, FaultKind::out_of_range(value, allowed))
     }
 
     /// Records that a key is missing.
-    pub fn missing(&self, key: &str, expected: impl Into<String>) {
-        self.fault(key, FaultKind::Missing(expected.into()));
+    pub fn missing(&self, key: &str, expected: impl Into<String>) -> Option<()> {
+        self.fault(key, FaultKind::Missing(expected.into()))
     }
 
     /// Records that a value has another type of TOML value.
-    pub fn wrong_type(&self, key: &str, value: &Value, expected: impl Into<String>) {
-        self.cx.wrong_type(&self.key(key), value, expected.into());
+    pub fn wrong_type(&self, key: &str, value: &Value, expected: impl Into<String>) -> Option<()> {
+        self.cx.wrong_type(&self.key(key), value, expected.into())
     }
 
     /// Records that a quantity is not in the range that another one sets.
-    pub(super) fn refuse(&self, key: &str, value: f64, kind: Kind, allowed: String) {
+    pub(super) fn refuse(&self, key: &str, value: f64, kind: Kind, allowed: String) -> Option<()> {
         let written = self.peek(key).expect("the value was read");
-        self.out_of_range(key, self.cx.shown(&self.key(key), written, value, kind), allowed);
+        self.out_of_range(key, self.cx.shown(&self.key(key), written, value, kind), allowed)
     }
 
     /// Index of `name` among `known`, or a fault at `key` with the nearest of them.
@@ -223,15 +225,12 @@ impl<'s> Section<'s> {
         let list = value.as_array().map(Vec::as_slice);
         if let Some(entries) = list.filter(|entries| entries.len() != 2) {
             let (count, are) = (entries.len(), if entries.len() == 1 { "entry" } else { "entries" });
-            self.inconsistent(
-                key,
-                format!("has {count} {are}, expected a pair [x, y]: everything is planar"),
-            );
-            return None;
+            return self
+                .inconsistent(key, format!("has {count} {are}, expected a pair [x, y]: everything is planar"))
+                .and(None);
         }
         let Some([x, y]) = list else {
-            self.wrong_type(key, value, format!("a pair [x, y], each {}", kind.name));
-            return None;
+            return self.wrong_type(key, value, format!("a pair [x, y], each {}", kind.name)).and(None);
         };
         let path = self.key(key);
         let x = self.cx.quantity(&format!("{path}.x"), x, kind, Range::Any);
@@ -266,11 +265,10 @@ impl<'s> Section<'s> {
             (None, None) => return self.require(key, || format!("a whole number {allowed}")).and(None),
         };
         match value.as_integer() {
-            Some(n) if range.contains(&n) => return Some(n),
-            Some(n) => self.out_of_range(key, n.to_string(), allowed),
-            None => self.wrong_type(key, value, format!("a whole number {allowed}")),
+            Some(n) if range.contains(&n) => Some(n),
+            Some(n) => self.out_of_range(key, n, allowed).and(None),
+            None => self.wrong_type(key, value, format!("a whole number {allowed}")).and(None),
         }
-        None
     }
 }
 

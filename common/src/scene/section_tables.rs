@@ -34,8 +34,7 @@ impl<'s> Section<'s> {
         if let Some(table) = value.as_table() {
             return Some(Section::new(self.cx, self.key(key), table));
         }
-        self.wrong_type(key, value, expected);
-        None
+        self.wrong_type(key, value, expected).and(None)
     }
 
     /// The rows of a list of tables without names; their paths have their numbers, from 1.
@@ -72,12 +71,12 @@ impl<'s> Section<'s> {
         for mut row in self.unnamed_rows(key) {
             let Some(name) = row.text("name", "a name") else { continue };
             if rows.iter().any(|(taken, _)| *taken == name) {
-                row.fault("name", FaultKind::Duplicate { what: path.clone(), value: name.to_owned() });
+                row.fault("name", FaultKind::Duplicate(path.clone(), name.to_owned()));
                 continue;
             }
             if name.is_empty() || name.contains('.') || name.contains(char::is_control) {
-                let reason = "names are not empty and have no dots or control characters".to_owned();
-                row.fault("name", FaultKind::BadName { value: name.to_owned(), reason });
+                let reason = "names are not empty and have no dots or control characters";
+                row.fault("name", FaultKind::BadName(name.to_owned(), reason));
                 continue;
             }
             row.path = format!("{path}.{name}");
@@ -99,8 +98,7 @@ impl Section<'_> {
             Value::Table(table) => with_one_unit(Section::new(self.cx, self.key(key), table), kind),
             other => {
                 let expected = format!("a list, each {}, or {{ unit, values }}", kind.in_words());
-                self.wrong_type(key, other, expected);
-                None
+                self.wrong_type(key, other, expected).and(None)
             }
         }
     }
@@ -111,10 +109,7 @@ fn with_one_unit(mut list: Section, kind: Kind) -> Option<Vec<f64>> {
     let before = list.cx.fault_count();
     let unit = match list.get("unit") {
         None if kind.takes_bare_numbers() => Some(""),
-        None => {
-            list.missing("unit", format!("the unit of {}", kind.in_words()));
-            None
-        }
+        None => list.missing("unit", format!("the unit of {}", kind.in_words())).and(None),
         Some(_) => list.text("unit", "a unit, e.g. \"mm\""),
     };
     let values = list.require("values", || "a list of numbers".to_owned());
@@ -126,8 +121,7 @@ fn with_one_unit(mut list: Section, kind: Kind) -> Option<Vec<f64>> {
         list.cx.value(&list.key("unit"), &Value::String(format!("1 {unit}")), Some(kind))?;
     }
     let Value::Array(values) = values? else {
-        list.wrong_type("values", values?, "a list of numbers");
-        return None;
+        return list.wrong_type("values", values?, "a list of numbers").and(None);
     };
     let found = all(values.iter().enumerate().map(|(i, value)| {
         let number = match value {
@@ -135,8 +129,7 @@ fn with_one_unit(mut list: Section, kind: Kind) -> Option<Vec<f64>> {
             Value::Float(number) => *number,
             other => {
                 let expected = "a number: the unit stands beside the list";
-                list.wrong_type(&format!("values.{}", i + 1), other, expected);
-                return None;
+                return list.wrong_type(&format!("values.{}", i + 1), other, expected).and(None);
             }
         };
         // With the bits of the same value written with its unit.

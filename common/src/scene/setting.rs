@@ -70,7 +70,6 @@ impl SceneSource {
         let is_path = name.contains('.') && keys.clone().next().is_some();
         let (what, known): (_, Vec<&str>) =
             if is_path { ("quantity", keys.collect()) } else { ("variable", variables.collect()) };
-        let known = known.into_iter().map(str::to_owned).collect();
-        FaultKind::UnknownReference { what, value: name.to_owned(), nearest, known }
+        FaultKind::unknown_near(what, name, &nearest, &known)
     }
 }

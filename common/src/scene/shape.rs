@@ -68,8 +68,7 @@ fn density(shape: &mut Section, materials: &[MaterialRow]) -> Option<f64> {
         return shape.quantity("density", DENSITY, Range::Positive);
     }
     if own {
-        shape.inconsistent_table("give either material or density, not both");
-        return None;
+        return shape.inconsistent_table("give either material or density, not both").and(None);
     }
     let name = shape.text("material", "the name of a material")?;
     let known = materials.iter().map(|material| material.name.as_str());

@@ -63,14 +63,11 @@ fn kind(section: &mut Section) -> Option<SimulatorKind> {
         [false, false, false] => {
             let expected = "a program, e.g. program = [\"python3\", \"beam.py\"], an FMU, e.g. fmu = \"beam.fmu\", or a server, \
                             e.g. umbridge = \"http://127.0.0.1:4242\"";
-            section.missing("program", expected);
-            None
+            section.missing("program", expected).and(None)
         }
-        _ => {
-            section
-                .inconsistent_table("has more than one of program, fmu and umbridge, expected one of them");
-            None
-        }
+        _ => section
+            .inconsistent_table("has more than one of program, fmu and umbridge, expected one of them")
+            .and(None),
     }
 }
 
@@ -94,8 +91,7 @@ fn fmu(section: &mut Section) -> Option<Program> {
 fn mapping(section: &Section, before: &str, map: &Value) -> Option<Vec<String>> {
     let expected = "a table of variables of the FMU by name, e.g. { \"*.angle\" = \"*_phi\", peak = \"largest(torque)\" }";
     let Some(map) = map.as_table() else {
-        section.wrong_type("map", map, expected);
-        return None;
+        return section.wrong_type("map", map, expected).and(None);
     };
     let pair = |(name, value): (&String, &Value)| match value.as_str() {
         Some(variable) => Some(vec![format!("{before}{name}={variable}")]),
@@ -155,8 +151,7 @@ fn with_levels<T>(
 ) -> Option<T> {
     if section.peek(key).is_some() && section.peek("levels").is_none() {
         section.get(key);
-        section.inconsistent(key, "belongs to levels, of which there are none");
-        return None;
+        return section.inconsistent(key, "belongs to levels, of which there are none").and(None);
     }
     read(section, key)
 }
@@ -167,8 +162,7 @@ fn program(section: &mut Section) -> Option<Program> {
     let exchange = exchange(section);
     let command: Vec<String> = command?.into_iter().map(str::to_owned).collect();
     if command.first().is_none_or(String::is_empty) {
-        section.inconsistent("program", "is empty, expected a program and its arguments");
-        return None;
+        return section.inconsistent("program", "is empty, expected a program and its arguments").and(None);
     }
     Some(Program { command, folder: folder?.to_owned(), exchange: exchange?, fmu: None })
 }
@@ -179,11 +173,9 @@ fn exchange(section: &mut Section) -> Option<Exchange> {
         let needs = ["templates", "files"].into_iter().filter(|key| section.get(key).is_some());
         return match needs.collect::<Vec<_>>().as_slice() {
             [] => Some(Exchange::Lines),
-            _ => {
-                section
-                    .missing("results", "the file that the program writes, e.g. results = \"results.out\"");
-                None
-            }
+            _ => section
+                .missing("results", "the file that the program writes, e.g. results = \"results.out\"")
+                .and(None),
         };
     }
     let results = section.text("results", "the name of a file, e.g. \"results.out\"").map(str::to_owned);
@@ -198,21 +190,20 @@ fn exchange(section: &mut Section) -> Option<Exchange> {
     ];
     for (key, names) in keys {
         if let Some(name) = names.into_iter().find(|name| !is_inner(name)) {
-            section.out_of_range(key, format!("\"{name}\""), "a relative path without ..");
-            return None;
+            return section.out_of_range(key, format!("\"{name}\""), "a relative path without ..").and(None);
         }
     }
     let twice = inputs().enumerate().find(|(k, name)| inputs().take(*k).any(|other| other == *name));
     if let Some((_, name)) = twice {
-        section.inconsistent("results", format!("goes with \"{name}\", which is named twice as an input"));
-        return None;
+        return section
+            .inconsistent("results", format!("goes with \"{name}\", which is named twice as an input"))
+            .and(None);
     }
     if inputs().any(|name| *name == exchange.results || *name == REQUEST_FILE)
         || exchange.results == REQUEST_FILE
     {
         let message = format!("and {REQUEST_FILE} are written for each evaluation, and cannot be inputs");
-        section.inconsistent("results", message);
-        return None;
+        return section.inconsistent("results", message).and(None);
     }
     Some(Exchange::Files(exchange))
 }
@@ -234,15 +225,11 @@ fn umbridge(section: &mut Section) -> Option<UmBridgeModel> {
     let config = match section.get("config") {
         None => Some(Table::new()),
         Some(Value::Table(config)) => Some(config.clone()),
-        Some(other) => {
-            section.wrong_type("config", other, "a table");
-            None
-        }
+        Some(other) => section.wrong_type("config", other, "a table").and(None),
     };
     let url = url?.trim_end_matches('/');
     if url.strip_prefix("http://").is_none_or(str::is_empty) {
-        section.out_of_range("umbridge", format!("\"{url}\""), "http://HOST:PORT");
-        return None;
+        return section.out_of_range("umbridge", format!("\"{url}\""), "http://HOST:PORT").and(None);
     }
     Some(UmBridgeModel { url: url.to_owned(), model: model?.to_owned(), config: config? })
 }
@@ -307,8 +294,7 @@ fn values(row: &mut Section, checkpoints: Option<usize>) -> Option<bool> {
         return Some(true);
     }
     let allowed = format!("1, or one for each of the {checkpoints} checkpoints of the life");
-    row.out_of_range("values", values.to_string(), allowed);
-    None
+    row.out_of_range("values", values.to_string(), allowed).and(None)
 }
 
 /// Sets the folder in which the program of a scene file runs: that of the file, or its `folder` relative to it, and that of its `journal`.

@@ -242,8 +242,10 @@ impl SceneSource {
     pub fn resolve_sample(&self, sample: &[f64]) -> Result<Scene, Faults> {
         let expected = self.variables().len();
         if sample.len() != expected {
-            let kind = FaultKind::SampleLength { found: sample.len(), expected };
-            return Err(Faults::one(&self.origin, "", kind));
+            let found = sample.len();
+            let message =
+                format!("a sample of {found} values was given, the scene has {expected} random variables");
+            return Err(Faults::one(&self.origin, "", message));
         }
         let pairs = self.variables().iter().zip(sample);
         let overrides =
@@ -323,10 +325,15 @@ impl SceneSource {
                 sample[i] = bound;
                 if let Err(Faults(found)) = self.resolve_sample(&sample) {
                     let fault = found.first().map(|fault| format!("{}: {}", fault.key, fault.kind));
-                    let value = in_unit(bound, &variable.unit);
-                    let fault = fault.unwrap_or_default();
-                    let kind = FaultKind::BoundOutsidePhysics { value, hard, fault };
-                    faults.push(Fault::new(&self.origin, format!("variables.{}", variable.name), kind));
+                    let (value, fault) = (in_unit(bound, &variable.unit), fault.unwrap_or_default());
+                    let (end, remedy) = match hard {
+                        true => ("a bound", "use a smaller std or truncation, or lower and upper"),
+                        false => ("a 1e-6 tail quantile", "use a smaller std, or a distribution with bounds"),
+                    };
+                    let message = format!(
+                        "at {value}, {end} of this variable, the scene is invalid: {fault}; {remedy}"
+                    );
+                    faults.push(Fault::new(&self.origin, format!("variables.{}", variable.name), message));
                 }
             }
         }

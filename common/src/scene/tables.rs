@@ -56,8 +56,7 @@ pub(super) fn curve(row: &mut Section, key: &'static str, kind: Kind, bodies: &[
     if table.repeat && matches!(over, Over::Angle(_)) && repetitions(TAU, span(&table)).is_none() {
         let span = in_first_unit(span(&table), ANGLE);
         let message = format!("repeats every {span}, and 360 deg is not a multiple of that");
-        section.inconsistent("at", message);
-        return None;
+        return section.inconsistent("at", message).and(None);
     }
     Some(Curve { over, table })
 }
@@ -72,11 +71,12 @@ fn over(section: &mut Section, bodies: &[BodyRow]) -> Option<Over> {
     over.finish();
     let found = found?;
     if bodies[found].word == Some(MotionWord::Fixed) {
-        over.inconsistent(
-            "angle",
-            format!("the angle of \"{}\" does not change: it is fixed", bodies[found].name),
-        );
-        return None;
+        return over
+            .inconsistent(
+                "angle",
+                format!("the angle of \"{}\" does not change: it is fixed", bodies[found].name),
+            )
+            .and(None);
     }
     Some(Over::Angle(found))
 }
@@ -125,8 +125,7 @@ fn points(
             let message = format!(
                 "starts with {first} and ends with {last}: a table that repeats ends with the value it starts with"
             );
-            section.inconsistent("value", message);
-            return None;
+            return section.inconsistent("value", message).and(None);
         }
         value[end] = first;
     }

@@ -21,10 +21,7 @@ fn read_shown(section: &mut Section, key: &'static str, kind: Kind) -> Option<Op
     let symbol = section.text(key, &format!("the unit of {}", kind.in_words()))?;
     match read_quantity(&format!("1 {symbol}"), kind) {
         Ok(si) => Some(Some(ShownUnit { symbol: symbol.to_owned(), si })),
-        Err(fault) => {
-            section.fault(key, fault);
-            None
-        }
+        Err(fault) => section.fault(key, fault).and(None),
     }
 }
 

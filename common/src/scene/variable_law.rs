@@ -157,12 +157,12 @@ impl WrittenLaw {
         if std > 0.0 && std.is_finite() {
             return Some(std);
         }
-        row.out_of_range("std", written.to_string(), "> 0; distribution = \"constant\" holds it fixed");
-        None
+        row.out_of_range("std", written.to_string(), "> 0; distribution = \"constant\" holds it fixed")
+            .and(None)
     }
 
     /// Records a parameter that the distribution does not allow, in the units of the scene.
-    fn refuse(&self, row: &Section, error: LawError, kind: Kind) {
+    fn refuse(&self, row: &Section, error: LawError, kind: Kind) -> Option<()> {
         let shown = |value| in_first_unit(value, kind);
         match error {
             LawError::OutOfRange { parameter, value, above, below } => {
@@ -173,7 +173,7 @@ impl WrittenLaw {
                     (false, false) => "any finite number".to_owned(),
                 };
                 let written = self.values.get(parameter).map(Value::to_string);
-                row.out_of_range(parameter, written.unwrap_or_else(|| shown(value)), allowed);
+                row.out_of_range(parameter, written.unwrap_or_else(|| shown(value)), allowed)
             }
             LawError::NotEnclosed { parameter, value, lower, upper } => {
                 let message = format!(
@@ -217,8 +217,7 @@ impl WrittenFit {
             Ok((feature, mean, std)) => Some(Self { written: written.to_owned(), feature, mean, std }),
             Err(error) => {
                 let key = if matches!(error, ToleranceError::Diameter(_)) { "diameter" } else { "fit" };
-                row.inconsistent(key, error.to_string());
-                None
+                row.inconsistent(key, error.to_string()).and(None)
             }
         }
     }
@@ -227,8 +226,7 @@ impl WrittenFit {
     fn moments(&self, row: &Section, kind: Kind, changes: &[String]) -> Option<(f64, f64)> {
         let value = format!("\"{}\"", self.written);
         if kind.dimension != LENGTH.dimension {
-            row.fault("fit", FaultKind::WrongUnit { value, found: LENGTH.dimension, expected: kind });
-            return None;
+            return row.fault("fit", FaultKind::wrong_unit(value, LENGTH.dimension, kind)).and(None);
         }
         for changed in changes {
             let field = changed.rsplit('.').next().unwrap_or(changed);
@@ -247,8 +245,9 @@ impl WrittenFit {
                 }
                 _ => continue,
             };
-            row.inconsistent("fit", format!("{value} {refused}; the variable changes \"{changed}\""));
-            return None;
+            return row
+                .inconsistent("fit", format!("{value} {refused}; the variable changes \"{changed}\""))
+                .and(None);
         }
         Some((self.mean, self.std))
     }

@@ -80,8 +80,9 @@ fn variable(name: &str, row: &mut Section, changes: Option<Vec<String>>, scene: 
                 let bare = changes.is_empty() && dimension == Dimension::NONE && found.is_ok();
                 let mean = distribution.mean();
                 let advice = if bare { format!("; write mean = \"{mean} {unit}\"") } else { String::new() };
-                row.inconsistent("unit", format!("\"{unit}\" is not a unit of {dimension}{advice}"));
-                return None;
+                return row
+                    .inconsistent("unit", format!("\"{unit}\" is not a unit of {dimension}{advice}"))
+                    .and(None);
             }
         },
         None => {
@@ -126,8 +127,7 @@ fn nominal(
 ) -> Option<Quantity> {
     if changes.is_empty() {
         let Some((key, written)) = located else {
-            row.missing("mean", "the mean of this input, a quantity or a plain number");
-            return None;
+            return row.missing("mean", "the mean of this input, a quantity or a plain number").and(None);
         };
         return row.cx.value(&row.key(key), &written, None);
     }
@@ -142,8 +142,7 @@ fn nominal(
             None => first = Some(found),
             Some(first) if first.dimension != found.dimension => {
                 let message = format!("\"{key}\" is {}, the others are {}", found.dimension, first.dimension);
-                row.inconsistent("changes", message);
-                return None;
+                return row.inconsistent("changes", message).and(None);
             }
             Some(first) if first.value != found.value && takes_nominal => {
                 let message = format!(
@@ -151,8 +150,7 @@ fn nominal(
                     in_first_unit(first.value, first.kind()),
                     in_first_unit(found.value, found.kind())
                 );
-                row.inconsistent("changes", message);
-                return None;
+                return row.inconsistent("changes", message).and(None);
             }
             Some(_) => {}
         }
@@ -165,8 +163,7 @@ fn changes(row: &mut Section) -> Option<Vec<String>> {
     let changes = row.texts("changes", "a list of keys, e.g. [\"parameters.rod_length\"]")?;
     if changes.is_empty() {
         let message = "is empty: the variable would change nothing; give the keys that it sets";
-        row.inconsistent("changes", message);
-        return None;
+        return row.inconsistent("changes", message).and(None);
     }
     Some(changes.into_iter().map(str::to_owned).collect())
 }
@@ -212,7 +209,7 @@ fn measured(
         FitError::NotPositive(place) => {
             let value = in_first_unit(samples[place], nominal.kind());
             let allowed = "> 0 in this family; `fit = \"normal\"` takes all values";
-            row.out_of_range(&format!("samples.{}", place + 1), value, allowed);
+            row.out_of_range(&format!("samples.{}", place + 1), value, allowed)
         }
         FitError::Law(error) => row.inconsistent("fit", error.to_string()),
         other => row.inconsistent("samples", other.to_string()),
@@ -266,10 +263,7 @@ pub(super) fn correlations(
         let names = row.texts("variables", expected);
         let pair = names.and_then(|names| match names[..] {
             [a, b] if a != b => Some([a, b]),
-            _ => {
-                row.inconsistent("variables", format!("is not {expected}"));
-                None
-            }
+            _ => row.inconsistent("variables", format!("is not {expected}")).and(None),
         });
         let coefficient = coefficient(&mut row);
         row.finish();
@@ -278,8 +272,9 @@ pub(super) fn correlations(
             let names = variables.iter().map(|(name, _)| *name);
             let i = row.reference("variables", "random variable", name, names)?;
             if variables[i].1.as_ref().is_some_and(|(variable, _)| variable.distribution.is_constant()) {
-                row.inconsistent("variables", format!("\"{name}\" is constant and cannot be correlated"));
-                return None;
+                return row
+                    .inconsistent("variables", format!("\"{name}\" is constant and cannot be correlated"))
+                    .and(None);
             }
             Some(i)
         };
@@ -310,18 +305,15 @@ fn coefficient(row: &mut Section) -> Option<f64> {
         (Some(_), None) => "coefficient",
         (None, Some(_)) => "rank",
         (Some(_), Some(_)) => {
-            row.inconsistent_table("give either coefficient or rank, not both");
-            return None;
+            return row.inconsistent_table("give either coefficient or rank, not both").and(None);
         }
         (None, None) => {
-            row.missing("coefficient", "a number between -1 and 1, or rank");
-            return None;
+            return row.missing("coefficient", "a number between -1 and 1, or rank").and(None);
         }
     };
     let value = row.quantity(key, NUMBER, Range::Any)?;
     if value.abs() >= 1.0 {
-        row.out_of_range(key, value.to_string(), "> -1 and < 1");
-        return None;
+        return row.out_of_range(key, value.to_string(), "> -1 and < 1").and(None);
     }
     Some(if key == "rank" { normal_from_rank_correlation(value) } else { value })
 }

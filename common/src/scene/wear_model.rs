@@ -116,11 +116,12 @@ pub(super) fn wear_model<'a>(
     let WearModel { explicit_step, distribution, spline } = model?;
     if distribution == WearDistribution::PointsInside && explicit_step == BlockStep::Controlled {
         // The published drive fails at 66 000 cycles: no sub-step passes a jump of the rate within its tolerance.
-        section.inconsistent(
-            "distribution",
-            "needs explicit_step: its wear rate jumps where a point comes into the arc",
-        );
-        return None;
+        return section
+            .inconsistent(
+                "distribution",
+                "needs explicit_step: its wear rate jumps where a point comes into the arc",
+            )
+            .and(None);
     }
     for Joint { name, kind, .. } in joints {
         let JointKind::Clearance(clearance) = kind else { continue };
@@ -128,13 +129,11 @@ pub(super) fn wear_model<'a>(
         let is_local = clearance.contact_law == ContactLaw::LocalHertz;
         if distribution == WearDistribution::PointsInside && (of_bushing || of_journal) && !is_local {
             let message = format!("needs contact_law = \"local-hertz\", which joint {name} does not have");
-            section.inconsistent("distribution", message);
-            return None;
+            return section.inconsistent("distribution", message).and(None);
         }
         if spline == BoreSpline::Approximating && of_journal {
             let message = format!("is for bores alone, but the journal of joint {name} wears");
-            section.inconsistent("spline", message);
-            return None;
+            return section.inconsistent("spline", message).and(None);
         }
     }
     model

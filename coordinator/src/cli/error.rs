@@ -167,7 +167,7 @@ impl CommandError {
     /// The failure of a simulation; a linkage that cannot work is a fault of its joint.
     pub fn of_simulation(origin: &str, scene: &Scene, failure: SimulationFailure) -> Self {
         let fault =
-            |key: &str, message| Self::Scene(Faults::one(origin, key, FaultKind::Inconsistent { message }));
+            |key: &str, message| Self::Scene(Faults::one(origin, key, FaultKind::Inconsistent(message)));
         let at = |joint: &str, message| fault(&format!("joints.{joint}"), message);
         let message = failure.to_string();
         let origin = origin.to_owned();
