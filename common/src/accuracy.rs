@@ -29,7 +29,12 @@ pub struct Accuracy {
     /// Model of the motion that drives the wear.
     pub tier: Tier,
     /// Factor on the numbers of control points of bores and guides, unless they are a part of the scene's model [1].
+    #[serde(default = "one")]
     pub points: u32,
+}
+
+fn one() -> u32 {
+    1
 }
 
 /// Model of the motion between two wear steps.

@@ -15,6 +15,7 @@ pub struct Evaluation {
     pub errors: Vec<Vec<f64>>,
     /// Value of each output in the first cycle, before any wear `(outputs,)`, in the output's SI unit; `None` for an output
     /// whose value is not known, empty if none is.
+    #[serde(default)]
     pub start: Vec<Option<f64>>,
     /// Per joint: state at the end of life and force peak of the first cycle.
     pub joints: Vec<JointSummary>,
@@ -63,6 +64,7 @@ pub struct JointSummary {
     /// right face; empty for an ideal joint and for a guide that does not wear.
     pub wear_depth: Vec<f64>,
     /// Wear depth at the control points of the journal, or of the slider on its left face, then on its right face; empty if it does not wear.
+    #[serde(default)]
     pub journal_wear_depth: Vec<f64>,
 }
 
@@ -205,8 +207,10 @@ pub struct Diagnostics {
     /// Number of control points at which a wear step would have lowered the depth, within its tolerance, and was held.
     pub held_wear_points: u64,
     /// For each joint in whose bore a groove is narrower than the journal the one that is most open over the life.
+    #[serde(default)]
     pub narrow_grooves: Vec<NarrowGroove>,
     /// What more control points change in each output of the motion; empty where that was not compared.
+    #[serde(default)]
     pub control_points: Vec<PointsError>,
     /// How far the motion is from repeating itself in the first measured cycle, if it has not settled.
     pub unsettled: Option<UnsettledMotion>,
