@@ -37,14 +37,6 @@ fn driven(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Opt
     })
 }
 
-/// A quantity that the shape of the body gives unless it is written.
-fn or_of_shape(row: &mut Section, key: &'static str, kind: Kind, of_shape: Option<f64>) -> Option<f64> {
-    match of_shape {
-        Some(value) => row.quantity_or(key, kind, Range::Positive, value),
-        None => row.quantity(key, kind, Range::Positive),
-    }
-}
-
 /// A body is driven at a speed, constant or by a table, or at an angle by a table.
 fn drive(row: &mut Section) -> Option<Drive> {
     let (speed, angle) = (row.get("speed"), row.get("angle"));
@@ -88,8 +80,8 @@ fn driven_inertia(
     let shape = row.if_any("shape", |row, _| shape(row, points, materials))?;
     let centre = shape.map_or([0.0; 2], |shape| shape.centre_of_mass);
     let inertia = record!(MassProperties {
-        mass: or_of_shape(row, "mass", MASS, shape.map(|shape| shape.mass)),
-        inertia: or_of_shape(row, "inertia", INERTIA, shape.map(|shape| shape.inertia)),
+        mass: row.quantity_unless("mass", MASS, Range::Positive, shape.map(|shape| shape.mass)),
+        inertia: row.quantity_unless("inertia", INERTIA, Range::Positive, shape.map(|shape| shape.inertia)),
         centre_of_mass: row.pair_or("centre_of_mass", LENGTH, centre),
     });
     inertia.map(Some)
@@ -102,8 +94,8 @@ fn free(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Optio
         Some(shape) => shape,
     };
     record!(Motion::Free {
-        mass: or_of_shape(row, "mass", MASS, shape.map(|shape| shape.mass)),
-        inertia: or_of_shape(row, "inertia", INERTIA, shape.map(|shape| shape.inertia)),
+        mass: row.quantity_unless("mass", MASS, Range::Positive, shape.map(|shape| shape.mass)),
+        inertia: row.quantity_unless("inertia", INERTIA, Range::Positive, shape.map(|shape| shape.inertia)),
         centre_of_mass: match shape {
             Some(shape) => row.pair_or("centre_of_mass", LENGTH, shape.centre_of_mass),
             None => row.pair("centre_of_mass", LENGTH),

@@ -1,16 +1,17 @@
 //! The state of one pass over a scene file: the faults found and the quantities read so far, by the path of their
 //! key, with the values that a random variable or a user sets in place of the written ones.
 //!
+//! Parameters are a part of it: which are defined, evaluated or under evaluation, and which of them something depends on.
+//!
 //! A faulty value is recorded and reading continues, so that one pass finds every fault. The readers see the file as
 //! `Section`s, which pass what they read to the context that they share.
 
-use super::expression::{ExpressionError, evaluate, read_unit};
-use super::faults::{Fault, FaultKind, in_first_unit};
-use super::parameters::{Lookup, Parameters, why_not_a_name};
-use super::quantity::{AngleUnit, Kind, NUMBER, Quantity};
+use super::expression::{ExpressionError, RESERVED, evaluate, read_unit};
+use super::faults::{Fault, FaultKind, in_first_unit, nearest};
+use super::quantity::{AngleUnit, Kind, NUMBER, Quantity, unit};
 use super::unit_advice::advised;
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
 
 /// Values in SI by the path of their key.
@@ -59,6 +60,38 @@ impl Range {
             Range::Between(from, to) => format!("> {from} and < {to}"),
             Range::NotZero => "not 0".to_owned(),
         }
+    }
+}
+
+/// Longest chain of parameters, each defined by the next one.
+const CHAIN_LIMIT: usize = 64;
+
+/// The parameters of a scene, `[parameters]`: each is evaluated once, on its first use.
+#[derive(Default)]
+pub(super) struct Parameters<'s> {
+    /// The table `[parameters]`.
+    definitions: Option<&'s Table>,
+    /// Values of those evaluated so far; none for a faulty one.
+    values: BTreeMap<String, Option<Quantity>>,
+    /// Names of those under evaluation, each used in the definition of the one before it.
+    open: Vec<String>,
+    /// Names that other parts of the scene use.
+    used_directly: BTreeSet<String>,
+    /// Names that the definition of each parameter uses.
+    uses: BTreeMap<String, BTreeSet<String>>,
+}
+
+impl Parameters<'_> {
+    /// Parameters that the rest of the scene depends on, directly or through others.
+    pub(super) fn used(&self) -> BTreeSet<String> {
+        let mut used = BTreeSet::new();
+        let mut left: Vec<&String> = self.used_directly.iter().collect();
+        while let Some(name) = left.pop() {
+            if used.insert(name.clone()) {
+                left.extend(self.uses.get(name).into_iter().flatten());
+            }
+        }
+        used
     }
 }
 
@@ -117,35 +150,46 @@ impl<'s> Context<'s> {
         }
     }
 
-    /// The value of a parameter for the expression that names it.
+    /// The value of a parameter for the expression that names it, in the definition of the parameter under evaluation or else in the rest
+    /// of the scene.
     fn parameter(&self, name: &str) -> Result<Quantity, ExpressionError> {
-        self.parameters.borrow_mut().record_use(name);
+        let mut parameters = self.parameters.borrow_mut();
+        match parameters.open.last().cloned() {
+            Some(user) => parameters.uses.entry(user).or_default().insert(name.to_owned()),
+            None => parameters.used_directly.insert(name.to_owned()),
+        };
+        drop(parameters);
         self.evaluated(name)
     }
 
     fn evaluated(&self, name: &str) -> Result<Quantity, ExpressionError> {
+        let faulty = || ExpressionError::Broken(name.to_owned());
         let key = format!("parameters.{name}");
-        let found = self.parameters.borrow_mut().look_up(name);
-        let value = match found {
-            Lookup::Known(value) => value,
-            Lookup::Open(definition) => {
-                let value = self.value(&key, definition, None);
-                self.parameters.borrow_mut().close(value);
-                value
-            }
-            Lookup::Circular(chain) => self
-                .inconsistent(
-                    key,
-                    format!(
-                        "depends on itself, or through too many others: {chain}; give one of them a value"
-                    ),
-                )
-                .and(None),
-            Lookup::Undefined(nearest) => {
-                return Err(ExpressionError::UnknownName { name: name.to_owned(), nearest });
-            }
+        let mut parameters = self.parameters.borrow_mut();
+        if let Some(known) = parameters.values.get(name) {
+            return known.ok_or_else(faulty);
+        }
+        let Some(definition) = parameters.definitions.and_then(|table| table.get(name)) else {
+            let names = parameters.definitions.into_iter().flat_map(Table::keys).map(String::as_str);
+            return Err(ExpressionError::UnknownName {
+                name: name.to_owned(),
+                nearest: nearest(name, names),
+            });
         };
-        value.ok_or_else(|| ExpressionError::Broken(name.to_owned()))
+        if parameters.open.iter().any(|open| open == name) || parameters.open.len() >= CHAIN_LIMIT {
+            let chain = parameters.open.join(" -> ");
+            let message =
+                format!("depends on itself, or through too many others: {chain}; give one of them a value");
+            self.inconsistent(key, message);
+            return Err(faulty());
+        }
+        parameters.open.push(name.to_owned());
+        drop(parameters);
+        let value = self.value(&key, definition, None);
+        let mut parameters = self.parameters.borrow_mut();
+        parameters.open.pop();
+        parameters.values.insert(name.to_owned(), value);
+        value.ok_or_else(faulty)
     }
 
     /// The quantity at a key, of the kind expected (or of any kind), or the value that overrides it.
@@ -252,6 +296,21 @@ impl<'s> Context<'s> {
             self.fault(key, FaultKind::unknown_word(word, words.iter().map(|(name, _)| *name)));
         }
         found
+    }
+}
+
+/// Why a name cannot be that of a parameter; none if it can.
+fn why_not_a_name(name: &str) -> Option<&'static str> {
+    let plain = name.chars().all(|c| c.is_alphanumeric() || c == '_')
+        && name.chars().next().is_some_and(|c| !c.is_ascii_digit());
+    if unit(name).is_some() {
+        Some("it is a unit")
+    } else if RESERVED.contains(&name) {
+        Some("it is a function or constant of expressions")
+    } else if !plain {
+        Some("names of parameters have letters, digits and `_`, and start with a letter")
+    } else {
+        None
     }
 }
 

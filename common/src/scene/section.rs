@@ -184,6 +184,20 @@ impl<'s> Section<'s> {
         Some(self.quantity_if_any(key, kind, range)?.unwrap_or(default))
     }
 
+    /// A quantity with a default, required without one.
+    pub(super) fn quantity_unless(
+        &mut self,
+        key: &'static str,
+        kind: Kind,
+        range: Range,
+        default: Option<f64>,
+    ) -> Option<f64> {
+        match default {
+            Some(default) => self.quantity_or(key, kind, range, default),
+            None => self.quantity(key, kind, range),
+        }
+    }
+
     /// What `read` makes of an optional key; the outer `None` if it is faulty.
     pub(super) fn if_any<T>(
         &mut self,

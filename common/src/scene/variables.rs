@@ -195,8 +195,8 @@ fn measured(
             row.inconsistent(key, "is that of the samples: give either samples or this key");
         }
     }
-    let words = Family::ALL.map(|family| (family.word(), family));
-    let family = row.if_any("fit", |row, key| row.choice(key, "a family of distributions", &words))?;
+    let family =
+        row.if_any("fit", |row, key| row.choice(key, "a family of distributions", &Family::WORDS))?;
     let changes = changes.filter(|_| row.cx.fault_count() == before)?;
     let located = first(list).map(|value| ("samples.1", value));
     let nominal = nominal(row, changes, scene, located, false)?;
@@ -238,10 +238,9 @@ fn first(samples: &Value) -> Option<Value> {
 /// Refuses `fit = "lognormal"` without samples; true if it did.
 fn refuses_fit_without_samples(row: &mut Section) -> bool {
     let word = row.peek("fit").and_then(Value::as_str);
-    let Some(family) = Family::ALL.into_iter().find(|family| Some(family.word()) == word) else {
+    let Some((word, _)) = Family::WORDS.into_iter().find(|(known, _)| Some(*known) == word) else {
         return false;
     };
-    let word = family.word();
     let message = format!(
         "\"{word}\" is fitted to measured values: add samples = {{ csv = \"FILE\", column = \"NAME [UNIT]\" }}, or write \
          distribution = \"{word}\" with mean and std"

@@ -250,7 +250,7 @@ fn damping(damping: &ContactDamping) -> String {
 fn contact(clearance: &Clearance) -> String {
     let damping = damping(&clearance.contact_damping);
     let Clearance { contact_law: law, film_damping, friction, .. } = clearance;
-    let (name, meaning) = (law.name(), law.explanation());
+    let (name, meaning) = (law.word(), law.explanation());
     format!("{name}: {meaning}; {damping}; film {film_damping} N s/m; friction {friction}")
 }
 

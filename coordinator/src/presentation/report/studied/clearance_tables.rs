@@ -105,7 +105,7 @@ pub(super) fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
                 format!("{wear}; journal {}", coefficient("journal_wear_coefficient", journal))
             }
         };
-        let law = clearance.contact_law.name();
+        let law = clearance.contact_law.word();
         let damping = damping(&clearance.contact_damping, &texts, &key("contact_damping"));
         Some([
             ("hinge", name.to_owned()),

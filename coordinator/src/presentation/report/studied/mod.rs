@@ -150,7 +150,7 @@ fn assumptions(input: &ReportInput) -> Vec<String> {
         if !clearances.is_empty() {
             for law in ContactLaw::ALL {
                 if clearances.iter().any(|clearance| clearance.contact_law == law) {
-                    text.push(format!("Contact by the law {}: {}.", law.name(), law.explanation()));
+                    text.push(format!("Contact by the law {}: {}.", law.word(), law.explanation()));
                 }
             }
         }
