@@ -16,22 +16,12 @@ pub enum ExpressionError {
     /// A character that is not part of the grammar.
     #[error("unexpected character `{0}`{advice}", advice = instead_of(*.0))]
     Character(char),
-    /// A comma between two digits.
-    #[error("unexpected character `,`: {}", instead_of_comma(.before, .after))]
-    Comma {
-        /// The digits before it.
-        before: String,
-        /// What follows it.
-        after: String,
-    },
-    /// A piece that cannot follow what precedes it.
-    #[error("unexpected `{found}`, expected {expected}")]
-    Unexpected {
-        /// The piece as written.
-        found: String,
-        /// Pieces that could follow, in words.
-        expected: &'static str,
-    },
+    /// A comma between two digits. Holds the digits before it, and what follows it.
+    #[error("unexpected character `,`: {}", instead_of_comma(.0, .1))]
+    Comma(String, String),
+    /// A piece that cannot follow what precedes it. Holds the piece as written, and the pieces that could follow, in words.
+    #[error("unexpected `{0}`, expected {1}")]
+    Unexpected(String, &'static str),
     /// The text ends inside an expression.
     #[error("ends too early, expected {0}")]
     Incomplete(&'static str),
@@ -49,26 +39,12 @@ pub enum ExpressionError {
     /// A parameter that is itself faulty; its own fault says why.
     #[error("the parameter `{0}` is faulty")]
     Broken(String),
-    /// Operands of different dimension.
-    #[error("cannot {verb} {left} and {right}: both must be of one kind")]
-    Mixed {
-        /// `add` or `subtract`.
-        verb: &'static str,
-        /// Dimension of the left operand.
-        left: Dimension,
-        /// Dimension of the right operand.
-        right: Dimension,
-    },
-    /// A function of an argument of the wrong dimension.
-    #[error("{function} of {found}, expected {expected}")]
-    Argument {
-        /// Name of the function.
-        function: &'static str,
-        /// Dimension of the argument.
-        found: Dimension,
-        /// Argument expected, in words.
-        expected: &'static str,
-    },
+    /// Operands of different dimension. Holds `add` or `subtract`, and the dimensions of both.
+    #[error("cannot {0} {1} and {2}: both must be of one kind")]
+    Mixed(&'static str, Dimension, Dimension),
+    /// A function of an argument of the wrong dimension. Holds the function, that dimension, and the argument expected, in words.
+    #[error("{0} of {1}, expected {2}")]
+    Argument(&'static str, Dimension, &'static str),
     /// An exponent that is not a whole number from -12 to 12.
     #[error("exponents are whole numbers from -12 to 12")]
     Exponent,
@@ -88,8 +64,8 @@ impl ExpressionError {
     pub fn piece(&self) -> Option<String> {
         match self {
             Self::Character(character) => Some(character.to_string()),
-            Self::Comma { .. } => Some(",".to_owned()),
-            Self::Unexpected { found: piece, .. }
+            Self::Comma(..) => Some(",".to_owned()),
+            Self::Unexpected(piece, _)
             | Self::UnknownName { name: piece, .. }
             | Self::UnknownUnit(piece)
             | Self::AmbiguousUnit(piece) => Some(piece.clone()),

@@ -180,16 +180,11 @@ impl SceneSource {
     pub fn warnings(&self) -> Vec<Warning> {
         let scene = &self.nominal;
         let everywhere = |(_, conditions): &(usize, Vec<&str>)| conditions.len() == scene.conditions.len();
-        let warning = |(k, _): (usize, Vec<&str>)| {
-            Warning {
-            key: format!("variables.{}", scene.variables[k].name),
-            message: "has no effect: every condition sets what it changes; let the variable change a parameter that the conditions \
-                      multiply, as in \"1.5 * torque\""
-                .to_owned(),
-        }
-        };
-        let without_effect =
-            self.overridden_variables().into_iter().filter(everywhere).map(warning).collect();
+        let message = "has no effect: every condition sets what it changes; let the variable change a parameter that the conditions \
+                       multiply, as in \"1.5 * torque\"";
+        let overridden = self.overridden_variables().into_iter().filter(everywhere);
+        let key = |k: usize| format!("variables.{}", scene.variables[k].name);
+        let without_effect = overridden.map(|(k, _)| Warning::new(key(k), message)).collect();
         [warnings(scene), magnitudes(scene), without_effect].concat()
     }
 

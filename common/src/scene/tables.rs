@@ -71,12 +71,9 @@ fn over(section: &mut Section, bodies: &[BodyRow]) -> Option<Over> {
     over.finish();
     let found = found?;
     if bodies[found].word == Some(MotionWord::Fixed) {
-        return over
-            .inconsistent(
-                "angle",
-                format!("the angle of \"{}\" does not change: it is fixed", bodies[found].name),
-            )
-            .and(None);
+        let name = &bodies[found].name;
+        let message = format!("the angle of \"{name}\" does not change: it is fixed");
+        return over.inconsistent("angle", message).and(None);
     }
     Some(Over::Angle(found))
 }
@@ -106,8 +103,7 @@ fn points(
         section.inconsistent("at", format!("has {} of the at least {needed} arguments of a table", at.len()));
     }
     if at.len() != value.len() {
-        let message = format!("has {} values for {} arguments", value.len(), at.len());
-        section.inconsistent("value", message);
+        section.inconsistent("value", format!("has {} values for {} arguments", value.len(), at.len()));
     }
     for (i, pair) in at.windows(2).enumerate().filter(|(_, pair)| pair[0] >= pair[1]) {
         let [before, here] = [pair[0], pair[1]].map(|x| in_first_unit(x, arguments));
