@@ -18,7 +18,7 @@ use super::joint_cycle::{CycleJoint, JointCycle, check_joint, sampling_error, sl
 use super::program::SampleByName;
 use super::reply::{NoResult, by_name, is_non_finite_word, number, object, shown};
 use crate::evaluation_shape::LARGEST;
-use crate::scene::{Condition, JointKind, Scene};
+use crate::scene::{Condition, Joint, JointKind, Output, Scene};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -96,15 +96,15 @@ pub struct CycleReply {
 impl ExpectedCycle {
     /// Joints, outputs and period of a scene whose simulator gives cycles.
     pub fn from_scene(scene: &Scene) -> Self {
-        let joint = |joint: &crate::scene::Joint| match &joint.kind {
-            JointKind::Clearance(clearance) => Some(CycleJoint {
+        let joint = |joint: &Joint| {
+            let JointKind::Clearance(clearance) = &joint.kind else { return None };
+            Some(CycleJoint {
                 name: joint.name.clone(),
                 journal_radius: clearance.journal_radius,
                 has_worn_journal: clearance.wear_coefficients()[1] > 0.0,
-            }),
-            _ => None,
+            })
         };
-        let given = |output: &crate::scene::Output| output.kind.wear().is_none().then(|| output.name.clone());
+        let given = |output: &Output| output.kind.wear().is_none().then(|| output.name.clone());
         ExpectedCycle {
             joints: scene.joints.iter().filter_map(joint).collect(),
             outputs: scene.outputs.iter().map(given).collect(),
@@ -136,13 +136,10 @@ impl ExpectedCycle {
                 return Err(format!("joints.{} is missing; found: {}", joint.name, found.join(", ")).into());
             };
             let fields = Fields { place: format!("joints.{}", joint.name), values: of_joint, cycle };
-            let time = match fields.list("time", None)? {
-                Some(time) => time,
-                None => {
-                    let shared = Fields { place: String::new(), values: reply, cycle };
-                    shared.list("time", None)?.ok_or_else(|| format!("{}.time is missing", fields.place))?
-                }
-            };
+            let shared = Fields { place: String::new(), values: reply, cycle };
+            let time =
+                fields.list("time", None).transpose().or_else(|| shared.list("time", None).transpose());
+            let time = time.ok_or_else(|| format!("{}.time is missing", fields.place))??;
             joints.push(self.joint(joint, &fields, time)?);
         }
         let mut outputs = vec![0.0; self.outputs.len()];
@@ -160,11 +157,10 @@ impl ExpectedCycle {
     pub(super) fn misfit(&self, inputs: usize, sizes: &[Vec<usize>; 2]) -> Option<(Vec<usize>, String)> {
         let (joints, outputs) = (self.joints.len(), self.outputs.iter().flatten().count());
         let [taken, given] = sizes;
-        if taken.len() != 1 + 2 * joints || taken[0] != inputs {
-            let expected = format!(
-                "{inputs} inputs, then radii of bushing and journal of each joint: {} vectors",
-                1 + 2 * joints
-            );
+        let count = 1 + 2 * joints;
+        if taken.len() != count || taken[0] != inputs {
+            let expected =
+                format!("{inputs} inputs, then radii of bushing and journal of each joint: {count} vectors");
             return Some((taken.clone(), expected));
         }
         let of_cycle = match given.split_first() {
@@ -195,12 +191,12 @@ impl ExpectedCycle {
         }
         let time = vectors.next().unwrap_or_default();
         let fields = vectors.len() / self.joints.len();
-        let mut joint = |joint: &CycleJoint| {
+        let joint = |joint: &CycleJoint| {
             let columns = FIELDS[..fields].iter().zip(vectors.by_ref());
             let columns = columns.map(|(field, column)| ((*field).to_owned(), Value::from(column)));
             (joint.name.clone(), Value::Object(columns.collect()))
         };
-        let joints = self.joints.iter().map(&mut joint).collect();
+        let joints = self.joints.iter().map(joint).collect();
         reply_object(Some(time.into()), joints, outputs)
     }
 
@@ -220,9 +216,8 @@ impl ExpectedCycle {
             _ => return Err(format!("{place}: eccentricity_x and eccentricity_y need each other").into()),
         };
         if angle.is_none() && joint.has_worn_journal {
-            return Err(
-                format!("{place}.angle is missing: the journal wears at places that turn with it").into()
-            );
+            let fault = format!("{place}.angle is missing: the journal wears at places that turn with it");
+            return Err(fault.into());
         }
         let mut cycle = JointCycle {
             force: x.into_iter().zip(y).map(<[f64; 2]>::from).collect(),
@@ -234,17 +229,13 @@ impl ExpectedCycle {
         if !is_closed {
             cycle.close(self.period);
         }
-        let turning = cycle.angle.as_ref().map(|angle| slopes(&cycle.time, angle));
-        let of_angle =
-            turning.map(|rates| rates.into_iter().map(|rate| joint.journal_radius * rate).collect());
-        cycle.sliding = match (&of_angle, sliding) {
-            (_, Some(mut sliding)) => {
-                sliding.resize(cycle.time.len(), sliding[0]);
-                sliding
-            }
-            (Some(of_angle), None) => Vec::clone(of_angle),
-            (None, None) => return Err(format!("{place}: neither sliding nor angle is given").into()),
+        let speeds = |rates: Vec<f64>| -> Vec<f64> {
+            rates.into_iter().map(|rate| joint.journal_radius * rate).collect()
         };
+        let of_angle = cycle.angle.as_ref().map(|angle| speeds(slopes(&cycle.time, angle)));
+        let neither = || format!("{place}: neither sliding nor angle is given");
+        cycle.sliding = sliding.or_else(|| of_angle.clone()).ok_or_else(neither)?;
+        cycle.sliding.resize(cycle.time.len(), cycle.sliding[0]);
         check_joint(joint, &cycle, of_angle.as_deref()).map_err(|fault| format!("{place}.{fault}"))?;
         Ok(cycle)
     }

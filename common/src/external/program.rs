@@ -11,7 +11,7 @@ use super::process::{LineError, Process};
 use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::results_file::{self, of_object};
 use super::slot::{SampleResult, SimulatorError, Slot, SlotError, SlotRequest, StopSignal};
-use super::working_folder::{FileProgram, check_file};
+use super::working_folder::{self, check_file};
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
 use crate::scene::{Exchange, Program, Scene};
@@ -83,11 +83,11 @@ impl Setup {
         let Value::Object(reply) = reply else {
             return Err(format!("\"{}\" is no object {{\"id\": ..., \"outputs\": ...}}", shown(line)));
         };
-        if reply.get("id").and_then(Value::as_u64) != Some(id) {
-            let found = reply.get("id").map_or("none".to_owned(), Value::to_string);
-            return Err(format!("its id is {found}, expected {id}"));
+        match reply.get("id") {
+            Some(found) if found.as_u64() == Some(id) => Ok(reply),
+            Some(found) => Err(format!("its id is {found}, expected {id}")),
+            None => Err(format!("its id is none, expected {id}")),
         }
-        Ok(reply)
     }
 
     /// The reply to evaluation `id` of a program that answers in lines; a results file has no number.
@@ -121,12 +121,6 @@ pub(super) struct Request<'a> {
     pub(super) text: &'a dyn Fn(&[f64]) -> String,
 }
 
-/// The files of a program that runs once per evaluation.
-fn file_program(program: &Program) -> Option<FileProgram<'_>> {
-    let Exchange::Files(exchange) = &program.exchange else { return None };
-    Some(FileProgram { command: &program.command, folder: Path::new(&program.folder), exchange })
-}
-
 /// Values of the inputs by name, in the order of the scene, which a map would not keep.
 #[derive(Clone, Copy)]
 pub(super) struct SampleByName<'a> {
@@ -146,10 +140,11 @@ impl Serialize for SampleByName<'_> {
 /// # Errors
 /// [`SimulatorError::Start`].
 pub fn check_program_file(program: &Program, scene: &Scene) -> Result<(), SimulatorError> {
-    let found = check_executable(&program.command, Path::new(&program.folder));
-    let files = || match file_program(program) {
-        Some(files) => files.check(&Expected::from_scene(scene).inputs),
-        None => program.fmu.as_ref().map_or(Ok(()), |fmu| check_file(Path::new(&program.folder), fmu)),
+    let folder = Path::new(&program.folder);
+    let found = check_executable(&program.command, folder);
+    let files = || match &program.exchange {
+        Exchange::Files(files) => working_folder::check(program, files, &Expected::from_scene(scene).inputs),
+        Exchange::Lines => program.fmu.as_ref().map_or(Ok(()), |fmu| check_file(folder, fmu)),
     };
     found.and_then(|()| files()).map_err(|reason| start_error(program, reason))
 }
@@ -198,11 +193,11 @@ impl ProgramSlot {
         stop: &StopSignal,
     ) -> Result<Result<String, LineError>, SlotError> {
         let line = (request.text)(sample) + "\n";
-        if let Some(files) = file_program(&self.setup.program) {
-            let inputs = (&self.setup.expected.inputs[..], sample);
-            let level = self.setup.level(request.asked.level);
-            let run = files.run(inputs, (level, &line), self.setup.timeout, stop);
-            return run.map_err(|reason| start_error(&self.setup.program, reason).into());
+        let Setup { program, expected, timeout, .. } = &*self.setup;
+        if let Exchange::Files(files) = &program.exchange {
+            let (inputs, level) = ((&expected.inputs[..], sample), self.setup.level(request.asked.level));
+            let run = working_folder::run((program, files), inputs, (level, &line), *timeout, stop);
+            return run.map_err(|reason| start_error(program, reason).into());
         }
         self.start_process(stop.contact())?;
         let process = self.process.as_mut().expect("the program was started above");
@@ -233,15 +228,13 @@ impl ProgramSlot {
         match self.attempt(request, &nominal, stop)? {
             Err(LineError::Ended { status, stderr }) => {
                 let (key, program) = key_and_name(&self.setup.program);
-                Err(SimulatorError::Dead { key, program, status, stderr }.into())
+                return Err(SimulatorError::Dead { key, program, status, stderr }.into());
             }
-            Err(LineError::Stopped) => Err(SlotError::Stopped),
-            Err(LineError::TimedOut) => Ok(()),
-            Ok(_) => {
-                self.setup.answered.store(true, Ordering::Relaxed);
-                Ok(())
-            }
+            Err(LineError::Stopped) => return Err(SlotError::Stopped),
+            Err(LineError::TimedOut) => {}
+            Ok(_) => self.setup.answered.store(true, Ordering::Relaxed),
         }
+        Ok(())
     }
 
     /// The text of the reply to a request, read by `read`; a process whose line breaks the protocol is killed.
@@ -283,7 +276,7 @@ impl ProgramSlot {
 
 impl Slot for ProgramSlot {
     fn start(&mut self) -> Result<(), SimulatorError> {
-        if file_program(&self.setup.program).is_some() { Ok(()) } else { self.start_process(None) }
+        if self.setup.program.exchange == Exchange::Lines { self.start_process(None) } else { Ok(()) }
     }
 
     fn evaluate(&mut self, asked: SlotRequest<'_>, stop: &StopSignal) -> Result<SampleResult, SlotError> {
