@@ -190,7 +190,8 @@ fn are_tables(rows: &[Value]) -> bool {
     !rows.is_empty() && rows.iter().all(Value::is_table)
 }
 
-fn name(row: &Value) -> Option<&str> {
+/// The name of a row; `None` if it has none.
+pub(super) fn name(row: &Value) -> Option<&str> {
     row.get("name")?.as_str()
 }
 

@@ -25,12 +25,14 @@ pub(super) struct OutputRow {
 }
 
 impl OutputRow {
-    /// An output that an external simulator returns.
-    pub(super) fn declared(name: &str, output: Option<Output>) -> Self {
+    /// An output that an external simulator returns in this unit; `single` if it has a single value.
+    pub(super) fn declared(name: &str, unit: Option<&str>, single: Option<bool>) -> Self {
+        let read = unit.zip(single);
+        let kind = read.map(|(unit, single)| OutputKind::External { unit: unit.to_owned(), single });
         OutputRow {
             name: name.to_owned(),
             kind: Some(Kind::from_dimension(NUMBER.dimension)),
-            output,
+            output: kind.map(|kind| Output { name: name.to_owned(), kind }),
             declared: true,
         }
     }

@@ -6,6 +6,7 @@
 use super::builtin;
 use super::csv_import::{SOURCE, import};
 use super::document::document;
+use super::edit::name;
 use super::faults::{FaultKind, Faults, nearest, suggestion};
 use super::layers::{Layer, Layers};
 use crate::text_file::read_text;
@@ -21,26 +22,25 @@ const KEY: &str = "scene.extends";
 /// Path of the key that lists what is left out of the extended scene.
 const WITHOUT: &str = "scene.without";
 
+/// What the file of a scene is, for messages.
+pub(super) const SCENE_FILE: &str = "the TOML file of a scene";
+
 /// Name of the scene in the folder of a study.
 const COPY: &str = "scene.toml";
-
-/// Text of a scene file.
-///
-/// # Errors
-/// It cannot be read.
-pub(super) fn read(path: &Path) -> Result<String, Faults> {
-    read_as(path, "the TOML file of a scene")
-}
 
 /// Text of an input file.
 ///
 /// # Errors
 /// It cannot be read.
 pub fn read_input(path: &Path) -> Result<String, Faults> {
-    read_as(path, "a text file")
+    read(path, "a text file")
 }
 
-fn read_as(path: &Path, expected: &str) -> Result<String, Faults> {
+/// Text of a file; `expected` says what it should be.
+///
+/// # Errors
+/// It cannot be read.
+pub(super) fn read(path: &Path, expected: &str) -> Result<String, Faults> {
     read_text(path, expected).map_err(|why| {
         let copy = path.join(COPY);
         let message = match copy.is_file() {
@@ -73,15 +73,11 @@ pub(super) fn flatten(text: String, origin: &str, folder: Option<&Path>) -> Resu
             scene.map_or((None, None), |scene| (scene.remove("extends"), scene.remove("without")));
         let mut layer = Layer { file, text, imported: Vec::new() };
         let imported = import(&mut own, &layer.file, folder.as_deref());
-        layer.imported = imported.map_err(|faults| Layers(vec![layer.clone()]).located(faults))?;
-        let located = |faults| Layers(vec![layer.clone()]).located(faults);
+        layer.imported = imported.map_err(|faults| layer.located(faults))?;
+        let located = |faults| layer.located(faults);
         let without = left_out(without, extends.is_some(), &layer.file).map_err(located)?;
-        next = match extends {
-            None => None,
-            Some(extends) => {
-                Some(base(&extends, documents.len(), &layer.file, folder.as_deref()).map_err(located)?)
-            }
-        };
+        let base = extends.map(|name| base(&name, documents.len(), &layer.file, folder.as_deref()));
+        next = base.transpose().map_err(located)?;
         documents.push((own, without));
         layers.push(layer);
     }
@@ -90,8 +86,7 @@ pub(super) fn flatten(text: String, origin: &str, folder: Option<&Path>) -> Resu
         for path in without {
             if !leave_out(&mut merged, &path) {
                 let message = format!("the extended scene has no {path:?}");
-                let faults = Faults::one(&layer.file, WITHOUT, message);
-                return Err(Layers(vec![layer.clone()]).located(faults));
+                return Err(layer.located(Faults::one(&layer.file, WITHOUT, message)));
             }
         }
         merge(&mut merged, own);
@@ -101,20 +96,15 @@ pub(super) fn flatten(text: String, origin: &str, folder: Option<&Path>) -> Resu
 
 /// Paths of what a scene leaves out of the one that it extends.
 fn left_out(without: Option<Value>, extends: bool, origin: &str) -> Result<Vec<String>, Faults> {
-    let refuse = |message: String| Err(Faults::one(origin, WITHOUT, message));
-    match without {
-        None => Ok(vec![]),
-        Some(_) if !extends => refuse("needs `extends`: the scene that has what is left out".to_owned()),
-        Some(without) => {
-            let paths = without.as_array().and_then(|paths| {
-                paths.iter().map(|path| path.as_str().map(str::to_owned)).collect::<Option<Vec<_>>>()
-            });
-            paths.map_or_else(
-                || refuse(format!("{without} is no list of keys, e.g. [\"loads.push\", \"variables.push\"]")),
-                Ok,
-            )
-        }
+    let Some(without) = without else { return Ok(vec![]) };
+    let fault = |message: String| Faults::one(origin, WITHOUT, message);
+    if !extends {
+        return Err(fault("needs `extends`: the scene that has what is left out".to_owned()));
     }
+    let texts = |paths: &Vec<Value>| paths.iter().map(|path| path.as_str().map(str::to_owned)).collect();
+    without.as_array().and_then(texts).ok_or_else(|| {
+        fault(format!("{without} is no list of keys, e.g. [\"loads.push\", \"variables.push\"]"))
+    })
 }
 
 /// Text, file and folder of the scene that `extends` names, in a file which `depth` others extend.
@@ -136,7 +126,10 @@ fn base(
         return Ok((text.to_owned(), name.to_owned(), None));
     }
     match folder.map(|folder| folder.join(name)).filter(|path| path.is_file()) {
-        Some(path) => Ok((read(&path)?, path.display().to_string(), path.parent().map(Path::to_path_buf))),
+        Some(path) => {
+            let text = read(&path, SCENE_FILE)?;
+            Ok((text, path.display().to_string(), path.parent().map(Path::to_path_buf)))
+        }
         None => Err(Faults::one(origin, KEY, unknown_scene(name))),
     }
 }
@@ -182,10 +175,6 @@ fn leave_out(base: &mut Table, path: &str) -> bool {
         }
         _ => false,
     }
-}
-
-fn name(row: &Value) -> Option<&str> {
-    row.as_table()?.get("name")?.as_str()
 }
 
 fn named(rows: &[Value]) -> bool {

@@ -285,6 +285,11 @@ pub struct Life {
 }
 
 impl Life {
+    /// A life with these checkpoints, whose cycles have no period yet.
+    pub(super) fn of_checkpoints(cycles: u32, checkpoint_every: u32) -> Self {
+        Life { period: 0.0, cycles, checkpoint_every, settle_cycles: 0, turn_of: None }
+    }
+
     /// The checkpoints `(m,)` [cycles]: `checkpoint_every` and its multiples up to `cycles`.
     pub fn checkpoints(&self) -> Vec<u32> {
         (1..=self.cycles / self.checkpoint_every).map(|k| k * self.checkpoint_every).collect()

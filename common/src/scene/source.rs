@@ -5,7 +5,7 @@ use super::builtin;
 use super::conditioned::conditions;
 use super::context::Overrides;
 use super::edit::rewritten;
-use super::extends::{flatten, read, unknown_scene};
+use super::extends::{SCENE_FILE, flatten, read, unknown_scene};
 use super::faults::{Fault, FaultKind, Faults, in_unit};
 use super::input::InputFile;
 use super::layers::Layers;
@@ -66,8 +66,7 @@ impl SceneSource {
         if !path.exists() && !looks_like_path {
             return Err(Faults::one(name_or_path, "", unknown_scene(name_or_path)));
         }
-        let text = read(path)?;
-        Self::from_text(text, name_or_path, path.parent())
+        Self::from_text(read(path, SCENE_FILE)?, name_or_path, path.parent())
     }
 
     /// A scene from its text; `origin` names it in faults. It may extend built-in scenes, not files.
