@@ -15,14 +15,12 @@ use toml::{Table, Value};
 
 /// Reads the unit of a kind of quantities at this key; the outer `None` if it is faulty.
 fn read_shown(section: &mut Section, key: &'static str, kind: Kind) -> Option<Option<ShownUnit>> {
-    if section.get(key).is_none() {
-        return Some(None);
-    }
-    let symbol = section.text(key, &format!("the unit of {}", kind.in_words()))?;
-    match read_quantity(&format!("1 {symbol}"), kind) {
-        Ok(si) => Some(Some(ShownUnit { symbol: symbol.to_owned(), si })),
-        Err(fault) => section.fault(key, fault).and(None),
-    }
+    section.if_any(key, |section, key| {
+        let symbol = section.text(key, &format!("the unit of {}", kind.in_words()))?;
+        let read = read_quantity(&format!("1 {symbol}"), kind);
+        let si = read.map_err(|fault| section.fault(key, fault)).ok()?;
+        Some(ShownUnit { symbol: symbol.to_owned(), si })
+    })
 }
 
 /// The unit in which a limit is written, if it is a number with one.

@@ -65,21 +65,21 @@ impl WrittenLaw {
     /// True if no required key is missing and no key contradicts another.
     fn complete(&self, row: &Section, fit: bool) -> bool {
         let before = row.cx.fault_count();
-        let refuse = |message: &str| row.inconsistent_table(message);
-        if fit && (self.has("mean") || self.has("std")) {
-            refuse("give either fit, or mean and std, not both");
-        }
         let bounded = self.has("lower") || self.has("upper");
-        match self.law {
-            "uniform" if bounded && (fit || self.has("std") || self.has("mean")) => {
-                refuse("give either lower and upper, or std with the mean, not both");
-            }
-            "exponential" if bounded && (fit || self.has("std")) => {
-                refuse(
-                    "give either lower, where the distribution begins, or std, which begins at mean - std",
-                );
-            }
-            _ => {}
+        let moments = self.has("mean") || self.has("std");
+        let contradictions = [
+            (fit && moments, "give either fit, or mean and std, not both"),
+            (
+                self.law == "uniform" && bounded && (fit || moments),
+                "give either lower and upper, or std with the mean, not both",
+            ),
+            (
+                self.law == "exponential" && bounded && (fit || self.has("std")),
+                "give either lower, where the distribution begins, or std, which begins at mean - std",
+            ),
+        ];
+        for (_, message) in contradictions.into_iter().filter(|(is_given, _)| *is_given) {
+            row.inconsistent_table(message);
         }
         const STD: &str = "a quantity, or a share of the mean such as \"0.2 %\"";
         const BOUND: &str = "a bound of the distribution";

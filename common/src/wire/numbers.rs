@@ -95,9 +95,7 @@ pub fn failure_is_finite(failure: &SimulationFailure) -> bool {
         F::DeadPoint { time, angle, .. } => time.is_finite() && angle.is_finite(),
         F::ChangePoint { angle, .. } => angle.is_finite(),
         F::WornThrough { depth, wall, .. } => depth.is_finite() && wall.is_finite(),
-        F::StepTooSmall { time, step, error, .. } => {
-            time.is_finite() && step.is_finite() && error.is_finite()
-        }
+        F::StepTooSmall { time, step, error, .. } => [time, step, error].iter().all(|x| x.is_finite()),
         F::TooManySteps { time, .. }
         | F::NotFinite { time, .. }
         | F::Singular { time, .. }
