@@ -240,17 +240,13 @@ impl<'s> Context<'s> {
     }
 
     pub(super) fn wrong_type(&self, key: &str, value: &Value, expected: String) -> Option<()> {
-        let found = match value {
-            Value::String(_) => "a text",
-            Value::Integer(_) | Value::Float(_) => "a number",
-            Value::Boolean(_) => "true or false",
-            Value::Datetime(_) => "a date",
-            Value::Array(_) => "a list",
-            Value::Table(_) => "a table",
-        };
-        let value = match value {
-            Value::Array(_) | Value::Table(_) => "the value".to_owned(),
-            other => other.to_string(),
+        let (found, value) = match value {
+            Value::String(_) => ("a text", value.to_string()),
+            Value::Integer(_) | Value::Float(_) => ("a number", value.to_string()),
+            Value::Boolean(_) => ("true or false", value.to_string()),
+            Value::Datetime(_) => ("a date", value.to_string()),
+            Value::Array(_) => ("a list", "the value".to_owned()),
+            Value::Table(_) => ("a table", "the value".to_owned()),
         };
         self.inconsistent(key, format!("{value} is {found}, expected {expected}"))
     }
@@ -292,10 +288,8 @@ impl<'s> Context<'s> {
     /// The meaning of a word, or a fault with the nearest of `words`.
     pub(super) fn word<T: Copy>(&self, key: &str, word: &str, words: &[(&str, T)]) -> Option<T> {
         let found = words.iter().find(|(name, _)| *name == word).map(|(_, meaning)| *meaning);
-        if found.is_none() {
-            self.fault(key, FaultKind::unknown_word(word, words.iter().map(|(name, _)| *name)));
-        }
-        found
+        let unknown = || FaultKind::unknown_word(word, words.iter().map(|(name, _)| *name));
+        found.or_else(|| self.fault(key, unknown()).and(None))
     }
 }
 

@@ -9,8 +9,8 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 use toml::{Table, Value};
 
-/// Pairs of keys of which a table has one.
-const EITHER: [[&str; 2]; 1] = [["radial_clearance", "bushing_radius"]];
+/// Keys of which a table has one.
+const EITHER: [&str; 2] = ["radial_clearance", "bushing_radius"];
 
 /// A table with its path, and the context of the pass that reads it.
 pub struct Section<'s> {
@@ -22,9 +22,9 @@ pub struct Section<'s> {
     /// Table with the values of keys that this one does not have.
     pub(super) defaults: Option<&'s Table>,
     /// Keys that this table may have, as far as they were read.
-    known: Vec<&'static str>,
-    /// True if the type of the table is unknown, and with it the keys that it may have.
-    given_up: bool,
+    pub(super) known: Vec<&'static str>,
+    /// True if a fault has left open which keys the table may have: they are not checked.
+    pub(super) given_up: bool,
 }
 
 /// Keys and faults.
@@ -93,10 +93,7 @@ impl<'s> Section<'s> {
         known: impl Iterator<Item = &'n str> + Clone,
     ) -> Option<usize> {
         let found = known.clone().position(|candidate| candidate == name);
-        if found.is_none() {
-            self.fault(key, FaultKind::unknown_reference(what, name, known));
-        }
-        found
+        found.or_else(|| self.fault(key, FaultKind::unknown_reference(what, name, known)).and(None))
     }
 
     /// [`Section::reference`]; after a fault the index of the nearest name, with which what depends on it is read on.
@@ -126,16 +123,9 @@ impl<'s> Section<'s> {
         self.table.get(key).or_else(|| self.defaults?.get(key).filter(|_| !self.excludes(key)))
     }
 
-    /// True if the table has the other key of a pair of which a row has one, so that there is no default for this one.
+    /// True if the table has the other key of two of which a row has one, so that there is no default for this one.
     fn excludes(&self, key: &str) -> bool {
-        let other =
-            EITHER.iter().find(|pair| pair.contains(&key)).map(|pair| pair[usize::from(pair[0] == key)]);
-        other.is_some_and(|other| self.table.contains_key(other))
-    }
-
-    /// Keys that this table may have, as far as they were read.
-    pub(super) fn known(&self) -> &[&'static str] {
-        &self.known
+        EITHER.contains(&key) && EITHER.iter().any(|other| *other != key && self.table.contains_key(*other))
     }
 
     pub(super) fn require(
@@ -143,16 +133,7 @@ impl<'s> Section<'s> {
         key: &'static str,
         expected: impl FnOnce() -> String,
     ) -> Option<&'s Value> {
-        let value = self.get(key);
-        if value.is_none() {
-            self.missing(key, expected());
-        }
-        value
-    }
-
-    /// Stops checking which keys the table may have: a fault has left that open.
-    pub(super) fn give_up(&mut self) {
-        self.given_up = true;
+        self.get(key).or_else(|| self.missing(key, expected()).and(None))
     }
 
     /// Every key of this table with its value, where the keys are names.
@@ -239,9 +220,8 @@ impl<'s> Section<'s> {
         let list = value.as_array().map(Vec::as_slice);
         if let Some(entries) = list.filter(|entries| entries.len() != 2) {
             let (count, are) = (entries.len(), if entries.len() == 1 { "entry" } else { "entries" });
-            return self
-                .inconsistent(key, format!("has {count} {are}, expected a pair [x, y]: everything is planar"))
-                .and(None);
+            let message = format!("has {count} {are}, expected a pair [x, y]: everything is planar");
+            return self.inconsistent(key, message).and(None);
         }
         let Some([x, y]) = list else {
             return self.wrong_type(key, value, format!("a pair [x, y], each {}", kind.name)).and(None);
@@ -255,10 +235,7 @@ impl<'s> Section<'s> {
     /// `true` or `false`, with a default.
     pub(super) fn boolean_or(&mut self, key: &'static str, default: bool) -> Option<bool> {
         let Some(value) = self.get(key) else { return Some(default) };
-        if value.as_bool().is_none() {
-            self.wrong_type(key, value, "true or false");
-        }
-        value.as_bool()
+        value.as_bool().or_else(|| self.wrong_type(key, value, "true or false").and(None))
     }
 
     /// A whole number within a range, required without a default.
@@ -268,10 +245,9 @@ impl<'s> Section<'s> {
         range: RangeInclusive<i64>,
         default: Option<i64>,
     ) -> Option<i64> {
-        let allowed = if *range.end() == i64::MAX {
-            format!(">= {}", range.start())
-        } else {
-            format!("{} to {}", range.start(), range.end())
+        let allowed = match (range.start(), range.end()) {
+            (least, &i64::MAX) => format!(">= {least}"),
+            (least, most) => format!("{least} to {most}"),
         };
         let value = match (self.get(key), default) {
             (Some(value), _) => value,
@@ -309,10 +285,7 @@ impl<'s> Section<'s> {
     pub fn texts(&mut self, key: &'static str, expected: &str) -> Option<Vec<&'s str>> {
         let value = self.require(key, || expected.to_owned())?;
         let texts = value.as_array().and_then(|all| all.iter().map(Value::as_str).collect());
-        if texts.is_none() {
-            self.wrong_type(key, value, expected);
-        }
-        texts
+        texts.or_else(|| self.wrong_type(key, value, expected).and(None))
     }
 
     /// A required text, or a list of texts.
@@ -324,11 +297,7 @@ impl<'s> Section<'s> {
     }
 
     fn as_text(&self, key: &str, value: &'s Value, expected: &str) -> Option<&'s str> {
-        let text = value.as_str();
-        if text.is_none() {
-            self.wrong_type(key, value, expected);
-        }
-        text
+        value.as_str().or_else(|| self.wrong_type(key, value, expected).and(None))
     }
 
     /// The meaning of a required word.
@@ -344,11 +313,8 @@ impl<'s> Section<'s> {
 
     /// The meaning of the required word that decides which keys this table has; if it is unknown, no key is checked.
     pub fn word<T: Copy>(&mut self, key: &'static str, words: &[(&str, T)]) -> Option<T> {
-        let expected = || {
-            let names: Vec<_> = words.iter().map(|(name, _)| *name).collect();
-            format!("one of {}", names.join(", "))
-        };
-        let value = self.require(key, expected);
+        let names = || words.iter().map(|(name, _)| *name).collect::<Vec<_>>();
+        let value = self.require(key, || format!("one of {}", names().join(", ")));
         let text = value.and_then(|value| self.as_text(key, value, "a word"));
         let word = text.and_then(|word| self.cx.word(&self.key(key), word, words));
         self.given_up |= word.is_none();

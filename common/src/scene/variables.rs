@@ -56,10 +56,8 @@ pub(super) fn variables<'s>(file: &mut Section<'s>, scene: Changed) -> Vec<(&'s 
         let changes = if is_input { Some(vec![]) } else { changes(row) };
         for key in changes.iter().flatten() {
             if let Some(other) = owners.insert(key.clone(), name) {
-                row.inconsistent(
-                    "changes",
-                    format!("\"{key}\" is already changed by the variable \"{other}\""),
-                );
+                let message = format!("\"{key}\" is already changed by the variable \"{other}\"");
+                row.inconsistent("changes", message);
             }
         }
         (name, variable(name, row, changes, scene))
@@ -80,9 +78,8 @@ fn variable(name: &str, row: &mut Section, changes: Option<Vec<String>>, scene: 
                 let bare = changes.is_empty() && dimension == Dimension::NONE && found.is_ok();
                 let mean = distribution.mean();
                 let advice = if bare { format!("; write mean = \"{mean} {unit}\"") } else { String::new() };
-                return row
-                    .inconsistent("unit", format!("\"{unit}\" is not a unit of {dimension}{advice}"))
-                    .and(None);
+                let message = format!("\"{unit}\" is not a unit of {dimension}{advice}");
+                return row.inconsistent("unit", message).and(None);
             }
         },
         None => {
@@ -104,7 +101,7 @@ fn law(
         return Some((nominal, measured.distribution.clone(), Some(measured)));
     }
     if refuses_fit_without_samples(row) {
-        row.give_up();
+        row.given_up = true;
         return None;
     }
     let law = WrittenLaw::read(row);
@@ -137,22 +134,15 @@ fn nominal(
             return None;
         }
         row.reference("changes", "quantity", key, seen.keys().map(String::as_str))?;
-        let found = seen[key];
-        match first {
-            None => first = Some(found),
-            Some(first) if first.dimension != found.dimension => {
-                let message = format!("\"{key}\" is {}, the others are {}", found.dimension, first.dimension);
-                return row.inconsistent("changes", message).and(None);
-            }
-            Some(first) if first.value != found.value && takes_nominal => {
-                let message = format!(
-                    "the nominal values differ ({} and {}), so mean must be given",
-                    in_first_unit(first.value, first.kind()),
-                    in_first_unit(found.value, found.kind())
-                );
-                return row.inconsistent("changes", message).and(None);
-            }
-            Some(_) => {}
+        let (found, first) = (seen[key], *first.get_or_insert(seen[key]));
+        if first.dimension != found.dimension {
+            let message = format!("\"{key}\" is {}, the others are {}", found.dimension, first.dimension);
+            return row.inconsistent("changes", message).and(None);
+        }
+        if first.value != found.value && takes_nominal {
+            let [a, b] = [first, found].map(|quantity| in_first_unit(quantity.value, quantity.kind()));
+            let message = format!("the nominal values differ ({a} and {b}), so mean must be given");
+            return row.inconsistent("changes", message).and(None);
         }
     }
     first
@@ -271,9 +261,8 @@ pub(super) fn correlations(
             let names = variables.iter().map(|(name, _)| *name);
             let i = row.reference("variables", "random variable", name, names)?;
             if variables[i].1.as_ref().is_some_and(|(variable, _)| variable.distribution.is_constant()) {
-                return row
-                    .inconsistent("variables", format!("\"{name}\" is constant and cannot be correlated"))
-                    .and(None);
+                let message = format!("\"{name}\" is constant and cannot be correlated");
+                return row.inconsistent("variables", message).and(None);
             }
             Some(i)
         };

@@ -47,7 +47,7 @@ pub(super) fn grades(row: &mut Section, word: Option<&str>, unit: Option<&ShownU
     for name in &names {
         match grade_width(name, diameter.unwrap_or(0.01)) {
             Ok(width) => grades.push(Grade { name: (*name).to_owned(), width }),
-            Err(what) => row.inconsistent("grades", what),
+            Err(what) => drop(row.inconsistent("grades", what)),
         }
     }
     grades.sort_by(|a, b| a.width.total_cmp(&b.width));

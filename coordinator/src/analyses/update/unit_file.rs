@@ -257,7 +257,7 @@ impl UnitReader<'_> {
         for (place, column) in ["value", "error"].into_iter().enumerate() {
             match read_quantity(cells[place], kind) {
                 Ok(value) => read[place] = value,
-                Err(fault) => row.inconsistent(column, fault.to_string()),
+                Err(fault) => drop(row.inconsistent(column, fault.to_string())),
             }
         }
         let [value, error] = read;

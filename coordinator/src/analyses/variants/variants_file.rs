@@ -95,7 +95,9 @@ fn variant(name: &str, row: &mut Section, base: &SceneSource) -> Option<ModelVar
     let source = match with_keys(base, "set", keys) {
         Ok(source) => source,
         Err(Faults(faults)) => {
-            faults.iter().for_each(|fault| row.inconsistent("set", fault.to_string()));
+            for fault in faults {
+                row.inconsistent("set", fault.to_string());
+            }
             return None;
         }
     };

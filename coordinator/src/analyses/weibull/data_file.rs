@@ -135,7 +135,7 @@ fn add(row: &mut Section, word: &'static str, question: &LifeQuestion<'_>, units
             unit.survived = from.unwrap_or(0.0);
             unit.failed = Some((cycles, false, by(row)));
         }
-        other => row.inconsistent(word, format!("{other:?}: allowed: failed, running or interval")),
+        other => drop(row.inconsistent(word, format!("{other:?}: allowed: failed, running or interval"))),
     }
 }
 
