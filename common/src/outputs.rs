@@ -222,28 +222,16 @@ pub struct Diagnostics {
     pub worn_energy: Option<EnergyBalance>,
 }
 
-/// The work counters of an evaluation: key in files, and name.
-pub const COUNTERS: [(&str, &str); 7] = [
-    ("steps", "time steps"),
-    ("rejected_steps", "rejected time steps"),
-    ("newton_iterations", "Newton iterations"),
-    ("force_evaluations", "force evaluations"),
-    ("simulated_cycles", "cycles simulated"),
-    ("wear_stages", "stages of the wear step"),
-    ("rejected_wear_steps", "rejected wear steps"),
-];
+/// A work counter of an evaluation: its key in files, its name, and its value.
+pub type Counter = (&'static str, &'static str, fn(&Diagnostics) -> u64);
 
-impl Diagnostics {
-    /// The values of [`COUNTERS`].
-    pub fn counts(&self) -> [u64; 7] {
-        [
-            self.steps,
-            self.rejected_steps,
-            self.newton_iterations,
-            self.force_evaluations,
-            self.simulated_cycles,
-            self.wear_stages,
-            self.rejected_wear_steps,
-        ]
-    }
-}
+/// The work counters of an evaluation.
+pub const COUNTERS: [Counter; 7] = [
+    ("steps", "time steps", |work| work.steps),
+    ("rejected_steps", "rejected time steps", |work| work.rejected_steps),
+    ("newton_iterations", "Newton iterations", |work| work.newton_iterations),
+    ("force_evaluations", "force evaluations", |work| work.force_evaluations),
+    ("simulated_cycles", "cycles simulated", |work| work.simulated_cycles),
+    ("wear_stages", "stages of the wear step", |work| work.wear_stages),
+    ("rejected_wear_steps", "rejected wear steps", |work| work.rejected_wear_steps),
+];

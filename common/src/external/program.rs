@@ -199,7 +199,7 @@ impl ProgramSlot {
             let run = working_folder::run((program, files), inputs, (level, &line), *timeout, stop);
             return run.map_err(|reason| start_error(program, reason).into());
         }
-        self.start_process(stop.contact())?;
+        self.start_process(stop.contact)?;
         let process = self.process.as_mut().expect("the program was started above");
         let reply = process.ask(line, self.setup.timeout, stop);
         if reply.is_err() {

@@ -20,7 +20,8 @@ pub type SampleResult = Result<Evaluation, SimulationFailure>;
 #[derive(Debug, Clone, Default)]
 pub struct StopSignal {
     flags: Vec<Arc<AtomicBool>>,
-    contact: Option<usize>,
+    /// The contact that the program needs.
+    pub(super) contact: Option<usize>,
 }
 
 impl StopSignal {
@@ -32,11 +33,6 @@ impl StopSignal {
     /// This signal for an evaluation whose program must end without `contact`; see `external::limit_contact`.
     pub fn needing(self, contact: Option<usize>) -> Self {
         Self { contact, ..self }
-    }
-
-    /// The contact that the program needs.
-    pub fn contact(&self) -> Option<usize> {
-        self.contact
     }
 
     /// True if the slot is to stop.

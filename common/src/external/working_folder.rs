@@ -67,7 +67,7 @@ pub fn run(
             *argument = argument.replace(LEVEL, level);
         }
     }
-    let mut process = Process::start(&command, &place, &folder.0, stop.contact())?;
+    let mut process = Process::start(&command, &place, &folder.0, stop.contact)?;
     let results = process.complete(timeout, stop).and_then(|()| {
         read_results(&folder.0.join(&exchange.results)).map_err(|reason| LineError::Ended {
             status: format!("exit status: 0 and no {} ({reason})", exchange.results),

@@ -22,7 +22,7 @@ mod truncated_normal;
 mod uniform;
 mod weibull;
 
-pub use gumbel::{Extreme, Gumbel};
+pub use gumbel::Extreme;
 pub use law::{FitError, Law, LawError};
 
 use serde::{Deserialize, Serialize};
@@ -53,7 +53,7 @@ pub enum Distribution {
     /// Constant density between two bounds.
     Uniform(uniform::Uniform),
     /// Extreme value distribution of type I, of maxima or of minima.
-    Gumbel(Gumbel),
+    Gumbel(gumbel::Gumbel),
     /// Extreme value distribution of minima that are bounded by zero, with two parameters.
     Weibull(weibull::Weibull),
     /// Exponential, shifted to begin at a lower bound.
@@ -101,7 +101,7 @@ impl Distribution {
 
     /// Gumbel of maxima or of minima with `mean` and `std`.
     pub fn gumbel(mean: f64, std: f64, extreme: Extreme) -> Result<Self, LawError> {
-        Gumbel::new(mean, std, extreme).map(Self::Gumbel)
+        gumbel::Gumbel::new(mean, std, extreme).map(Self::Gumbel)
     }
 
     /// Weibull of minima, from zero on; mean > 0, 0.001 < std / mean < 10.
@@ -164,30 +164,28 @@ impl Deref for Distribution {
 impl Distribution {
     /// Its word in scenes and result files, e.g. `truncated-normal`.
     pub fn word(&self) -> &'static str {
-        match self {
-            Self::TruncatedNormal(_) => "truncated-normal",
-            Self::Normal(_) => "normal",
-            Self::Lognormal(_) => "lognormal",
-            Self::Uniform(_) => "uniform",
-            Self::Gumbel(Gumbel { extreme: Extreme::Maxima, .. }) => "gumbel",
-            Self::Gumbel(_) => "gumbel-minima",
-            Self::Weibull(_) => "weibull",
-            Self::Exponential(_) => "exponential",
-            Self::Beta(_) => "beta",
-            Self::Triangular(_) => "triangular",
-            Self::Constant(_) => "constant",
-            Self::Empirical(_) => "empirical",
-        }
+        self.words().0
     }
 
     /// The name of the distribution for people, e.g. `truncated normal`.
     pub fn name(&self) -> &'static str {
-        match self.word() {
-            "truncated-normal" => "truncated normal",
-            "gumbel" => "Gumbel",
-            "gumbel-minima" => "Gumbel of minima",
-            "weibull" => "Weibull",
-            word => word,
+        self.words().1
+    }
+
+    fn words(&self) -> (&'static str, &'static str) {
+        match self {
+            Self::TruncatedNormal(_) => ("truncated-normal", "truncated normal"),
+            Self::Normal(_) => ("normal", "normal"),
+            Self::Lognormal(_) => ("lognormal", "lognormal"),
+            Self::Uniform(_) => ("uniform", "uniform"),
+            Self::Gumbel(law) if law.extreme == Extreme::Maxima => ("gumbel", "Gumbel"),
+            Self::Gumbel(_) => ("gumbel-minima", "Gumbel of minima"),
+            Self::Weibull(_) => ("weibull", "Weibull"),
+            Self::Exponential(_) => ("exponential", "exponential"),
+            Self::Beta(_) => ("beta", "beta"),
+            Self::Triangular(_) => ("triangular", "triangular"),
+            Self::Constant(_) => ("constant", "constant"),
+            Self::Empirical(_) => ("empirical", "empirical"),
         }
     }
 

@@ -54,6 +54,11 @@ impl Family {
         ("exponential", Self::Exponential),
     ];
 
+    /// The word of a scene for it.
+    pub fn word(self) -> &'static str {
+        Self::WORDS.iter().find(|(_, family)| *family == self).map_or("", |(word, _)| word)
+    }
+
     /// The distribution of this family with the largest likelihood of the samples `(n,)`.
     ///
     /// # Errors

@@ -81,8 +81,7 @@ pub(super) fn resolve(
     }
     match parts.scene() {
         Some(scene) if cx.fault_count() == 0 => {
-            let (variables, measured): (Vec<_>, Vec<_>) =
-                read.into_iter().filter_map(|(_, read)| read).unzip();
+            let (variables, measured): (_, Vec<_>) = read.into_iter().filter_map(|(_, read)| read).unzip();
             let mut scene = Scene { variables, correlations: correlated, ..scene };
             scene.units.add_limits(&scene.outputs, &scene.limit_states, document);
             let measured = measured.into_iter().flatten().collect();
@@ -209,10 +208,9 @@ fn mechanism(file: &mut Section) -> Model {
 
 /// Checks that all outputs at all checkpoints fit into a worker's message.
 fn check_size(file: &Section, life: &Life, outputs: usize) {
-    let checkpoints = (life.cycles / life.checkpoint_every) as usize;
-    if checkpoints * outputs > VALUE_LIMIT {
-        let message =
-            format!("{checkpoints} checkpoints of {outputs} outputs are more than {VALUE_LIMIT} values");
+    let count = (life.cycles / life.checkpoint_every) as usize;
+    if count * outputs > VALUE_LIMIT {
+        let message = format!("{count} checkpoints of {outputs} outputs are more than {VALUE_LIMIT} values");
         file.inconsistent("life.checkpoint_every", message);
     }
 }
@@ -282,12 +280,11 @@ fn levels(section: &mut Section) -> Option<Levels> {
     const LIST: &str =
         "one to three names of accuracies, from the coarsest to the finest, e.g. [\"draft\", \"balanced\"]";
     let (has_accuracy, has_levels) = (section.get("accuracy").is_some(), section.get("levels").is_some());
-    let single = if has_accuracy || !has_levels {
+    let mut single = None;
+    if has_accuracy || !has_levels {
         let name = section.text_or("accuracy", EXPECTED, "balanced")?;
-        Some(accuracy(section, "accuracy", name)?)
-    } else {
-        None
-    };
+        single = Some(accuracy(section, "accuracy", name)?);
+    }
     if !has_levels {
         return Some((single?, vec![]));
     }

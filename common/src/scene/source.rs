@@ -46,10 +46,8 @@ impl SceneSource {
     /// # Errors
     /// The name is unknown; the fault suggests the nearest one.
     pub fn builtin(name: &str) -> Result<Self, Faults> {
-        match builtin::text(name) {
-            Some(text) => Self::parse(text, name),
-            None => Err(Faults::one(name, "", unknown_scene(name))),
-        }
+        let text = builtin::text(name).ok_or_else(|| Faults::one(name, "", unknown_scene(name)))?;
+        Self::parse(text, name)
     }
 
     /// Loads a built-in scene by name, or the scene in a file.
@@ -57,8 +55,8 @@ impl SceneSource {
     /// # Errors
     /// Every fault of the scene, or one that says that it cannot be found or read.
     pub fn load(name_or_path: &str) -> Result<Self, Faults> {
-        if builtin::text(name_or_path).is_some() {
-            return Self::builtin(name_or_path);
+        if let Some(text) = builtin::text(name_or_path) {
+            return Self::parse(text, name_or_path);
         }
         let path = Path::new(name_or_path);
         let looks_like_path =
@@ -99,9 +97,8 @@ impl SceneSource {
         let Resolved { scene, measured, seen, used, .. } =
             resolve(origin, &document, &Overrides::new(), true)?;
         let parameters = document.get("parameters").and_then(toml::Value::as_table);
-        let mut unused_parameters: Vec<String> =
-            parameters.into_iter().flat_map(Table::keys).cloned().collect();
-        unused_parameters.retain(|name| !used.contains(name));
+        let unused = parameters.into_iter().flat_map(Table::keys).filter(|name| !used.contains(*name));
+        let mut unused_parameters: Vec<String> = unused.cloned().collect();
         unused_parameters.sort();
         let mut source = SceneSource {
             origin: origin.to_owned(),
@@ -191,8 +188,8 @@ impl SceneSource {
     pub fn overridden_variables(&self) -> Vec<(usize, Vec<&str>)> {
         let (scene, means) = (&self.nominal, self.means());
         let mut found = Vec::new();
-        for (k, variable) in scene.variables.iter().enumerate().filter(|(_, v)| !v.distribution.is_constant())
-        {
+        let varying = scene.variables.iter().enumerate().filter(|(_, v)| !v.distribution.is_constant());
+        for (k, variable) in varying {
             let mut sample = means.clone();
             sample[k] = variable.distribution.from_standard_normal(1.0);
             let Ok(moved) = self.resolve_sample(&sample) else { continue };

@@ -209,7 +209,7 @@ impl WorkTotals {
         self.evaluations += 1;
         self.longest = self.longest.max(wall);
         add_grooves(&mut self.grooved, &diagnostics.narrow_grooves);
-        self.counts.iter_mut().zip(diagnostics.counts()).for_each(|(sum, count)| *sum += count);
+        self.counts.iter_mut().zip(COUNTERS).for_each(|(sum, (.., count))| *sum += count(diagnostics));
     }
 }
 

@@ -6,7 +6,7 @@ use super::input::{GroovedJoint, ReportInput};
 use super::life::{self, LEVELS, LifeAt, life_and_limits, life_at};
 use crate::results::summary::{ReliabilityRow, Round, ScaleRow, SensitivityRow, WorkerShare};
 use crate::statistics::reliability::REACH;
-use common::outputs::COUNTERS;
+use common::outputs::{COUNTERS, Counter};
 use common::random::Distribution;
 use common::scene::{OutputUnit, Units};
 use maud::{Markup, Render, html};
@@ -181,13 +181,13 @@ pub fn diagnostics(input: &ReportInput) -> Markup {
     let per = |sum: u64| three_digits(sum as f64 / work.evaluations.max(1) as f64);
     let flight = input.nominal.as_ref().map_or(&[][..], |nominal| &nominal.diagnostics.free_flight_fraction);
     html! {
-        (table_of::<(&(&str, &str), u64)>(
+        (table_of::<(Counter, u64)>(
             &[
-                ("work", &|((_, name), _)| (*name).to_owned()),
+                ("work", &|((_, name, _), _)| (*name).to_owned()),
                 ("all evaluations", &|(_, sum)| count(*sum)),
                 ("per evaluation", &|(_, sum)| per(*sum)),
             ],
-            COUNTERS.iter().zip(work.counts),
+            COUNTERS.into_iter().zip(work.counts),
         ))
         @if !flight.is_empty() {
             (table_of::<&(String, f64)>(
