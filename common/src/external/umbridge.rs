@@ -208,15 +208,15 @@ impl UmBridgeClient {
 
     /// Output vectors of a reply.
     fn vectors(&self, http: &HttpReply) -> Result<Vec<Vec<Value>>, NoResult> {
-        let reply = parse(&http.text)
-            .map_err(|_| format!("HTTP status {}: \"{}\"", http.status, shown(&http.text)))?;
+        let said = || shown(&http.text);
+        let reply = parse(&http.text).map_err(|_| format!("HTTP status {}: \"{}\"", http.status, said()))?;
         if let Ok(protocol::ErrorReply { error }) = serde_json::from_value(reply.clone()) {
             let message = format!("{}: {}", error.kind, error.message);
             let refused = REFUSALS.contains(&error.kind.as_str());
             return Err(if refused { message.into() } else { NoResult::reported(message) });
         }
         let protocol::Evaluated::<Value> { output } =
-            serde_json::from_value(reply).map_err(|_| format!("\"{}\"", shown(&http.text)))?;
+            serde_json::from_value(reply).map_err(|_| format!("\"{}\"", said()))?;
         let sizes: Vec<usize> = output.iter().map(Vec::len).collect();
         if sizes != self.output_sizes {
             let expected = &self.output_sizes;
@@ -251,18 +251,8 @@ impl ModelSlot {
         thread.map_err(SlotError::Thread)?;
         stop.wait(&replies, Duration::MAX).map_err(|none| match none {
             WaitError::Stopped => SlotError::Stopped,
-            WaitError::Disconnected | WaitError::TimedOut => {
-                SlotError::ThreadEnded("the thread of a request")
-            }
+            _ => SlotError::ThreadEnded("the thread of a request"),
         })
-    }
-
-    fn pause(stop: &StopSignal) -> Result<(), SlotError> {
-        let (_sender, nothing) = channel::<()>();
-        match stop.wait(&nothing, PAUSE) {
-            Err(WaitError::Stopped) => Err(SlotError::Stopped),
-            _ => Ok(()),
-        }
     }
 
     /// What `read` makes of the output vectors for these `values` of the input vectors, one after another, in evaluation `id`.
@@ -287,10 +277,10 @@ impl ModelSlot {
                 Err(HttpError::Failed(reason)) if last => {
                     return Err(unanswered(&url, reason).into());
                 }
-                Ok(reply) if reply.status >= 500 && parse(&reply.text).is_err() => {
+                Ok(HttpReply { status, text }) if status >= 500 && parse(&text).is_err() => {
                     if last {
-                        let text = reply.text.split_whitespace().collect::<Vec<_>>().join(" ");
-                        let message = format!("HTTP status {}: {}", reply.status, shown(&text));
+                        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+                        let message = format!("HTTP status {status}: {}", shown(&text));
                         return Ok(Err(SimulationFailure::Reported { message }));
                     }
                 }
@@ -300,7 +290,10 @@ impl ModelSlot {
                 }
                 Err(HttpError::Failed(reason)) => tracing::debug!("{url}: {reason}"),
             }
-            Self::pause(stop)?;
+            let (_sender, nothing) = channel::<()>();
+            if stop.wait(&nothing, PAUSE) == Err(WaitError::Stopped) {
+                return Err(SlotError::Stopped);
+            }
         }
         unreachable!("the last attempt has returned")
     }

@@ -39,32 +39,24 @@ fn driven(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Opt
 
 /// A body is driven at a speed, constant or by a table, or at an angle by a table.
 fn drive(row: &mut Section) -> Option<Drive> {
-    let (speed, angle) = (row.get("speed"), row.get("angle"));
+    let expected = || format!("{}, or a table of it, or angle, a table", ANGULAR_VELOCITY.in_words());
+    let key = row.either(["speed", "angle"], expected);
     let start = row.get("start_angle");
-    match (speed, angle) {
-        (Some(speed), None) => {
-            let start_angle = row.quantity_or("start_angle", ANGLE, Range::Any, 0.0);
-            if speed.is_table() {
-                let table = over_time(row, "speed", ANGULAR_VELOCITY, Repetition::Closed);
-                return Some(Drive::Speed { start_angle: start_angle?, table: table? });
-            }
-            let speed = row.quantity("speed", ANGULAR_VELOCITY, Range::NotZero);
-            Some(Drive::ConstantSpeed { start_angle: start_angle?, speed: speed? })
+    if key? == "angle" {
+        let table = over_time(row, "angle", ANGLE, Repetition::GoesOn);
+        if start.is_some() {
+            let message = "belongs to speed; the start is the first value of the table of angles";
+            row.inconsistent("start_angle", message);
         }
-        (None, Some(_)) => {
-            let table = over_time(row, "angle", ANGLE, Repetition::GoesOn);
-            if start.is_some() {
-                let message = "belongs to speed; the start is the first value of the table of angles";
-                row.inconsistent("start_angle", message);
-            }
-            table.map(Drive::Angle)
-        }
-        (Some(_), Some(_)) => row.inconsistent_table("give either speed or angle, not both").and(None),
-        (None, None) => {
-            let expected = format!("{}, or a table of it, or angle, a table", ANGULAR_VELOCITY.in_words());
-            row.missing("speed", expected).and(None)
-        }
+        return table.map(Drive::Angle);
     }
+    let start_angle = row.quantity_or("start_angle", ANGLE, Range::Any, 0.0);
+    if row.get("speed").is_some_and(toml::Value::is_table) {
+        let table = over_time(row, "speed", ANGULAR_VELOCITY, Repetition::Closed);
+        return Some(Drive::Speed { start_angle: start_angle?, table: table? });
+    }
+    let speed = row.quantity("speed", ANGULAR_VELOCITY, Range::NotZero);
+    Some(Drive::ConstantSpeed { start_angle: start_angle?, speed: speed? })
 }
 
 /// Mass and moment of inertia of a driven body, or its shape: both or neither.

@@ -97,8 +97,8 @@ fn bore_points(row: &mut Section) -> Option<ControlPoints> {
         Some(word) if word.as_str() == Some("auto") => Some(ControlPoints::ByArc),
         Some(word) if word.as_str().is_some() => {
             let (from, to) = (CONTROL_POINTS.start(), CONTROL_POINTS.end());
-            row.wrong_type("control_points", word, format!("a whole number {from} to {to}, or \"auto\""))
-                .and(None)
+            let expected = format!("a whole number {from} to {to}, or \"auto\"");
+            row.wrong_type("control_points", word, expected).and(None)
         }
         _ => control_points(row).map(ControlPoints::Number),
     }
@@ -119,9 +119,8 @@ pub(super) fn second_coefficient(
 ) -> Option<Option<f64>> {
     let found = row.quantity_if_any(key, INVERSE_PRESSURE, Range::NonNegative);
     if row.get(key).is_some() && surfaces.is_some_and(|surfaces| surfaces != WearingSurfaces::Both) {
-        return row
-            .inconsistent(key, "needs wears = \"both\"; a single surface that wears has wear_coefficient")
-            .and(None);
+        let message = "needs wears = \"both\"; a single surface that wears has wear_coefficient";
+        return row.inconsistent(key, message).and(None);
     }
     found
 }
@@ -161,21 +160,14 @@ pub(super) fn contact_damping(row: &mut Section) -> Option<ContactDamping> {
         }
         Some(toml::Value::Table(_)) => {
             let mut damping = row.section_if_any("contact_damping")?;
-            let found = match (damping.get("hunt_crossley"), damping.get("law")) {
-                (Some(_), None) => {
-                    let factor = damping.quantity("hunt_crossley", INVERSE_SPEED, Range::NonNegative);
-                    factor.map(|factor| ContactDamping::HuntCrossley { factor })
-                }
-                (None, Some(_)) => by_restitution(&mut damping),
-                (Some(_), Some(_)) => {
-                    return damping
-                        .inconsistent_table("give either hunt_crossley or law, not both")
-                        .and(None);
-                }
-                (None, None) => {
-                    let expected = format!("{}, or law with restitution", INVERSE_SPEED.in_words());
-                    damping.missing("hunt_crossley", expected).and(None)
-                }
+            let expected = || format!("{}, or law with restitution", INVERSE_SPEED.in_words());
+            let found = match damping.either(["hunt_crossley", "law"], expected) {
+                Some("law") => by_restitution(&mut damping),
+                Some(key) => record!(ContactDamping::HuntCrossley {
+                    factor: damping.quantity(key, INVERSE_SPEED, Range::NonNegative)
+                }),
+                None if damping.get("law").is_some() => return None,
+                None => None,
             };
             damping.finish();
             found

@@ -17,6 +17,9 @@ use toml::{Table, Value};
 /// Values in SI by the path of their key.
 pub(super) type Overrides = BTreeMap<String, f64>;
 
+/// Nothing is overridden.
+pub(super) static NONE: Overrides = Overrides::new();
+
 /// Allowed range of a number in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
@@ -313,8 +316,7 @@ fn why_not_a_name(name: &str) -> Option<&'static str> {
 /// # Errors
 /// It is no quantity, or one of another kind.
 pub fn read_quantity(text: &str, kind: Kind) -> Result<f64, FaultKind> {
-    let none = Overrides::new();
-    let cx = Context::new("", &none);
+    let cx = Context::new("", &NONE);
     let read = cx.quantity("", &Value::String(text.to_owned()), kind, Range::Any);
     let fault = || cx.take_faults().remove(0).kind;
     read.ok_or_else(fault)

@@ -92,9 +92,7 @@ fn factor(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<Op
     let factor = curve_if_any(row, key, NUMBER, bodies)?;
     let least = factor.as_ref().map_or(0.0, |factor| factor.table.range()[0]);
     if least < 0.0 {
-        return row
-            .out_of_range(&format!("{key}.value"), least.to_string(), ">= 0: a drag slows down")
-            .and(None);
+        return row.out_of_range(&format!("{key}.value"), least, ">= 0: a drag slows down").and(None);
     }
     Some(factor)
 }
@@ -132,9 +130,10 @@ fn held_input(row: &mut Section, bodies: &[BodyRow]) -> Option<Option<HeldInput>
     match input?.map_or_else(|| (driven.next(), driven.next()), |body| (Some(body), None)) {
         (Some(body), None) => Some(Some(HeldInput { body, angle: angle? })),
         (None, _) => row.inconsistent("input_angle", "there is no driven body that could be held").and(None),
-        (Some(_), Some(_)) => row
-            .missing("input", "the name of the driven body that is held, since there are several")
-            .and(None),
+        (Some(_), Some(_)) => {
+            let expected = "the name of the driven body that is held, since there are several";
+            row.missing("input", expected).and(None)
+        }
     }
 }
 
@@ -181,10 +180,8 @@ fn worn_joints(row: &mut Section, quantity: WearQuantity, joints: &[JointRow]) -
         let surface = quantity.surface();
         row.inconsistent("joints", format!("there is no joint of which {surface} wears: see its key wears"));
     } else if chosen.is_empty() {
-        row.inconsistent(
-            "joints",
-            "there is no joint that wears, i.e. a hinge with clearance and without wear = false, or a guide with the key wears",
-        );
+        let message = "there is no joint that wears, i.e. a hinge with clearance and without wear = false, or a guide with the key wears";
+        row.inconsistent("joints", message);
     } else if row.cx.fault_count() == faults && chosen.iter().all(no_wear) {
         row.inconsistent("joints", "every wear_coefficient of these joints is 0: they do not wear");
     }
@@ -228,9 +225,8 @@ fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
     }
     if let Some(ideal) = chosen.iter().map(|&k| &joints[k]).find(|joint| !has_clearance(joint)) {
         let there_are = listed(with_clearance.map(|k| joints[k].name.as_str()));
-        return row
-            .inconsistent("joints", format!("joint \"{}\" has no clearance{there_are}", ideal.name))
-            .and(None);
+        let message = format!("joint \"{}\" has no clearance{there_are}", ideal.name);
+        return row.inconsistent("joints", message).and(None);
     }
     Some(chosen)
 }

@@ -179,6 +179,22 @@ impl<'s> Section<'s> {
         }
     }
 
+    /// The one of two keys that the table has; a fault with what is `expected` if it has neither.
+    pub(super) fn either(
+        &mut self,
+        keys: [&'static str; 2],
+        expected: impl FnOnce() -> String,
+    ) -> Option<&'static str> {
+        let [first, second] = keys;
+        match keys.map(|key| self.get(key).is_some()) {
+            [true, true] => {
+                self.inconsistent_table(format!("give either {first} or {second}, not both")).and(None)
+            }
+            [false, false] => self.missing(first, expected()).and(None),
+            [is_first, _] => Some(if is_first { first } else { second }),
+        }
+    }
+
     /// What `read` makes of an optional key; the outer `None` if it is faulty.
     pub(super) fn if_any<T>(
         &mut self,

@@ -3,7 +3,7 @@
 
 use super::builtin;
 use super::conditioned::conditions;
-use super::context::Overrides;
+use super::context::{NONE, Overrides};
 use super::edit::rewritten;
 use super::extends::{SCENE_FILE, flatten, read, unknown_scene};
 use super::faults::{Fault, FaultKind, Faults, in_unit};
@@ -94,8 +94,7 @@ impl SceneSource {
         };
 
         // Values as written, then the variables, then the nominal scene with every variable at its mean.
-        let Resolved { scene, measured, seen, used, .. } =
-            resolve(origin, &document, &Overrides::new(), true)?;
+        let Resolved { scene, measured, seen, used, .. } = resolve(origin, &document, &NONE, true)?;
         let parameters = document.get("parameters").and_then(toml::Value::as_table);
         let unused = parameters.into_iter().flat_map(Table::keys).filter(|name| !used.contains(*name));
         let mut unused_parameters: Vec<String> = unused.cloned().collect();

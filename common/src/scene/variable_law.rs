@@ -176,14 +176,11 @@ impl WrittenLaw {
                 row.out_of_range(parameter, written.unwrap_or_else(|| shown(value)), allowed)
             }
             LawError::NotEnclosed { parameter, value, lower, upper } => {
+                let [lower, upper, value] = [lower, upper, value].map(shown);
                 let message = format!(
-                    "the bounds {} and {} do not enclose the {parameter} {}: move them, or the {parameter}",
-                    shown(lower),
-                    shown(upper),
-                    shown(value)
+                    "the bounds {lower} and {upper} do not enclose the {parameter} {value}: move them, or the {parameter}"
                 );
-                let written = [parameter, "lower", "upper"].into_iter().find(|key| self.has(key));
-                match written {
+                match [parameter, "lower", "upper"].into_iter().find(|key| self.has(key)) {
                     Some(key) => row.inconsistent(key, message),
                     None => row.inconsistent_table(message),
                 }
@@ -215,10 +212,10 @@ impl WrittenFit {
         let (written, diameter, capability) = (written?, diameter?, capability?);
         match moments(written, diameter, capability) {
             Ok((feature, mean, std)) => Some(Self { written: written.to_owned(), feature, mean, std }),
-            Err(error) => {
-                let key = if matches!(error, ToleranceError::Diameter(_)) { "diameter" } else { "fit" };
-                row.inconsistent(key, error.to_string()).and(None)
+            Err(error @ ToleranceError::Diameter(_)) => {
+                row.inconsistent("diameter", error.to_string()).and(None)
             }
+            Err(error) => row.inconsistent("fit", error.to_string()).and(None),
         }
     }
 
@@ -230,24 +227,20 @@ impl WrittenFit {
         }
         for changed in changes {
             let field = changed.rsplit('.').next().unwrap_or(changed);
+            const ONE_PART: &str = "is the class of one part; a clearance needs both, e.g. \"H7/e8\"";
+            const BOTH: &str =
+                "gives a clearance; a radius needs the class of its part alone, e.g. \"H7\" or \"e8\"";
+            const SHAFT: &str = "is the class of a shaft, a bushing is a hole, e.g. \"H7\"";
+            const HOLE: &str = "is the class of a hole, a journal is a shaft, e.g. \"e8\"";
             let refused = match (field, self.feature) {
-                ("radial_clearance", Some(_)) => {
-                    "is the class of one part; a clearance needs both, e.g. \"H7/e8\""
-                }
-                ("bushing_radius" | "journal_radius", None) => {
-                    "gives a clearance; a radius needs the class of its part alone, e.g. \"H7\" or \"e8\""
-                }
-                ("bushing_radius", Some(Feature::Shaft)) => {
-                    "is the class of a shaft, a bushing is a hole, e.g. \"H7\""
-                }
-                ("journal_radius", Some(Feature::Hole)) => {
-                    "is the class of a hole, a journal is a shaft, e.g. \"e8\""
-                }
+                ("radial_clearance", Some(_)) => ONE_PART,
+                ("bushing_radius" | "journal_radius", None) => BOTH,
+                ("bushing_radius", Some(Feature::Shaft)) => SHAFT,
+                ("journal_radius", Some(Feature::Hole)) => HOLE,
                 _ => continue,
             };
-            return row
-                .inconsistent("fit", format!("{value} {refused}; the variable changes \"{changed}\""))
-                .and(None);
+            let message = format!("{value} {refused}; the variable changes \"{changed}\"");
+            return row.inconsistent("fit", message).and(None);
         }
         Some((self.mean, self.std))
     }

@@ -69,15 +69,16 @@ fn variable(name: &str, row: &mut Section, changes: Option<Vec<String>>, scene: 
     let law = law(row, changes.as_deref(), scene);
     let ((nominal, distribution, measured), unit, changes) = (law?, unit?, changes?);
     let dimension = nominal.dimension;
+    let is_bare_input = changes.is_empty() && dimension == Dimension::NONE;
     let unit = match unit {
         Some(unit) => match read_unit(unit) {
             Ok(found) if found.dimension == dimension => unit.to_owned(),
             // A unit of the simulator, which is only displayed.
-            Err(_) if changes.is_empty() && dimension == Dimension::NONE => unit.to_owned(),
-            found => {
-                let bare = changes.is_empty() && dimension == Dimension::NONE && found.is_ok();
+            Err(_) if is_bare_input => unit.to_owned(),
+            _ => {
                 let mean = distribution.mean();
-                let advice = if bare { format!("; write mean = \"{mean} {unit}\"") } else { String::new() };
+                let write = format!("; write mean = \"{mean} {unit}\"");
+                let advice = if is_bare_input { write } else { String::new() };
                 let message = format!("\"{unit}\" is not a unit of {dimension}{advice}");
                 return row.inconsistent("unit", message).and(None);
             }
@@ -191,10 +192,7 @@ fn measured(
     let located = first(list).map(|value| ("samples.1", value));
     let nominal = nominal(row, changes, scene, located, false)?;
     let samples = row.quantities("samples", nominal.kind())?;
-    let made = match family {
-        None => Distribution::empirical(&samples),
-        Some(family) => family.fit(&samples),
-    };
+    let made = family.map_or_else(|| Distribution::empirical(&samples), |family| family.fit(&samples));
     let refused = |error| match error {
         FitError::NotPositive(place) => {
             let value = in_first_unit(samples[place], nominal.kind());
@@ -289,16 +287,8 @@ pub(super) fn correlations(
 
 /// The coefficient of the standard normals, from `coefficient` or `rank`.
 fn coefficient(row: &mut Section) -> Option<f64> {
-    let key = match (row.get("coefficient"), row.get("rank")) {
-        (Some(_), None) => "coefficient",
-        (None, Some(_)) => "rank",
-        (Some(_), Some(_)) => {
-            return row.inconsistent_table("give either coefficient or rank, not both").and(None);
-        }
-        (None, None) => {
-            return row.missing("coefficient", "a number between -1 and 1, or rank").and(None);
-        }
-    };
+    let expected = || "a number between -1 and 1, or rank".to_owned();
+    let key = row.either(["coefficient", "rank"], expected)?;
     let value = row.quantity(key, NUMBER, Range::Any)?;
     if value.abs() >= 1.0 {
         return row.out_of_range(key, value.to_string(), "> -1 and < 1").and(None);
