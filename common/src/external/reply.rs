@@ -45,17 +45,16 @@ impl Expected {
 
     /// Names of the outputs with their numbers of values, for messages.
     pub fn sizes(&self) -> String {
-        let size = |((name, _), length): (&(String, bool), usize)| format!("{name} {length}");
-        self.outputs.iter().zip(self.lengths()).map(size).collect::<Vec<_>>().join(", ")
+        let sizes = self.outputs.iter().zip(self.lengths());
+        sizes.map(|((name, _), length)| format!("{name} {length}")).collect::<Vec<_>>().join(", ")
     }
 
     /// Values by the names of the outputs, from as many values as the outputs have, in their order.
     pub fn by_name(&self, values: impl IntoIterator<Item = Value>) -> Map<String, Value> {
         let mut values = values.into_iter();
-        let cut = |((name, _), length): (&(String, bool), usize)| {
-            (name.clone(), Value::Array(values.by_ref().take(length).collect()))
-        };
-        self.outputs.iter().zip(self.lengths()).map(cut).collect()
+        let mut cut = |length| Value::Array(values.by_ref().take(length).collect());
+        let sizes = self.outputs.iter().zip(self.lengths());
+        sizes.map(|((name, _), length)| (name.clone(), cut(length))).collect()
     }
 
     /// Builds an evaluation from values by name and, if given, numerical errors of the same shape and values at the start of

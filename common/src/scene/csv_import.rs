@@ -58,8 +58,7 @@ pub(super) fn import(
     origin: &str,
     folder: Option<&Path>,
 ) -> Result<Vec<ImportedColumn>, Faults> {
-    let mut imported = Vec::new();
-    let mut faults = Vec::new();
+    let mut read = Vec::new();
     for (list, keys) in PLACES {
         let rows = document.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten();
         for (number, row) in rows.enumerate() {
@@ -68,19 +67,14 @@ pub(super) fn import(
             let path =
                 name.map_or_else(|| format!("{list}[{}]", number + 1), |name| format!("{list}.{name}"));
             for key in keys {
-                let Some(table) = row.get_mut(*key).and_then(Value::as_table_mut) else { continue };
-                if !table.contains_key("csv") {
-                    continue;
-                }
+                let table = row.get_mut(*key).and_then(Value::as_table_mut);
+                let Some(table) = table.filter(|table| table.contains_key("csv")) else { continue };
                 let request = ImportRequest { path: format!("{path}.{key}"), origin, folder };
-                match request.read(table, *key == "samples") {
-                    Ok(columns) => imported.extend(columns),
-                    Err(Faults(found)) => faults.extend(found),
-                }
+                read.push(request.read(table, *key == "samples"));
             }
         }
     }
-    if faults.is_empty() { Ok(imported) } else { Err(Faults(faults)) }
+    Ok(all(read.into_iter())?.concat())
 }
 
 /// One table of a scene that names a CSV file.
@@ -122,14 +116,12 @@ impl ImportRequest<'_> {
         if names.len() != count {
             return Err(self.one(key, format!("expected {expected}")));
         }
-        let places = match is_sample {
-            true => vec![(key, self.path.clone())],
-            false => vec![
-                ("columns.1", format!("{}.{first}", self.path)),
-                ("columns.2", format!("{}.{second}", self.path)),
-            ],
-        };
-        let read = names.iter().zip(places).map(|(name, (place, path))| {
+        let places = [("columns.1", first), ("columns.2", second)];
+        let read = names.iter().zip(places).map(|(name, (place, part))| {
+            let (place, path) = match is_sample {
+                true => (key, self.path.clone()),
+                false => (place, format!("{}.{part}", self.path)),
+            };
             let column = csv.find(name).map_err(|kind| self.one(place, kind))?;
             Ok((csv.column(column, &path)?, path))
         });

@@ -332,10 +332,3 @@ impl StudySettings {
         }
     }
 }
-
-impl Default for StudySettings {
-    /// The settings of a scene of few variables without `[study]`.
-    fn default() -> Self {
-        Self::for_variables(0)
-    }
-}

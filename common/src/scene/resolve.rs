@@ -55,10 +55,10 @@ pub(super) fn resolve(
     }
     let variables_written = document.get("variables").and_then(toml::Value::as_array).map_or(0, Vec::len);
     let parts = Parts::read(&mut file, variables_written);
-    let conditions = match parts.changes() {
-        Changes::Required | Changes::Optional => condition_rows(&mut file, parts.model.life.as_ref()),
-        Changes::None => Vec::new(),
-    };
+    let mut conditions = Vec::new();
+    if parts.changes() != Changes::None {
+        conditions = condition_rows(&mut file, parts.model.life.as_ref());
+    }
     // The parameters of a variable or a correlation are no quantities of the scene that an override could set.
     let seen = cx.seen.take();
     let scene = Changed { may: parts.changes(), seen: &seen, is_faulty: cx.fault_count() > 0 };
@@ -99,9 +99,6 @@ pub(super) fn resolve(
 
 /// The faults without those of references where a name of the same list is given twice: it is the one that they miss.
 fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
-    let twice = |list: &str, faults: &[Fault]| {
-        faults.iter().any(|fault| matches!(&fault.kind, FaultKind::Duplicate(what, _) if what == list))
-    };
     for (list, missed) in [
         ("bodies", &["body", "point", "quantity"][..]),
         ("joints", &["joint", "quantity"]),
@@ -109,10 +106,10 @@ fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
         ("outputs", &["output"]),
         ("variables", &["random variable"]),
     ] {
-        if twice(list, &faults) {
-            faults.retain(
-                |fault| !matches!(&fault.kind, FaultKind::UnknownReference(what, _) if missed.contains(what)),
-            );
+        let is_twice = |fault: &Fault| matches!(&fault.kind, FaultKind::Duplicate(what, _) if what == list);
+        let follows = |fault: &Fault| matches!(fault.kind, FaultKind::UnknownReference(what, _) if missed.contains(&what));
+        if faults.iter().any(is_twice) {
+            faults.retain(|fault| !follows(fault));
         }
     }
     faults

@@ -144,9 +144,9 @@ impl Units {
 
     /// The head of a column, with the chosen unit in the place of the usual one in its brackets.
     pub fn head(&self, head: &str) -> String {
-        let bracketed = |unit: &str| format!("[{unit}]");
-        self.by_usual.iter().fold(head.to_owned(), |head, (usual, unit)| {
-            head.replace(&bracketed(usual), &bracketed(&unit.symbol))
-        })
+        let replace = |head: String, (usual, unit): (&&str, &ShownUnit)| {
+            head.replace(&format!("[{usual}]"), &format!("[{}]", unit.symbol))
+        };
+        self.by_usual.iter().fold(head.to_owned(), replace)
     }
 }

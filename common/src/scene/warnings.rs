@@ -140,27 +140,24 @@ fn of_body(scene: &Scene, k: usize, body: &Body) -> Vec<(&'static str, String)> 
             found.push(("speed", format!("is {turns:.0} r/min, more than any machine has")));
         }
         Motion::Free { mass, inertia, centre_of_mass, .. } => {
-            if let Some(size) = size(scene, k, body, *centre_of_mass) {
-                let gyration = (inertia / mass).sqrt();
-                if gyration > LARGEST_GYRATION * size {
-                    let message = format!(
-                        "with the mass it gives a radius of gyration of {:.4} mm, but no point of the body is farther from its centre of \
-                         mass than {:.4} mm: check the units of inertia and mass",
-                        1e3 * gyration,
-                        1e3 * size
-                    );
-                    found.push(("inertia", message));
-                }
-                let density = mass / (2.0 * size).powi(3);
-                if !within(density, DENSITIES) {
-                    let message = format!(
-                        "is {:.3e} kg in a body of {:.4} mm: a block of that size would have {density:.1e} kg/m^3 (steel: 7850): check the \
-                         unit",
-                        mass,
-                        2e3 * size
-                    );
-                    found.push(("mass", message));
-                }
+            let Some(size) = size(scene, k, body, *centre_of_mass) else { return found };
+            let gyration = (inertia / mass).sqrt();
+            if gyration > LARGEST_GYRATION * size {
+                let (gyration, size) = (1e3 * gyration, 1e3 * size);
+                let message = format!(
+                    "with the mass it gives a radius of gyration of {gyration:.4} mm, but no point of the body is farther from its centre of \
+                     mass than {size:.4} mm: check the units of inertia and mass"
+                );
+                found.push(("inertia", message));
+            }
+            let density = mass / (2.0 * size).powi(3);
+            if !within(density, DENSITIES) {
+                let width = 2e3 * size;
+                let message = format!(
+                    "is {mass:.3e} kg in a body of {width:.4} mm: a block of that size would have {density:.1e} kg/m^3 (steel: 7850): check \
+                     the unit"
+                );
+                found.push(("mass", message));
             }
         }
         _ => {}
@@ -218,13 +215,12 @@ fn of_wear(first: f64, second_key: &'static str, second: Option<f64>) -> Vec<(&'
     let both = [("wear_coefficient", Some(first)), (second_key, second)];
     let given = both.into_iter().filter_map(|(key, wear)| Some((key, wear?)));
     let unusual = given.filter(|(_, wear)| *wear > 0.0 && !within(*wear, WEAR));
-    let message = |wear| {
-        format!(
-            "is {wear:.3e} 1/Pa = {:.3e} mm^3/(N m); lubricated steel has about 1e-17 to 1e-13 1/Pa: check the unit",
-            1e9 * wear
-        )
+    let warning = |(key, wear): (&'static str, f64)| {
+        let per_work = 1e9 * wear;
+        let usual = "lubricated steel has about 1e-17 to 1e-13 1/Pa: check the unit";
+        (key, format!("is {wear:.3e} 1/Pa = {per_work:.3e} mm^3/(N m); {usual}"))
     };
-    unusual.map(|(key, wear)| (key, message(wear))).collect()
+    unusual.map(warning).collect()
 }
 
 #[cfg(test)]

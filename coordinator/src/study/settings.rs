@@ -140,7 +140,7 @@ fn is_default_memory(memory: &usize) -> bool {
 impl Default for Settings {
     /// Settings of a scene of few variables without a section `[study]`.
     fn default() -> Self {
-        Self::from(StudySettings::default())
+        Self::from(StudySettings::for_variables(0))
     }
 }
 
