@@ -30,7 +30,6 @@ const NO_LAW: [(&str, &str); 12] = [
     ("worker/src/integrate/stepper.rs", "loop over the steps of `rosenbrock.rs`"),
     ("worker/src/integrate/lane_stepper.rs", "loop over the steps of `rosenbrock.rs`"),
     ("worker/src/quasi_static/unsuitable.rs", "reasons as an enumeration"),
-    ("worker/src/quasi_static/wear_rates.rs", "largest difference of two lists"),
     ("worker/src/wear/mod.rs", "list of modules"),
     ("coordinator/statistics/src/design/points.rs", "selection of points"),
     ("coordinator/statistics/src/surrogate/form.rs", "names of kernel and trend"),

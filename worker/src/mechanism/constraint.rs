@@ -20,11 +20,9 @@
 // In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
 #![allow(clippy::needless_range_loop)]
 
-use super::coupling::{Geometry, second_derivative};
-use super::frame::{End, Frame};
+use super::coupling::{FrictionConstants, Geometry, NormalForce, Sliding, second_derivative};
+use super::frame::{End, Frame, Prescribed};
 use super::piecewise_cubic::Jet;
-use super::prescribed::Prescribed;
-use super::sliding::{FrictionConstants, NormalForce, Sliding};
 use crate::lanes::{Lanewise, Real, lanewise};
 use crate::plane::{dot, left};
 use common::scene::{GuideClearance, IdealFriction, JointKind, Mesh};

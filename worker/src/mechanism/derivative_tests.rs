@@ -3,7 +3,7 @@
 
 use super::frame::End;
 use super::joint::{Blocks, PairForce, PairMotion, pair_force};
-use super::wearing_pair::WearingPair;
+use super::wearing_joint::WearingPair;
 use super::{Frame, Island, ideal_cycle, islands};
 use crate::bore::Profile;
 use crate::contact::{Contact, Journal, LawLanes, Surfaces};

@@ -20,7 +20,7 @@
 
 use super::assembly::Pose;
 use super::closure::Closure;
-use super::prescribed::Prescribed;
+use super::frame::Prescribed;
 use crate::plane::{dot, left};
 use common::scene::{Attachment, HeldInput, JointKind, Scene};
 use nalgebra::DVector;

@@ -2,10 +2,10 @@
 //! which the ideal joints are dependent.
 
 use super::closing::{close, least_gap};
+use super::effective_mass::begun;
 use super::elimination::Existence;
 use super::extent::farthest;
 use super::frame::{End, Placed};
-use super::guide_onset::begun;
 use super::island::Island;
 use super::passage::{Comparison, Passage, on_path};
 use crate::extremum::{largest, smallest};

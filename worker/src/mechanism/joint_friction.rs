@@ -1,7 +1,7 @@
 //! Friction of an island's ideal joints, as part of its forces.
 //!
 //! Friction in the joints k has the generalised force -sum_k b_k c_k x_k, with the directions b_k `(n,)`, the ratios
-//! c_k = mu tanh(v_t / v_0) of their sliding speeds (`sliding.rs`) and the normal forces x_k that balance the multipliers
+//! c_k = mu tanh(v_t / v_0) of their sliding speeds (`coupling.rs`) and the normal forces x_k that balance the multipliers
 //! (`friction_balance.rs`); unit friction forces contribute the multipliers p_k = R^-1 Q' M^-1/2 b_k `(m,)` (`elimination.rs`).
 //!
 //! Derivatives are exact. For a column of coordinates, rates or time, with the part dlambda of the derivative of the multipliers at
@@ -11,10 +11,10 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::constraint::Constraint;
+use super::coupling::Sliding;
 use super::frame::Placed;
 use super::friction_balance::{FrictionBalance, RubbingJoint};
 use super::orthonormal::OrthonormalRows;
-use super::sliding::Sliding;
 use crate::integrate::Linearised;
 use crate::lanes::Real;
 

@@ -2,16 +2,15 @@
 //! numbers.
 
 use super::closing::{IdealJoints, close};
+use super::effective_mass::begun;
 use super::elimination::{Elimination, Existence};
 use super::forces::{Acting, JointSpace};
-use super::frame::{End, Frame, Placed};
+use super::frame::{End, Frame, Placed, Prescribed};
 use super::guide::Guide;
-use super::guide_onset::begun;
 use super::island::Island;
 use super::joint::Touching;
 use super::load::IslandLoad;
 use super::piecewise_cubic::Jet;
-use super::prescribed::Prescribed;
 use super::wearing_joint::WearingJoint;
 use crate::contact::{GuideReaction, LawLanes};
 use crate::integrate::{Band, Closed, Dynamics, Linearised, SteppedLanes};

@@ -3,12 +3,11 @@
 use super::constraint::{Constraint, first_rows};
 use super::coupling::JointInput;
 use super::elimination::Elimination;
+use super::frame::IslandFrames;
 use super::island::Island;
-use super::island_frames::IslandFrames;
 use super::load::IslandLoad;
 use super::passage::Passage;
-use super::wearing_guide::WearingGuide;
-use super::wearing_joint::WearingJoint;
+use super::wearing_joint::{WearingGuide, WearingJoint};
 use common::failure::SimulationFailure;
 use common::scene::{JointKind, Load, Motion, Scene};
 

@@ -3,7 +3,7 @@
 use super::frame::{End, Frame};
 use super::guide::Guiding;
 use super::guide_tests::assert_derivatives;
-use super::wearing_guide::WearingGuide;
+use super::wearing_joint::WearingGuide;
 use crate::contact::GuideReaction;
 use common::scene::{ContactDamping, GuideClearance, GuideWear, Material, WearingSurfaces};
 

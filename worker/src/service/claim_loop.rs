@@ -3,16 +3,11 @@
 //!
 //! There are three kinds of reply: work; "idle, claim again in T" (a notice ends the wait early); none, after which the worker backs off.
 
-mod replies;
-
-use super::backoff::Backoff;
 use super::claim_event::{ClaimEvent, PendingClaim};
-use super::connection_monitor::ConnectionMonitor;
+use super::connection_monitor::{ConnectionMonitor, LicenceContact, OwnCampaign};
 use super::leave_policy::LeavePolicy;
-use super::licence_contact::LicenceContact;
 use super::link::Link;
-use super::own_campaign::OwnCampaign;
-use super::prefetch::PrefetchEstimator;
+use super::prefetch::{Backoff, PrefetchEstimator};
 use super::slots::Slots;
 use super::unacknowledged::UnacknowledgedResults;
 use super::{Departure, ServiceConfig, ServiceError};
@@ -21,6 +16,8 @@ use common::wire::{self, Claim, Notice, Refused, Task, TaskKey, WorkerId};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
+
+mod replies;
 
 /// Size of unacknowledged outcomes above which the worker takes no more tasks [bytes].
 const MOST_UNACKNOWLEDGED: usize = 64 << 20;

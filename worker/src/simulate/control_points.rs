@@ -12,12 +12,12 @@
 //! Error against points per arc: measured here (`cargo bench -p worker --bench control_points`).
 //!
 //! # Contact arcs
-//! Contact arcs of the joints that wear, against the spacing of their control points. `wear/contact_arc.rs` has the arc of a contact history.
+//! Contact arcs of the joints that wear, against the spacing of their control points. `wear/condense.rs` has the arc of a contact history.
 
-use super::conditions;
 use super::island_state::IslandState;
 use super::run::Run;
 use super::side_by_side::{LaneQueue, join};
+use super::turn_period;
 use crate::integrate::StepCounts;
 use crate::mechanism::WearingPair;
 use crate::wear::mean_contact_arc;
@@ -51,7 +51,7 @@ pub(crate) async fn with_control_points(
         return Ok(None);
     }
     let accuracy = Accuracy::draft();
-    let mut runs = conditions::assemble(queue, scene, &accuracy)?;
+    let mut runs = turn_period::assemble(queue, scene, &accuracy)?;
     let first = runs.iter_mut().map(async |run: &mut Run<'_>| {
         run.settle().await?;
         run.measure().await?;

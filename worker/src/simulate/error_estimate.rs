@@ -12,7 +12,7 @@
 //!   at least, with c = 2, that at lives where y goes up and down from one to the next, since it depends on details of the bores;
 //! - e, relative error of the wear, which displaces the life by e N.
 //!
-//! To it is added what more control points change (`finer_surfaces.rs`, `finer_cycles.rs`), unless the scene declares their number a part of its model.
+//! To it is added what more control points change (`partial_life.rs`, `probe.rs`), unless the scene declares their number a part of its model.
 //!
 //! For a wear depth it is the root of the sum of squares of two: the error of wear steps, blocks and control points, from a bore
 //! that wears more exactly beside it (`finer_bore.rs`), and twice the relative change of the wear rate in the probes times the depth.

@@ -61,7 +61,7 @@ pub struct IslandState {
     pub steps: Vec<WearStep>,
     /// Each pair with more control points, for the error of the wear `(pairs,)`.
     pub finer: Vec<FinerBore<WearRate>>,
-    /// Each pair with twice as many again, if the motion is compared on them (`finer_surfaces.rs`), else empty `(pairs,)`.
+    /// Each pair with twice as many again, if the motion is compared on them (`partial_life.rs`), else empty `(pairs,)`.
     pub finest: Vec<FinerBore<WearRate>>,
     /// Wear depth of each pair at the control points of its first surface, then of the second if that wears `(pairs, depths)` [m].
     pub depth: Vec<Vec<f64>>,

@@ -16,41 +16,35 @@
 //! | `run.rs` | the stages: settle, measure a cycle, wear a block, warm up |
 //! | `life_in_blocks.rs`, `partial_life.rs` | a life block by block; a life as far as it has been simulated |
 //! | `blocks.rs` | the ends of the blocks; the outputs over a life |
-//! | `no_wear.rs`, `quasi_static.rs`, `quasi_static_island.rs` | lives without wear; wear by the quasi-static model |
-//! | `conditions.rs` | several operating conditions on the same bores |
+//! | `life_in_blocks.rs`, `quasi_static.rs`, `quasi_static_island.rs` | lives without wear; wear by the quasi-static model |
+//! | `turn_period.rs` | several operating conditions on the same bores |
 //! | `longer_steps.rs`, `compared_islands.rs` | longer time steps while they make no difference, and which islands make one |
 //! | `probe.rs`, `motion_estimate.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
-//! | `finer_surfaces.rs`, `finer_cycles.rs` | the motion on surfaces with more control points; the error that follows from it |
+//! | `partial_life.rs`, `probe.rs` | the motion on surfaces with more control points; the error that follows from it |
 //! | `settling.rs`, `repetition.rs` | further cycles until the motion repeats itself; how it does |
 //! | `turn_period.rs` | the period of a cycle that is one turn of a free body |
 //! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
-//! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
+//! | `cycle_history.rs` | outputs and history of a cycle; the result |
 //! | `island_state.rs`, `worn_joints.rs` | an island with its state, stepper, recorder and wear; the wear of all joints, and their grooves |
 //! | `failures.rs` | what ends an evaluation |
 //! | `side_by_side/` | several evaluations in the SIMD lanes of one core |
 //! | `control_points.rs` | arcs of the contacts in the first cycle; the number of control points by them |
 //! | `program_cycles.rs` | a life whose cycles another program simulates |
-//! | `one_cycle.rs` | one cycle on given surfaces, for others that wear them |
+//! | `program_cycles.rs` | one cycle on given surfaces, for others that wear them |
 //! | `first_look.rs` | model and cost of an evaluation beforehand |
 
 mod blocks;
 mod compared_islands;
-mod conditions;
 mod control_points;
 mod cycle_history;
 mod error_estimate;
 mod failures;
-mod finer_cycles;
-mod finer_surfaces;
-mod finish;
 mod first_look;
 mod ideal_tracks;
 mod island_state;
 mod life_in_blocks;
 mod longer_steps;
 mod motion_estimate;
-mod no_wear;
-mod one_cycle;
 mod partial_life;
 mod probe;
 mod program_cycles;
@@ -70,23 +64,20 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::Scene;
-use conditions::assemble;
 use control_points::{NumberedScene, with_control_points, with_more_points};
-use cycle_history::FirstCycle;
-use finish::finish;
+use cycle_history::{FirstCycle, finish};
 use life_in_blocks::{DynamicCycles, SingleCycle, simulate_life};
 use quasi_static::try_quasi_static;
 use run::{Run, WornDisplay};
 pub(crate) use side_by_side::widest_lanes;
 use side_by_side::{LaneQueue, RunningEvaluation, join, run_alone, run_side_by_side};
 use std::time::Duration;
-use turn_period::with_period_of_turn;
+use turn_period::{assemble, with_period_of_turn};
 
 pub use crate::quasi_static::Unsuitable;
 pub use control_points::ContactArc;
 pub use first_look::{FirstLook, IslandModel, first_look};
-pub use one_cycle::{ServedCycle, simulate_one_cycle};
-pub use program_cycles::{CycleError, simulate_program_life};
+pub use program_cycles::{CycleError, ServedCycle, simulate_one_cycle, simulate_program_life};
 pub use side_by_side::LaneWidth;
 
 /// What an evaluation returns besides its outputs; nothing by default.

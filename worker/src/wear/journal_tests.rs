@@ -1,7 +1,7 @@
 //! Wear of a journal beside that of its bushing: even wear of a journal that turns, volumes, and mirror images.
 
+use super::amounts::WearLaw;
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH};
-use super::wear_law::WearLaw;
 use super::{
     BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearStep, WearStepStats, WornAmounts,
 };

@@ -20,11 +20,10 @@
 //! # Source
 //! Archard (1953), J. Appl. Phys. 24, 981-988. Wear of a foundation under a rigid surface: as in `conformal.rs`.
 
-use super::amounts::SurfaceSizes;
+use super::amounts::{SurfaceSizes, WearLaw};
 use super::equilibrium::NoEquilibrium;
 use super::rail_equilibrium::{RailEquilibrium, RailGaps, SliderPose};
 use super::rail_history::{RailHistory, RailSample};
-use super::wear_law::WearLaw;
 use crate::rail::{RailFaces, RailLayout};
 use std::collections::BTreeMap;
 

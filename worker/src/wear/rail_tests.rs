@@ -1,9 +1,9 @@
 //! Wear of guides and sliders under histories made for the purpose: volumes, closed forms, equilibria of random loads.
 
+use super::amounts::WearLaw;
 use super::rail_equilibrium::RailGaps;
 use super::rail_history::{RailHistory, RailInstant};
 use super::rail_rate::RailWearRate;
-use super::wear_law::WearLaw;
 use super::{FinerBore, StepRule, WearStep, WearStepStats, WornAmounts};
 use crate::contact::GuideReaction;
 use crate::rail::RailLayout;

@@ -1,8 +1,8 @@
 //! The stated error of the wear against bores with eight times as many control points and four times as many blocks, over loads chosen
 //! at random.
 
+use super::amounts::WearLaw;
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH};
-use super::wear_law::WearLaw;
 use super::{
     BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearStep, WearStepStats, WornAmounts,
 };

@@ -1,9 +1,8 @@
 //! The wear step under a frozen contact history: its order, its agreement with many small steps, and that it
 //! does not zig-zag however long its blocks are.
 
-use super::amounts::{BoreSizes, SurfaceSizes};
+use super::amounts::{BoreSizes, SurfaceSizes, WearLaw};
 use super::equilibrium::NoEquilibrium;
-use super::wear_law::WearLaw;
 use super::{
     BoreWearRate, ContactHistory, ContactInstant, StepRule, WearStep, WearStepFailed, WearStepStats,
 };

@@ -1,7 +1,7 @@
 //! Archard's volume K_H F S and the wear step, under contact histories made for the purpose.
 
+use super::amounts::WearLaw;
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH, foundation};
-use super::wear_law::WearLaw;
 use super::{
     BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearStep, WearStepStats, WornAmounts,
 };
