@@ -28,9 +28,6 @@
 //! Contact Mechanics, chapter 4. The modulus that reproduces Hertz's force is derived in `modulus.rs`; the moment follows from the same
 //! potential.
 
-// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
-#![allow(clippy::needless_range_loop)]
-
 use super::arc::{Arc, Arcs};
 use super::foundation_slopes::{FoundationLoad, Resultant, RotatedLoad};
 use super::integrals::RotatedIntegrals;

@@ -11,9 +11,6 @@
 //! Source:
 //! The law: see `foundation.rs`.
 
-// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
-#![allow(clippy::needless_range_loop)]
-
 use super::arc::{Arc, Arcs};
 use super::arc_cells::ArcCells;
 use super::foundation::Foundation;

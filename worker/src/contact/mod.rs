@@ -31,6 +31,9 @@
 //! Normal force: Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445. Friction: Coulomb's law regularised as by
 //! Andersson, Soderberg, Bjorklund (2007), Tribology International 40, 580-587.
 
+// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
+#![allow(clippy::needless_range_loop)]
+
 mod arc;
 mod arc_cells;
 #[cfg(test)]

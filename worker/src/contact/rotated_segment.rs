@@ -19,9 +19,6 @@
 //! Source:
 //! Derived here.
 
-// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
-#![allow(clippy::needless_range_loop)]
-
 use super::integrals::{Integrals, UnitIntegrals, weights_in_lanes};
 use super::journal_table::{JournalTable, Rotated};
 use super::rotated_arc::ANGLES;

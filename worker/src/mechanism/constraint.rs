@@ -17,9 +17,6 @@
 //! Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems; Nikravesh (1988),
 //! Computer-Aided Analysis of Mechanical Systems.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use super::coupling::{FrictionConstants, Geometry, NormalForce, Sliding, second_derivative};
 use super::frame::{End, Frame, Prescribed};
 use super::piecewise_cubic::Jet;

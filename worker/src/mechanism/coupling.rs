@@ -28,9 +28,6 @@
 //! Source:
 //! Friction of ideal joints by their reactions: Haug, Wu, Yang (1986), Mechanism and Machine Theory 21, 401-425.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use super::frame::{Frame, Prescribed};
 use super::piecewise_cubic::{Jet, PiecewiseCubic};
 use crate::contact::coulomb;

@@ -7,9 +7,6 @@
 //! K and D consist of blocks of 3 x 3: the force on one body by the motion of another. The first joint or load that acts on a pair of bodies writes its
 //! block, those after it add to it, and the blocks that none has written are set to zero at the end: cheaper than to set all to zero before.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use super::frame::Frame;
 use super::guide::Guiding;
 use super::joint::{Blocks, PairMotion, Touching, pair_force};

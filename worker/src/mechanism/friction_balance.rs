@@ -19,9 +19,6 @@
 //! (1999), European Journal of Mechanics A/Solids 18, 653-677. Newton's method for functions with corners: Qi, Sun (1993),
 //! Mathematical Programming 58, 353-367.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use super::coupling::NormalForce;
 use crate::integrate::{Band, Layout, factor, solve};
 use crate::lanes::Real;

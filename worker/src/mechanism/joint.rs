@@ -10,9 +10,6 @@
 //! Clearance joint as a force element: Flores, Ambrosio, Claro, Lankarani (2008), Kinematics and Dynamics of
 //! Multibody Systems with Imperfect Joints.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use super::frame::{End, Frame};
 use crate::contact::{JointForce, JointMotion, LawLanes, PolarEccentricity, Walls};
 use crate::lanes::Real;

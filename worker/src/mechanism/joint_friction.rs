@@ -7,9 +7,6 @@
 //! Derivatives are exact. For a column of coordinates, rates or time, with the part dlambda of the derivative of the multipliers at
 //! constant x, dx = A^-1 dN/dlambda dlambda, and the force changes by -b_k c_k dx_k besides what changes at constant x.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use super::constraint::Constraint;
 use super::coupling::Sliding;
 use super::frame::Placed;

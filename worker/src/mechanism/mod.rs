@@ -1,6 +1,9 @@
 //! The mechanism of a scene: islands of bodies that influence each other, their ideal start and motion, and
 //! the generalised forces of each island.
 
+// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
+#![allow(clippy::needless_range_loop)]
+
 #[cfg(test)]
 mod acceleration_tests;
 mod assembly;

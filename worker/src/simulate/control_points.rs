@@ -14,6 +14,7 @@
 //! # Contact arcs
 //! Contact arcs of the joints that wear, against the spacing of their control points. `wear/condense.rs` has the arc of a contact history.
 
+use super::failures::Simulated;
 use super::island_state::IslandState;
 use super::run::Run;
 use super::side_by_side::{LaneQueue, join};
@@ -46,7 +47,7 @@ pub struct NumberedScene {
 pub(crate) async fn with_control_points(
     queue: &LaneQueue,
     scene: &Scene,
-) -> Result<Option<NumberedScene>, SimulationFailure> {
+) -> Simulated<Option<NumberedScene>> {
     if !scene.joints.iter().any(|joint| is_open(&joint.kind)) {
         return Ok(None);
     }

@@ -4,6 +4,7 @@
 //! The result of an evaluation.
 
 use super::blocks::LifeHistory;
+use super::failures::Simulated;
 use super::run::Run;
 use crate::mechanism::{Island, Prescribed};
 use crate::outputs::{FullRecording, RecordedCycle, Recorder, motion_value, sample_times, sum_of_islands};
@@ -162,11 +163,7 @@ fn outputs_of(cycle: &RecordedCycle) -> Vec<f64> {
 ///
 /// # Errors
 /// [`SimulationFailure::NotFinite`] if a value is not finite.
-pub(crate) fn finish(
-    runs: &[Run],
-    life: LifeHistory,
-    first: FirstCycle,
-) -> Result<Evaluation, SimulationFailure> {
+pub(crate) fn finish(runs: &[Run], life: LifeHistory, first: FirstCycle) -> Simulated<Evaluation> {
     let run = &runs[0];
     let sum = |count: fn(&Run) -> u64| runs.iter().map(count).sum();
     let LifeHistory { histories, errors, start } = life;

@@ -8,6 +8,9 @@ use crate::wear::{WearStep, WearStepFailed};
 use common::failure::SimulationFailure;
 use common::scene::{Attachment, ContactLaw, Joint, JointKind, OutputKind, Scene};
 
+/// A result of a simulation, or what ended it.
+pub(crate) type Simulated<T> = Result<T, SimulationFailure>;
+
 /// Largest depth and thickness of the wall of a joint of the scene [m], if the depth has reached the thickness: of the first surface, a
 /// bushing's wall, of the second one, half the height of a slider.
 pub(super) fn worn_through(scene: &Scene, joint: usize, [first, second]: [&[f64]; 2]) -> Option<(f64, f64)> {
@@ -91,11 +94,7 @@ fn frame(scene: &Scene, pose: &Pose, place: &Attachment) -> Option<Frame> {
 ///
 /// # Errors
 /// [`SimulationFailure::NotModelled`] with the output.
-pub(crate) fn refuse_unbounded_forces(
-    scene: &Scene,
-    island: &Island,
-    passages: u64,
-) -> Result<(), SimulationFailure> {
+pub(crate) fn refuse_unbounded_forces(scene: &Scene, island: &Island, passages: u64) -> Simulated<()> {
     let reads = |kind: &OutputKind| match kind {
         OutputKind::PeakJointForce { joints } => {
             island.constraints().iter().any(|c| joints.contains(&c.scene_joint))

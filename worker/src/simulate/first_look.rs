@@ -2,6 +2,7 @@
 
 use super::blocks::simulated_lives;
 use super::control_points::{ContactArc, contact_arcs, with_control_points};
+use super::failures::Simulated;
 use super::island_state::IslandState;
 use super::longer_steps::{difference, is_long_enough, longer};
 use super::probe::{FINER, is_probed};
@@ -13,7 +14,6 @@ use super::turn_period::{condition_scenes, with_period_of_turn};
 use crate::mechanism::Island;
 use crate::quasi_static::Unsuitable;
 use common::accuracy::Accuracy;
-use common::failure::SimulationFailure;
 use common::scene::Scene;
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -76,7 +76,7 @@ pub struct FirstLook {
 ///
 /// # Errors
 /// [`SimulationFailure`] as in an evaluation.
-pub fn first_look(scene: &Scene, accuracy: &Accuracy) -> Result<FirstLook, SimulationFailure> {
+pub fn first_look(scene: &Scene, accuracy: &Accuracy) -> Simulated<FirstLook> {
     let timed = run_alone(|queue| async move { with_period_of_turn(&queue, scene, accuracy).await })?;
     let scene = timed.as_ref().unwrap_or(scene);
     let numbered = run_alone(|queue| async move { with_control_points(&queue, scene).await })?;
@@ -104,19 +104,13 @@ impl FirstLook {
 }
 
 /// Result of a stage, and the time it took.
-async fn timed<T>(
-    stage: impl Future<Output = Result<T, SimulationFailure>>,
-) -> Result<(T, Duration), SimulationFailure> {
+async fn timed<T>(stage: impl Future<Output = Simulated<T>>) -> Simulated<(T, Duration)> {
     let begun = Instant::now();
     let result = stage.await?;
     Ok((result, begun.elapsed()))
 }
 
-async fn examine(
-    queue: LaneQueue,
-    scene: &Scene,
-    accuracy: &Accuracy,
-) -> Result<FirstLook, SimulationFailure> {
+async fn examine(queue: LaneQueue, scene: &Scene, accuracy: &Accuracy) -> Simulated<FirstLook> {
     let begun = Instant::now();
     let mut run = Run::assemble(queue, scene, accuracy)?;
     let islands = run.islands.iter().map(|state| IslandModel::new(scene, &state.island)).collect();

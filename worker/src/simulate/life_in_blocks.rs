@@ -10,6 +10,7 @@
 //! Hairer, Nørsett, Wanner: Solving Ordinary Differential Equations I (1993), section II.4 (Richardson extrapolation).
 
 use super::blocks::{LifeHistory, at_checkpoints, simulated_lives};
+use super::failures::Simulated;
 use super::longer_steps::LongerSteps;
 use super::partial_life::{CycleModel, PartialLife};
 use super::probe::{is_probed, points_errors};
@@ -28,7 +29,7 @@ pub struct DynamicCycles {
 impl CycleModel for DynamicCycles {
     type Error = SimulationFailure;
 
-    async fn simulate_cycle(&self, run: &mut Run<'_>, block: &Range<u32>) -> Result<bool, SimulationFailure> {
+    async fn simulate_cycle(&self, run: &mut Run<'_>, block: &Range<u32>) -> Simulated<bool> {
         if block.end == run.scene.life.cycles {
             run.last_cycle().await?
         } else {
@@ -53,11 +54,7 @@ pub struct SingleCycle;
 impl CycleModel for SingleCycle {
     type Error = SimulationFailure;
 
-    async fn simulate_cycle(
-        &self,
-        _run: &mut Run<'_>,
-        _block: &Range<u32>,
-    ) -> Result<bool, SimulationFailure> {
+    async fn simulate_cycle(&self, _run: &mut Run<'_>, _block: &Range<u32>) -> Simulated<bool> {
         Ok(true)
     }
 
@@ -133,7 +130,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the second run fails.
-    pub(crate) async fn life_without_wear(&mut self) -> Result<LifeHistory, SimulationFailure> {
+    pub(crate) async fn life_without_wear(&mut self) -> Simulated<LifeHistory> {
         let values = self.measured.clone();
         let finer = self.accuracy.refined(FINER);
         self.restart_cycle(&finer);

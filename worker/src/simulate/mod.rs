@@ -61,11 +61,11 @@ mod worn_joints;
 use crate::mechanism::moved_to_origin;
 use blocks::LifeHistory;
 use common::accuracy::Accuracy;
-use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::Scene;
 use control_points::{NumberedScene, with_control_points, with_more_points};
 use cycle_history::{FirstCycle, finish};
+use failures::Simulated;
 use life_in_blocks::{DynamicCycles, SingleCycle, simulate_life};
 use quasi_static::try_quasi_static;
 use run::{Run, WornDisplay};
@@ -97,11 +97,7 @@ impl SimulateOptions {
 ///
 /// # Errors
 /// [`SimulationFailure`]: the failure of the physics or the numerics, with time, cycle and joint.
-pub fn simulate(
-    scene: &Scene,
-    accuracy: &Accuracy,
-    options: SimulateOptions,
-) -> Result<Evaluation, SimulationFailure> {
+pub fn simulate(scene: &Scene, accuracy: &Accuracy, options: SimulateOptions) -> Simulated<Evaluation> {
     simulate_counted(scene, accuracy, options).result
 }
 
@@ -109,7 +105,7 @@ pub fn simulate(
 #[derive(Debug, Clone, PartialEq)]
 pub struct CountedEvaluation {
     /// The evaluation, or its failure.
-    pub result: Result<Evaluation, SimulationFailure>,
+    pub result: Simulated<Evaluation>,
     /// Number of time steps tried, accepted and refused, also those before a failure.
     pub steps_tried: u64,
 }
@@ -138,8 +134,8 @@ pub struct SimulationInput {
 pub fn simulate_side_by_side(
     width: LaneWidth,
     most: usize,
-    next: &mut dyn FnMut() -> Option<Result<SimulationInput, SimulationFailure>>,
-    done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>, Duration),
+    next: &mut dyn FnMut() -> Option<Simulated<SimulationInput>>,
+    done: &mut dyn FnMut(usize, Simulated<Evaluation>, Duration),
 ) {
     let queue = LaneQueue::default();
     let mut next_evaluation = || {
@@ -196,7 +192,7 @@ async fn simulate_stages(
 }
 
 /// The stages of an evaluation, each under every operating condition.
-async fn evaluate(runs: &mut [Run<'_>]) -> Result<Evaluation, SimulationFailure> {
+async fn evaluate(runs: &mut [Run<'_>]) -> Simulated<Evaluation> {
     let first = join(runs.iter_mut().map(measure_first)).await.into_iter().collect::<Result<Vec<_>, _>>()?;
     let Some(first) = FirstCycle::of_conditions(first) else { unreachable!("at least one condition") };
     let scene = runs[0].scene;
@@ -214,7 +210,7 @@ async fn evaluate(runs: &mut [Run<'_>]) -> Result<Evaluation, SimulationFailure>
 }
 
 /// Settles the mechanism under one condition and measures its first cycle; its share of the cycles [1] with the summary.
-async fn measure_first(run: &mut Run<'_>) -> Result<(f64, FirstCycle), SimulationFailure> {
+async fn measure_first(run: &mut Run<'_>) -> Simulated<(f64, FirstCycle)> {
     run.settle().await?;
     run.start_full_recording();
     run.measure_first().await?;

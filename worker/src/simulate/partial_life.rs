@@ -10,6 +10,7 @@
 //! The cycles are compared where others are probed (`probe.rs`), and before where an output has moved.
 
 use super::error_estimate::ErrorEstimate;
+use super::failures::Simulated;
 use super::island_state::IslandState;
 use super::motion_estimate::{MeasuredLives, MotionEstimate};
 use super::probe::{FinerCycles, Probe, is_probed};
@@ -195,7 +196,7 @@ async fn mean_outputs<'a>(
     life: u32,
     motions: Option<&mut SeveralMotions<'a>>,
     estimate: &mut MotionEstimate,
-) -> Result<Vec<f64>, SimulationFailure> {
+) -> Simulated<Vec<f64>> {
     let Some(motions) = motions else { return Ok(run.measured.clone()) };
     let SeveralCycles { motion, spread } = motions.measure(run, life).await?;
     estimate.spreads.push(spread);
@@ -215,11 +216,7 @@ impl<'a> PartialLife<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if one of these cycles fails.
-    pub(crate) async fn compare_finer(
-        &mut self,
-        runs: &mut [Run<'a>],
-        block: &Range<u32>,
-    ) -> Result<(), SimulationFailure> {
+    pub(crate) async fn compare_finer(&mut self, runs: &mut [Run<'a>], block: &Range<u32>) -> Simulated<()> {
         if runs[0].islands.iter().all(|state| state.finest.is_empty())
             || !self.is_due(&runs[0].scene.life, block)
         {
@@ -286,11 +283,7 @@ impl Run<'_> {
 
     /// Outputs of the cycle just measured, and of that on surfaces with twice and with four times the control points, worn to these `depths`
     /// at `life` [cycles].
-    async fn finer_cycles(
-        &mut self,
-        life: u32,
-        depths: &[Depths; 2],
-    ) -> Result<FinerCycles, SimulationFailure> {
+    async fn finer_cycles(&mut self, life: u32, depths: &[Depths; 2]) -> Simulated<FinerCycles> {
         let own = self.measured.clone();
         let twice = self.outputs_on_finer(1, &depths[0]).await?;
         let four_times = self.outputs_on_finer(2, &depths[1]).await?;
@@ -298,7 +291,7 @@ impl Run<'_> {
     }
 
     /// Outputs of the cycle just measured, on surfaces with 2^`times` times the control points, worn to `depths`.
-    async fn outputs_on_finer(&mut self, times: u32, depths: &Depths) -> Result<Vec<f64>, SimulationFailure> {
+    async fn outputs_on_finer(&mut self, times: u32, depths: &Depths) -> Simulated<Vec<f64>> {
         let mut finer = self.clone();
         finer.begin_count();
         let (period, samples) = (self.scene.life.period, self.accuracy.wear_samples);

@@ -18,12 +18,12 @@
 //! Source:
 //! Comparison of three grids: Roache, Verification and Validation in Computational Science and Engineering (1998), chapter 5.
 
+use super::failures::Simulated;
 use super::failures::wear_failure;
 use super::island_state::{CycleTools, IslandState};
 use super::run::Run;
 use crate::wear::WearLaw;
 use common::accuracy::Accuracy;
-use common::failure::SimulationFailure;
 use common::outputs::PointsError;
 use common::scene::{Life, Output, Scene};
 use std::ops::Range;
@@ -78,7 +78,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the further cycle fails.
-    pub(crate) async fn probe(&mut self, life: u32) -> Result<Probe, SimulationFailure> {
+    pub(crate) async fn probe(&mut self, life: u32) -> Simulated<Probe> {
         self.probe_in_steps(life, &vec![self.accuracy.refined(FINER); self.islands.len()]).await
     }
 
@@ -86,11 +86,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the further cycle fails.
-    pub(crate) async fn probe_in_steps(
-        &mut self,
-        life: u32,
-        steps: &[Accuracy],
-    ) -> Result<Probe, SimulationFailure> {
+    pub(crate) async fn probe_in_steps(&mut self, life: u32, steps: &[Accuracy]) -> Simulated<Probe> {
         let measured = self.measured_values(life)?;
         let own = self.present_steps();
         let mut tools = self.tools_for(steps);
@@ -104,7 +100,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if a wear rate has no value.
-    pub(super) fn measured_values(&mut self, life: u32) -> Result<CycleValues, SimulationFailure> {
+    pub(super) fn measured_values(&mut self, life: u32) -> Simulated<CycleValues> {
         Ok(CycleValues { motion: self.measured.clone(), wear: self.wear_rates(life)? })
     }
 
@@ -112,7 +108,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if that cycle fails.
-    pub(super) async fn measure_next(&mut self, life: u32) -> Result<CycleValues, SimulationFailure> {
+    pub(super) async fn measure_next(&mut self, life: u32) -> Simulated<CycleValues> {
         self.further_cycle().await?;
         let motion = self.motion_outputs();
         Ok(CycleValues { motion, wear: self.wear_rates(life)? })
@@ -143,7 +139,7 @@ impl Run<'_> {
         life: u32,
         measured: &CycleValues,
         own: &[Accuracy],
-    ) -> Result<Probe, SimulationFailure> {
+    ) -> Simulated<Probe> {
         let mut probe = Probe::unchanged(life, measured);
         let mut latest = measured.wear.clone();
         let (remembers, once) = (self.depends_on_last_impact(), self.scene.life.is_single_cycle());
@@ -178,7 +174,7 @@ impl Run<'_> {
         life: u32,
         measured: &CycleValues,
         own: &[Accuracy],
-    ) -> Result<bool, SimulationFailure> {
+    ) -> Simulated<bool> {
         let mut tools = self.tools_for(own);
         self.exchange_tools(&mut tools);
         let again = self.measure_next(life).await;
@@ -211,7 +207,7 @@ impl Run<'_> {
 
     /// Wear per cycle at every control point of every surface of every joint of the scene under the contact of the cycle recorded last;
     /// empty for a journal that does not wear, and for a joint that does not `(SURFACES joints, points)` [m per cycle].
-    pub(crate) fn wear_rates(&mut self, cycle: u32) -> Result<Vec<Vec<f64>>, SimulationFailure> {
+    pub(crate) fn wear_rates(&mut self, cycle: u32) -> Simulated<Vec<Vec<f64>>> {
         let mut all = vec![Vec::new(); SURFACES * self.scene.joints.len()];
         for IslandState { island, recorder, rates, depth, .. } in &mut self.islands {
             for (k, pair) in island.pairs().enumerate().filter(|(_, pair)| pair.wears()) {

@@ -21,6 +21,7 @@
 //! surfaces itself.
 
 use super::cycle_history::{FirstCycle, finish};
+use super::failures::Simulated;
 use super::island_state::{IslandStart, IslandState};
 use super::life_in_blocks::simulate_life;
 use super::partial_life::CycleModel;
@@ -273,7 +274,7 @@ pub fn simulate_one_cycle(
     scene: &Scene,
     accuracy: &Accuracy,
     depths: &BTreeMap<String, Vec<f64>>,
-) -> Result<ServedCycle, SimulationFailure> {
+) -> Simulated<ServedCycle> {
     let local = moved_to_origin(scene);
     let scene = local.as_ref().map_or(scene, |(local, _)| local);
     run_alone(|queue| on_surfaces(queue, scene, accuracy, depths))
@@ -284,7 +285,7 @@ async fn on_surfaces(
     scene: &Scene,
     accuracy: &Accuracy,
     depths: &BTreeMap<String, Vec<f64>>,
-) -> Result<ServedCycle, SimulationFailure> {
+) -> Simulated<ServedCycle> {
     let mut runs = assemble(&queue, scene, accuracy)?;
     let [run] = &mut runs[..] else {
         let what = "several operating conditions in one cycle".to_owned();

@@ -15,10 +15,10 @@
 //! # Source
 //! Method of independent replications: Law, Simulation Modeling and Analysis (2015), section 9.5.
 
+use super::failures::Simulated;
 use super::island_state::IslandState;
 use super::run::Run;
 use super::side_by_side::join;
-use common::failure::SimulationFailure;
 use common::scene::JointKind;
 
 /// Motions whose mean is taken.
@@ -60,11 +60,7 @@ impl<'a> SeveralMotions<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if a cycle fails.
-    pub(crate) async fn measure(
-        &mut self,
-        run: &mut Run<'a>,
-        life: u32,
-    ) -> Result<SeveralCycles, SimulationFailure> {
+    pub(crate) async fn measure(&mut self, run: &mut Run<'a>, life: u32) -> Simulated<SeveralCycles> {
         let start = self.further.is_empty();
         if start {
             self.further = vec![run.clone(); MOTIONS - 1];
@@ -101,7 +97,7 @@ impl<'a> SeveralMotions<'a> {
 impl Run<'_> {
     /// Starts a motion from where the ideal mechanism has the bodies, with a cycle in bores whose clearance is smaller by the share
     /// `narrower` [1], which no contact outlasts, and measures the cycle after it.
-    async fn start_motion(&mut self, narrower: f64) -> Result<(), SimulationFailure> {
+    async fn start_motion(&mut self, narrower: f64) -> Simulated<()> {
         let scene = self.scene;
         let less = |joint: usize| match &scene.joints[joint].kind {
             JointKind::Clearance(clearance) => narrower * clearance.radial_clearance(),

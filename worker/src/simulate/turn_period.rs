@@ -25,6 +25,7 @@
 //! Source:
 //! Archard (1953), J. Appl. Phys. 24, 981-988: wear is linear in the work.
 
+use super::failures::Simulated;
 use super::probe::SURFACES;
 use super::run::Run;
 use super::side_by_side::LaneQueue;
@@ -51,7 +52,7 @@ pub(crate) async fn with_period_of_turn(
     queue: &LaneQueue,
     scene: &Scene,
     accuracy: &Accuracy,
-) -> Result<Option<Scene>, SimulationFailure> {
+) -> Simulated<Option<Scene>> {
     if scene.life.turn_of.is_none() {
         return Ok(None);
     }
@@ -67,11 +68,7 @@ pub(crate) async fn with_period_of_turn(
 }
 
 /// Time of a turn of the settled motion [s].
-async fn period_of_turn(
-    queue: &LaneQueue,
-    scene: &Scene,
-    accuracy: &Accuracy,
-) -> Result<f64, SimulationFailure> {
+async fn period_of_turn(queue: &LaneQueue, scene: &Scene, accuracy: &Accuracy) -> Simulated<f64> {
     let (Some(body), guess) = (scene.life.turn_of, scene.life.period) else { return Ok(scene.life.period) };
     let mut run = Run::assemble(queue.clone(), scene, accuracy)?;
     let mut turns = Turns::default();
@@ -166,7 +163,7 @@ pub(crate) fn assemble<'a>(
     queue: &LaneQueue,
     scene: &'a Scene,
     accuracy: &'a Accuracy,
-) -> Result<Vec<Run<'a>>, SimulationFailure> {
+) -> Simulated<Vec<Run<'a>>> {
     let conditions = condition_scenes(scene).into_iter();
     let assembled = conditions.map(|(scene, share)| {
         let mut run = Run::assemble(queue.clone(), scene, accuracy)?;

@@ -3,9 +3,6 @@
 //! # Size
 //! Size of a load: constant, or by a table over time or over the angle of a frame.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use crate::lanes::{Lanewise, Real};
 use crate::mechanism::frame::{Frame, IslandFrames};
 use crate::mechanism::joint::{Block, Blocks};
