@@ -54,7 +54,7 @@ impl Bore<f64> for Profile {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// Initial radius R2 [m].
-    initial_radius: f64,
+    pub(crate) initial_radius: f64,
     /// Meaning of the depths of the control points.
     curve: BoreSpline,
     /// Depth of the curve at the control points `(n,)` [m].
@@ -92,11 +92,6 @@ impl Profile {
     /// The bore unworn, with another number of control points.
     pub(crate) fn unworn(&self, points: usize) -> Self {
         Profile::round(self.initial_radius, points).with_spline(self.curve)
-    }
-
-    /// Initial radius R2 [m].
-    pub(crate) fn initial_radius(&self) -> f64 {
-        self.initial_radius
     }
 
     /// Number of control points.

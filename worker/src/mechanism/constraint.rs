@@ -178,7 +178,7 @@ impl<R: Real> Constraint<R> {
         let size = self.friction?.size;
         Some(match self.kind {
             Kind::Prismatic => NormalForce::in_guide(size),
-            _ => NormalForce::on_pin(),
+            _ => NormalForce { per_half: None },
         })
     }
 

@@ -355,7 +355,7 @@ fn derivatives_with_ideal_joints_and_every_load_agree_with_differences() {
     let scene = everything();
     let mut found = islands(&scene).expect("it is modelled");
     let [island] = found.as_mut_slice() else { panic!("one island") };
-    assert_eq!((island.coordinates(), island.constraint_rows()), (12, 11));
+    assert_eq!((island.coordinates(), island.ideal.rows), (12, 11));
     for state in states(&scene, island) {
         check(island, &state, [1e-7, 1e-6, 1e-5, 1e-4, 1e-6], 1e-4, "everything");
     }

@@ -92,7 +92,7 @@ impl Island {
 
     /// A generalised impulse with the reactions of the ideal joints to it `(n,)`; `None` if their constraints are dependent.
     fn with_reactions(&self, impulse: &[f64], t: f64, q: &[f64], v: &[f64]) -> Option<Vec<f64>> {
-        if self.ideal.rows() == 0 {
+        if self.ideal.rows == 0 {
             return Some(impulse.to_vec());
         }
         // At rest, reactions to anything but the impulse vanish.

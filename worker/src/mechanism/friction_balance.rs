@@ -178,7 +178,11 @@ mod tests {
         };
         let joint = |k: usize| RubbingJoint {
             row: 2 * k,
-            law: if k.is_multiple_of(2) { NormalForce::on_pin() } else { NormalForce::in_guide(0.5) },
+            law: if k.is_multiple_of(2) {
+                NormalForce { per_half: None }
+            } else {
+                NormalForce::in_guide(0.5)
+            },
             ratio: 1.0,
             normal: 0.0,
             slopes: [0.0; 2],

@@ -97,7 +97,7 @@ impl<R: Real> IslandLanes<R> {
         };
         let motion = |motion: &Prescribed| PrescribedLanes {
             motions: vec![motion.clone(); R::LANES],
-            position: motion.position().in_lanes(like),
+            position: motion.position.in_lanes(like),
             still: motion.is_still(),
             even: None,
         };
@@ -144,7 +144,7 @@ impl<R: Real> IslandLanes<R> {
             from.write_lane::<R>(lane, to);
         }
         for (to, from) in self.prescribed.iter_mut().zip(&island.prescribed) {
-            from.position().write_lane::<R>(lane, &mut to.position);
+            from.position.write_lane::<R>(lane, &mut to.position);
             to.motions[lane].clone_from(from);
             to.still = to.motions.iter().all(Prescribed::is_still);
             to.even = even_rotation(&to.motions, to.position[0]);
@@ -193,8 +193,8 @@ impl<R: Real> IslandLanes<R> {
     pub(crate) fn linearised(&self) -> Linearised<R> {
         let zero = self.mass[0].zero();
         Linearised {
-            lambda: vec![zero; self.ideal.rows()],
-            friction: vec![[zero; 2]; self.ideal.friction_joints()],
+            lambda: vec![zero; self.ideal.rows],
+            friction: vec![[zero; 2]; self.ideal.friction.count()],
             prescribed: vec![[zero; 3]; self.prescribed.len()],
             guides: vec![GuideReaction::none(zero); self.guides.len()],
             ..Linearised::new(zero, self.band, self.joints.len())
@@ -286,7 +286,7 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
         self.update_frames(t, q, v);
         let (acting, space, none) = self.acting();
         acting.applied::<false>(t, space, f, none);
-        if self.ideal.rows() > 0 {
+        if self.ideal.rows > 0 {
             let (ideal, at) = self.joints();
             ideal.add_reactions(at, f);
         }
@@ -299,11 +299,11 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
         let (acting, space, _) = self.acting();
         acting.applied::<true>(t, space, &mut f, at);
         at.f = f;
-        if self.ideal.rows() > 0 {
+        if self.ideal.rows > 0 {
             let (ideal, placed) = self.joints();
             let Existence { independent, balanced } = ideal.add_reactions(placed, &mut at.f);
             ideal.reduce_derivatives(placed, at);
-            let apart = if self.may_be_singular { self.ideal.apart() } else { independent };
+            let apart = if self.may_be_singular { self.ideal.factors.apart } else { independent };
             // Near singular positions an island is integrated by itself.
             (at.independent, at.balanced) = (Some(independent * apart), Some(balanced));
         }
@@ -313,7 +313,7 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
 impl<R: Real> SteppedLanes<R> for IslandLanes<R> {
     #[inline(always)]
     fn is_constrained(&self) -> bool {
-        self.ideal.rows() > 0
+        self.ideal.rows > 0
     }
 
     #[inline(always)]

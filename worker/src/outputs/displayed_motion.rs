@@ -231,11 +231,10 @@ impl FullRecording {
 /// Energies and powers of an island at the state it was last linearised at.
 fn power_state(island: &Island, t: f64, v: &[f64], at: &Linearised) -> PowerState {
     let loads = island.load_power(t, v);
-    let drives: f64 =
-        at.prescribed.iter().zip(island.prescribed_speeds()).map(|(f, omega)| -f[2] * omega).sum();
+    let drives: f64 = at.prescribed.iter().zip(&island.jets).map(|(f, jet)| -f[2] * jet[1]).sum();
     let mut now = PowerState {
         stored: loads.stored,
-        input: drives + island.driving_power(at) + loads.driving,
+        input: drives + island.ideal.driving_power(&at.lambda) + loads.driving,
         lost: loads.lost,
         unphysical: 0.0,
     };

@@ -66,7 +66,7 @@ impl<R: Real> MotionRows<R> {
         if self.is_full() || !R::any(self.recorded.zero().below(self.recorded)) {
             return;
         }
-        self.rounds[self.kept] = [stepper.time(), stepper.fresh * self.recorded];
+        self.rounds[self.kept] = [stepper.progress.time, stepper.fresh * self.recorded];
         let states = &mut self.states[self.kept * self.n..][..self.n];
         for i in 0..states.len() {
             states[i] = [stepper.q[i], stepper.v[i], stepper.at.f[i]];

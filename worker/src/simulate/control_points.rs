@@ -168,7 +168,7 @@ pub(super) fn contact_arcs(scene: &Scene, islands: &[IslandState]) -> Vec<Contac
     for state in islands {
         let joints = state.island.joints.iter().zip(&state.recorder.histories);
         for (joint, history) in joints.filter(|(joint, _)| joint.wears()) {
-            let radii = [joint.profile.initial_radius(), joint.contact.surface().journal_radius];
+            let radii = [joint.profile.initial_radius, joint.contact.surface().journal_radius];
             found.push(ContactArc {
                 scene_joint: joint.scene_joint,
                 joint: scene.joints[joint.scene_joint].name.clone(),

@@ -84,7 +84,7 @@ fn frame(scene: &Scene, pose: &Pose, place: &Attachment) -> Option<Frame> {
         (Some(q), Some(v)) => Some(Frame::free(&q, &v)),
         _ => {
             let motion = Prescribed::from_body(&scene.bodies[place.body])?;
-            Some(Frame::turning(motion.position(), &motion.jet(pose.time)))
+            Some(Frame::turning(motion.position, &motion.jet(pose.time)))
         }
     }
 }
@@ -97,7 +97,7 @@ fn frame(scene: &Scene, pose: &Pose, place: &Attachment) -> Option<Frame> {
 pub(crate) fn refuse_unbounded_forces(scene: &Scene, island: &Island, passages: u64) -> Simulated<()> {
     let reads = |kind: &OutputKind| match kind {
         OutputKind::PeakJointForce { joints } => {
-            island.constraints().iter().any(|c| joints.contains(&c.scene_joint))
+            island.ideal.constraints.iter().any(|c| joints.contains(&c.scene_joint))
         }
         OutputKind::DrivingTorque { body } => island.touched.contains(body),
         _ => false,
@@ -125,7 +125,7 @@ pub(crate) fn failure(
     };
     // Without contact the friction of ideal joints may be what makes steps short.
     let rubbing = || {
-        let joint = island.constraints().iter().find(|c| c.friction.is_some())?;
+        let joint = island.ideal.constraints.iter().find(|c| c.friction.is_some())?;
         Some(scene.joints[joint.scene_joint].name.clone())
     };
     match error {
@@ -153,7 +153,7 @@ pub(crate) fn failure(
             SimulationFailure::Branching { cycle, time, joint: scene.joints[joint].name.clone() }
         }
         IntegrationError::SelfLocking { time, joint } => {
-            let joint = scene.joints[island.constraints()[joint].scene_joint].name.clone();
+            let joint = scene.joints[island.ideal.constraints[joint].scene_joint].name.clone();
             SimulationFailure::SelfLocking { cycle, time, joint }
         }
         IntegrationError::NotFinite(time) => {

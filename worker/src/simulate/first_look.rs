@@ -35,13 +35,13 @@ pub struct IslandModel {
 
 impl IslandModel {
     fn new(scene: &Scene, island: &Island) -> Self {
-        let ideal_joints = island.constraints().iter().map(|c| scene.joints[c.scene_joint].name.clone());
+        let ideal_joints = island.ideal.constraints.iter().map(|c| scene.joints[c.scene_joint].name.clone());
         IslandModel {
             bodies: island.bodies.iter().map(|&b| scene.bodies[b].name.clone()).collect(),
             contacts: island.contacts().map(|joint| scene.joints[joint].name.clone()).collect(),
             ideal_joints: ideal_joints.collect(),
             unknowns: island.coordinates(),
-            constraints: island.constraint_rows(),
+            constraints: island.ideal.rows,
         }
     }
 }

@@ -218,7 +218,7 @@ fn radii(scene: &Scene, state: &IslandState) -> BTreeMap<String, WornRadii> {
     let of_joint = |(joint, depth): (&WearingJoint, &Vec<f64>)| {
         let (bore, of_journal) = depth.split_at(joint.first_depths());
         let unworn = joint.contact.surface().journal_radius;
-        let bushing = bore.iter().map(|depth| joint.profile.initial_radius() + depth).collect();
+        let bushing = bore.iter().map(|depth| joint.profile.initial_radius + depth).collect();
         let mut journal: Vec<f64> = of_journal.iter().map(|depth| unworn - depth).collect();
         journal.resize(bore.len(), unworn);
         (scene.joints[joint.scene_joint].name.clone(), WornRadii { bushing, journal })
@@ -321,8 +321,8 @@ fn traced(run: &Run) -> BTreeMap<String, JointCycle> {
                 time: traced.clone().map(|(time, _)| *time).collect(),
                 force: at().map(|contact| contact.force()).collect(),
                 sliding: at().map(|contact| contact.sliding()).collect(),
-                angle: Some(at().map(|contact| contact.place().1).collect()),
-                eccentricity: Some(at().map(|contact| contact.place().0).collect()),
+                angle: Some(at().map(|contact| contact.turn).collect()),
+                eccentricity: Some(at().map(|contact| contact.e).collect()),
             };
             joints.insert(run.scene.joints[joint.scene_joint].name.clone(), cycle);
         }

@@ -37,7 +37,7 @@ impl QuasiStaticIsland {
         let control = StepControl::new(STEP_TOLERANCE, largest, smallest, accuracy.steps_bound);
         let samples = (1.0 / LARGEST_STEP) as usize;
         QuasiStaticIsland {
-            start: vec![0.0; ideal.coordinates()],
+            start: vec![0.0; ideal.n],
             stepper: QuasiStaticStepper::new(ideal, island.linearised(), control),
             recorder: Recorder::new(island, scene, &RecordingRequest::default(), samples),
         }
@@ -59,8 +59,8 @@ impl QuasiStaticIsland {
         stepper.run(&mut state.island, 0.0, &mut (), counts)?;
         recorder.clear();
         stepper.run(&mut state.island, cycle.kept, recorder, counts)?;
-        start.copy_from_slice(stepper.gaps());
-        let (q, v) = stepper.state();
+        start.copy_from_slice(&stepper.solver.past[0]);
+        let (q, v) = (&stepper.solver.q, &stepper.solver.v);
         state.warm_up_start = StateSnapshot::new(&state.island, cycle.kept, q, v);
         stepper.run(&mut state.island, cycle.period, recorder, counts)?;
         recorder.finish();

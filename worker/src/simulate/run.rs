@@ -346,7 +346,7 @@ impl<'a> Run<'a> {
                 };
                 let length = f64::from(to - from);
                 let within = marks.partition_point(|mark| *mark < length);
-                state.finer[k].mark(&marks[..within]);
+                state.finer[k].next_marks = marks[..within].to_vec();
                 for finer in
                     [&mut state.finer, &mut state.finest].into_iter().filter_map(|all| all.get_mut(k))
                 {

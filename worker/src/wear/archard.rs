@@ -65,7 +65,7 @@ impl BoreWearRate {
         let wears = coefficients[1] > 0.0;
         BoreWearRate {
             coefficients,
-            sizes: BoreSizes { points, radii: [profile.initial_radius(), surface.journal_radius], width },
+            sizes: BoreSizes { points, radii: [profile.initial_radius, surface.journal_radius], width },
             profile: profile.clone(),
             contacts: match contact {
                 Contact::LocalHertz(_) => {
@@ -81,7 +81,7 @@ impl BoreWearRate {
     /// This rate with the wear of an arc under the local law distributed by another rule.
     pub(crate) fn distributed(mut self, distribution: WearDistribution) -> Self {
         match &mut self.contacts {
-            FrozenContacts::UniformOverArc(arcs) => arcs.set_distribution(distribution),
+            FrozenContacts::UniformOverArc(arcs) => arcs.distribution = distribution,
             FrozenContacts::Foundation(_) => {}
         }
         self
@@ -201,8 +201,12 @@ impl WearHistory {
     /// Appends the samples of a further cycle of the same joint.
     pub(crate) fn append(&mut self, further: &WearHistory) {
         match (self, further) {
-            (WearHistory::Bore(own), WearHistory::Bore(further)) => own.append(further),
-            (WearHistory::Rail(own), WearHistory::Rail(further)) => own.append(further),
+            (WearHistory::Bore(own), WearHistory::Bore(further)) => {
+                own.samples.extend_from_slice(&further.samples)
+            }
+            (WearHistory::Rail(own), WearHistory::Rail(further)) => {
+                own.samples.extend_from_slice(&further.samples)
+            }
             _ => debug_assert!(false, "histories of two joints"),
         }
     }
@@ -210,19 +214,21 @@ impl WearHistory {
     /// Turns the history of several cycles into that of their mean: the same contacts, each with its share of the work.
     pub(crate) fn divide_work(&mut self, cycles: usize) {
         match self {
-            WearHistory::Bore(history) => history.divide_work(cycles),
-            WearHistory::Rail(history) => history.scale_work(1.0 / cycles as f64),
+            WearHistory::Bore(history) => {
+                history.samples.iter_mut().for_each(|sample| sample.work /= cycles as f64);
+            }
+            WearHistory::Rail(_) => self.scale_work(1.0 / cycles as f64),
         }
     }
 
     /// Multiplies the work of every contact by `factor` [1].
     pub(crate) fn scale_work(&mut self, factor: f64) {
-        with_history!(self, history => history.scale_work(factor));
+        with_history!(self, history => history.samples.iter_mut().for_each(|sample| sample.work *= factor));
     }
 
     /// Work of all contacts [N m].
     pub(crate) fn work(&self) -> f64 {
-        with_history!(self, history => history.work())
+        with_history!(self, history => history.samples.iter().map(|sample| sample.work).sum())
     }
 }
 

@@ -36,7 +36,7 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone)]
 pub struct LocalArcs {
     ends: ArcEnds,
-    distribution: WearDistribution,
+    pub(crate) distribution: WearDistribution,
     samples: Vec<Sample>,
     /// Shares on three turns, one before and one after the bore's own `(3 points,)`: there
     /// an arc is one piece; then those of the journal, if that wears.
@@ -73,11 +73,6 @@ impl LocalArcs {
             further: Vec::new(),
             journal: wears.then(|| contact.new_journal(points)),
         }
-    }
-
-    /// Distributes the wear of an arc by another rule from now on.
-    pub(crate) fn set_distribution(&mut self, distribution: WearDistribution) {
-        self.distribution = distribution;
     }
 
     /// Replaces the history by the samples of a cycle.

@@ -34,7 +34,7 @@ fn sample(psi: f64, half: f64) -> ContactSample {
 
 fn shares(distribution: WearDistribution, sample: ContactSample) -> Vec<f64> {
     let mut arcs = LocalArcs::new(&contact(), POINTS, false);
-    arcs.set_distribution(distribution);
+    arcs.distribution = distribution;
     arcs.freeze(&[sample]);
     let mut shares = vec![0.0; POINTS];
     arcs.shares(&Profile::round(RADIUS, POINTS), &[], &mut shares);

@@ -83,7 +83,8 @@ fn worn_volumes_are_those_of_the_work() {
         let cycles = 2000.0;
         wear(&mut rate, &mut depth, cycles, 5e-3);
         let volume = |range: std::ops::Range<usize>| -> f64 {
-            range.map(|k| depth[k] * layout.area(k)).sum::<f64>() / (cycles * history.work())
+            range.map(|k| depth[k] * layout.area(k)).sum::<f64>()
+                / (cycles * history.samples.iter().map(|sample| sample.work).sum::<f64>())
         };
         let guide = volume(0..layout.guide_depths()) / of_guide;
         let slider = volume(layout.guide_depths()..layout.depths()) / of_slider;

@@ -53,7 +53,7 @@ impl<S: Simd> Vectorised for Rounds<'_, S> {
         loop {
             let LaneGroup { island_lanes, stepper, contacts, occupants, .. } = group;
             stepper.try_steps(island_lanes);
-            contacts.record(stepper.time(), &stepper.at, &mut |joint, lane, sample| {
+            contacts.record(stepper.progress.time, &stepper.at, &mut |joint, lane, sample| {
                 if let Some(pending) = &mut occupants[lane] {
                     let history = pending.span.state.recorder.histories[joint].bore_mut();
                     history.into_iter().for_each(|history| history.samples.push(sample));
@@ -179,7 +179,7 @@ impl<S: Simd> LaneGroup<S> {
             let lane = self.watched[index];
             let Some(pending) = &mut self.occupants[lane] else { continue };
             let IslandState { island, recorder, .. } = &mut pending.span.state;
-            let time = self.stepper.time().lane(lane);
+            let time = self.stepper.progress.time.lane(lane);
             if sound.lane(lane) != 1.0 || self.stepper.fresh.lane(lane) != 1.0 || recorder.has_recorded(time)
             {
                 continue;
