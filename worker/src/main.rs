@@ -185,11 +185,10 @@ enum CommandError {
 impl CommandError {
     fn exit_code(&self) -> u8 {
         match self {
-            Self::Service(ServiceError::Settings { .. }) | Self::Scene(_) => BAD_INPUT,
-            Self::Offer(_) => BAD_INPUT,
+            Self::Service(ServiceError::Settings { .. }) => BAD_INPUT,
             Self::UmBridge(UmBridgeError::Refused { .. }) | Self::Service(_) => FAILURE,
             Self::Signals(_) | Self::Cycle(_) => FAILURE,
-            Self::UmBridge(_) => BAD_INPUT,
+            Self::UmBridge(_) | Self::Scene(_) | Self::Offer(_) => BAD_INPUT,
         }
     }
 }

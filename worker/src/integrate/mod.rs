@@ -34,7 +34,7 @@ pub(crate) use rosenbrock::Rosenbrock;
 pub use stepper::{StateObserver, Stepper};
 
 use crate::contact::{GuideReaction, JointForce};
-use crate::lanes::Real;
+use crate::lanes::{Lanewise, Real};
 
 /// Systems M qdd = f(q, qd, t) with a constant diagonal mass matrix, one per lane.
 pub trait Dynamics<R: Real = f64> {
@@ -179,7 +179,7 @@ impl<R: Real> Linearised<R> {
             d: vec![zero; band.len()],
             ft: vec![zero; band.n()],
             band,
-            joints: vec![JointForce::none(zero); joints],
+            joints: vec![JointForce::default().in_lanes(zero); joints],
             e: vec![[zero; 2]; joints],
             turns: vec![zero; joints],
             guides: vec![],

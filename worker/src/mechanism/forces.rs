@@ -31,7 +31,7 @@ pub(super) struct Acting<'a, R, J, G> {
 
 /// Space for what is computed of all joints before the next step is done of any: all are long chains of operations, and those of several
 /// joints side by side fill the time that one alone waits.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct JointSpace<R> {
     /// Motion of each joint `(joints,)`.
     pub(super) pairs: Vec<PairMotion<R>>,
@@ -44,18 +44,13 @@ impl<R: Real> JointSpace<R> {
     pub(super) fn new(joints: &[impl Touching<R>], like: R) -> Self {
         let zero = like.zero();
         let at_rest = Frame { x: [zero; 2], angle: zero, cs: [zero; 2], v: [zero; 2], omega: zero };
-        let pair = |joint: &_| PairMotion::new(Touching::ends(joint), &at_rest, &at_rest);
+        let pair = |joint: &_| PairMotion::new(Touching::parts(joint).0, &at_rest, &at_rest);
         let pairs: Vec<_> = joints.iter().map(pair).collect();
-        let wall =
-            |(joint, pair): (&_, &PairMotion<R>)| Touching::law(joint).walls(&pair.place, pair.motion.turn);
+        let wall = |(joint, pair): (&_, &PairMotion<R>)| {
+            Touching::parts(joint).1.walls(&pair.place, pair.motion.turn)
+        };
         let walls = joints.iter().zip(&pairs).map(wall).collect();
         JointSpace { pairs, walls }
-    }
-}
-
-impl<R> Default for JointSpace<R> {
-    fn default() -> Self {
-        JointSpace { pairs: vec![], walls: vec![] }
     }
 }
 
@@ -81,16 +76,16 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         }
         let JointSpace { pairs, walls } = space;
         for (joint, pair) in self.joints.iter().zip(&mut *pairs) {
-            let [i, j] = joint.ends();
+            let ([i, j], _) = joint.parts();
             *pair = PairMotion::new([i, j], &self.frames[i.frame], &self.frames[j.frame]);
         }
         for (joint, (pair, wall)) in self.joints.iter().zip(pairs.iter().zip(&mut *walls)) {
-            *wall = joint.law().walls(&pair.place, pair.motion.turn);
+            *wall = joint.parts().1.walls(&pair.place, pair.motion.turn);
         }
         for (index, (joint, (pair, wall))) in self.joints.iter().zip(pairs.iter().zip(&*walls)).enumerate() {
-            let [i, j] = joint.ends();
+            let ([i, j], law) = joint.parts();
             let (fi, fj) = (&self.frames[i.frame], &self.frames[j.frame]);
-            let pair = pair_force::<R, JACOBIAN>(joint.law(), pair, wall, fi, fj);
+            let pair = pair_force::<R, JACOBIAN>(law, pair, wall, fi, fj);
             self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.slopes, f, (at, &mut written));
             if JACOBIAN {
                 at.joints[index] = pair.joint;

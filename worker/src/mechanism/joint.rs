@@ -90,10 +90,8 @@ fn separation<R: Real>(fi: &Frame<R>, ai: [R; 2], fj: &Frame<R>, aj: [R; 2]) -> 
 
 /// A joint with clearance as a source of force in an island, or one per lane.
 pub trait Touching<R> {
-    /// Ends of the joint: journal, bushing.
-    fn ends(&self) -> [End<R>; 2];
-    /// Its contact law on the surfaces as worn so far.
-    fn law(&self) -> &LawLanes<R>;
+    /// Ends of the joint, journal and bushing, and its contact law on the surfaces as worn so far.
+    fn parts(&self) -> ([End<R>; 2], &LawLanes<R>);
 }
 
 /// Motion of a joint, with what else its generalised forces need.

@@ -116,7 +116,7 @@ impl<R: Real> IslandLanes<R> {
             inverse: vec![(zero, zero); island.coordinates()],
             frames: vec![frame; island.bodies.len() + island.prescribed.len()],
             jets: vec![[zero; 4]; island.prescribed.len()],
-            space: JointSpace::default(),
+            space: JointSpace { pairs: vec![], walls: vec![] },
             no_linearisation: Linearised::new(like, Band::default(), 0),
             band: island.band(),
         };
@@ -248,13 +248,8 @@ fn even_rotation<R: Real>(motions: &[Prescribed], like: R) -> Option<[R; 2]> {
 
 impl<R: Real> Touching<R> for JointLanes<R> {
     #[inline(always)]
-    fn ends(&self) -> [End<R>; 2] {
-        self.ends
-    }
-
-    #[inline(always)]
-    fn law(&self) -> &LawLanes<R> {
-        &self.law
+    fn parts(&self) -> ([End<R>; 2], &LawLanes<R>) {
+        (self.ends, &self.law)
     }
 }
 

@@ -162,12 +162,8 @@ impl WearingPair for WearingJoint {
 }
 
 impl Touching<f64> for WearingJoint {
-    fn ends(&self) -> [End; 2] {
-        self.ends
-    }
-
-    fn law(&self) -> &LawLanes<f64> {
-        &self.law
+    fn parts(&self) -> ([End; 2], &LawLanes<f64>) {
+        (self.ends, &self.law)
     }
 }
 

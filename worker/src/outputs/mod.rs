@@ -29,7 +29,7 @@ mod trace;
 
 pub(crate) use displayed_motion::{FullRecording, sum_of_islands};
 pub(crate) use motion_output::{Sampling, is_extreme, motion_value, recording_request};
-pub(crate) use motion_rows::{ContactLanes, LaneRows, MotionRows};
+pub(crate) use motion_rows::{ContactLanes, MotionRows};
 pub(crate) use recorded_cycle::{IdealTracks, RecordedCycle, sample_times};
 pub(crate) use recorder::{Recorder, RecordingRequest, SoughtBacklash};
 pub(crate) use trace::{BodyTrack, ForceTrack, MomentTrack, PointTrack};

@@ -58,6 +58,7 @@ impl Dynamics for Held {
 
 impl Stepped for Held {
     crate::integrate::impact_tests::plain_system!();
+    fn on_accepted(&mut self, _q: &[f64], _v: &[f64], _at: &Linearised) {}
     fn scales(&self) -> (&[f64], &[f64]) {
         (&self.scale, &[1.0])
     }

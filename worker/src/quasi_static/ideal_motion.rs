@@ -205,7 +205,7 @@ mod tests {
             let all = islands(&four_bar).expect("clearance joints only");
             ideal_motions(scene, &all.iter().collect::<Vec<_>>(), &poses)
         };
-        assert!(motions(&four_bar, &four_bar).is_ok_and(|m| m.len() == 1 && m[0].coordinates() == 6));
+        assert!(motions(&four_bar, &four_bar).is_ok_and(|m| m.len() == 1 && m[0].n == 6));
         let mut ideal = four_bar.clone();
         ideal.joints[1].kind = JointKind::Revolute;
         assert_eq!(motions(&ideal, &four_bar), Err(Unsuitable::IdealJoint("coupler".into())));

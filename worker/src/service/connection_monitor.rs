@@ -105,9 +105,9 @@ const MARGIN: Duration = Duration::from_millis(500);
 #[derive(Default)]
 pub(super) struct LicenceContact {
     /// Whether the evaluations of this coordinator need licences.
-    licensed: bool,
+    pub(super) licensed: bool,
     /// Time at which the last answered claim was sent: the coordinator has had contact since.
-    answered: Option<Instant>,
+    pub(super) answered: Option<Instant>,
     /// The limit that the simulator has.
     limit: Option<Instant>,
     /// Tasks that were ended without contact and whose slots have not returned yet.
@@ -115,16 +115,6 @@ pub(super) struct LicenceContact {
 }
 
 impl LicenceContact {
-    /// Registers a reply to the claim sent at `since`.
-    pub(crate) fn on_reply(&mut self, since: Instant) {
-        self.answered = Some(since);
-    }
-
-    /// Registers tasks from the coordinator.
-    pub(crate) fn on_work(&mut self, licensed: bool) {
-        self.licensed = licensed;
-    }
-
     /// Time of the next claim for the contact that `running` tasks require, if they do.
     pub(crate) fn next_claim(&self, running: usize) -> Option<Instant> {
         self.answered.filter(|_| self.licensed && running > 0).map(|at| at + INTERVAL)
@@ -240,15 +230,15 @@ mod licence_contact_tests {
         let start = Instant::now();
         let later = start + LICENCE_CONTACT;
         let mut contact = LicenceContact::default();
-        contact.on_reply(start);
-        contact.on_work(false);
+        contact.answered = Some(start);
+        contact.licensed = false;
         assert!(!contact.is_lost(later, 1) && contact.next_claim(1).is_none());
-        contact.on_work(true);
+        contact.licensed = true;
         assert_eq!((contact.next_claim(0), contact.next_claim(2)), (None, Some(start + INTERVAL)));
         assert!(contact.is_lost(later, 1) && !contact.is_lost(later, 0));
         assert!(!contact.is_lost(later - Duration::from_millis(1), 1));
         // The time of the claim counts, not that of its reply.
-        contact.on_reply(start + INTERVAL);
+        contact.answered = Some(start + INTERVAL);
         assert!(!contact.is_lost(later, 1) && contact.is_lost(later + INTERVAL, 1));
     }
 
@@ -275,14 +265,14 @@ mod licence_contact_tests {
     fn the_limit_of_the_simulator_follows_the_last_answered_claim() {
         let start = Instant::now();
         let mut contact = LicenceContact::default();
-        contact.on_reply(start);
-        contact.on_work(false);
+        contact.answered = Some(start);
+        contact.licensed = false;
         assert_eq!(contact.new_limit(1), None);
-        contact.on_work(true);
+        contact.licensed = true;
         let limit = start + LICENCE_CONTACT + MARGIN;
         assert_eq!((contact.new_limit(0), contact.new_limit(1)), (None, Some(Some(limit))));
         assert_eq!(contact.new_limit(2), None);
-        contact.on_reply(start + INTERVAL);
+        contact.answered = Some(start + INTERVAL);
         assert_eq!(contact.new_limit(1), Some(Some(limit + INTERVAL)));
         assert_eq!(contact.new_limit(0), Some(None));
     }

@@ -22,10 +22,14 @@ const LOWERED_PRIORITY: i32 = 5;
 
 /// The slots of a worker. When dropped, waiting jobs are removed; the outcomes of running jobs are discarded.
 pub(super) struct Slots {
-    queue: Arc<Queue>,
-    shares: Arc<FairShare>,
-    simulator: Arc<dyn Simulator>,
-    at_once: usize,
+    /// Jobs that wait for a slot.
+    pub(super) queue: Arc<Queue>,
+    /// How the coordinators share the slots.
+    pub(super) shares: Arc<FairShare>,
+    /// What the slots offer, and what to release when they are not used.
+    pub(super) simulator: Arc<dyn Simulator>,
+    /// Number of jobs that can run at once.
+    pub(super) at_once: usize,
 }
 
 impl Slots {
@@ -56,26 +60,6 @@ impl Slots {
             })?;
         }
         Ok(slots)
-    }
-
-    /// Number of jobs that can run at once.
-    pub(crate) fn at_once(&self) -> usize {
-        self.at_once
-    }
-
-    /// What the slots offer, and what to release when they are not used.
-    pub(crate) fn simulator(&self) -> &dyn Simulator {
-        &*self.simulator
-    }
-
-    /// How the coordinators share the slots.
-    pub(crate) fn shares(&self) -> &FairShare {
-        &self.shares
-    }
-
-    /// Appends a job to the queue.
-    pub(crate) fn start_job(&self, job: Job) {
-        self.queue.push(job);
     }
 
     /// Removes the waiting tasks of a coordinator that are `unwanted`; returns them.
@@ -151,18 +135,9 @@ impl Queue {
     }
 
     /// Removes and returns the waiting jobs that are `unwanted`.
-    pub(crate) fn withdraw(&self, unwanted: impl Fn(&Job) -> bool) -> Vec<Job> {
+    pub(crate) fn withdraw(&self, unwanted: impl Fn(&Job) -> bool) -> VecDeque<Job> {
         let mut state = locked(&self.state);
-        let all = std::mem::take(&mut state.waiting).into_iter();
-        let (out, kept): (Vec<Job>, VecDeque<Job>) =
-            all.fold(Default::default(), |(mut out, mut kept), job| {
-                if unwanted(&job) {
-                    out.push(job)
-                } else {
-                    kept.push_back(job)
-                }
-                (out, kept)
-            });
+        let (out, kept) = std::mem::take(&mut state.waiting).into_iter().partition(unwanted);
         state.waiting = kept;
         out
     }

@@ -155,40 +155,34 @@ async fn simulate_stages(
     accuracy: &Accuracy,
     options: SimulateOptions,
 ) -> CountedEvaluation {
-    let failed = |failure| CountedEvaluation { result: Err(failure), steps_tried: 0 };
-    let timed = match with_period_of_turn(&queue, scene, accuracy).await {
-        Ok(timed) => timed,
-        Err(failure) => return failed(failure),
+    let mut steps_tried = 0;
+    let stages = async {
+        let timed = with_period_of_turn(&queue, scene, accuracy).await?;
+        let scene = timed.as_ref().unwrap_or(scene);
+        // Coordinates from a point of the mechanism: far from it they would round away what small motions are.
+        let local = moved_to_origin(scene);
+        let scene = local.as_ref().map_or(scene, |(local, _)| local);
+        let numbered = with_control_points(&queue, scene).await?;
+        let scene = numbered.as_ref().map_or(scene, |numbered| &numbered.scene);
+        let finer = with_more_points(scene, accuracy.points);
+        let scene = finer.as_ref().unwrap_or(scene);
+        let mut runs = assemble(&queue, scene, accuracy)?;
+        if let Some(NumberedScene { counts, cycles, .. }) = &numbered {
+            runs[0].counts.add(counts);
+            runs[0].simulated += cycles;
+        }
+        runs.iter_mut().for_each(|run| run.display = options.first_cycle.then(WornDisplay::default));
+        if !scene.control_points_of_model || options.first_cycle {
+            runs[0].start_comparing_finer();
+        }
+        let mut result = evaluate(&mut runs).await;
+        if let (Ok(evaluation), Some((_, origin))) = (&mut result, &local) {
+            evaluation.move_histories(*origin);
+        }
+        steps_tried = runs.iter().map(|run| run.counts.steps + run.counts.rejected).sum();
+        result
     };
-    let scene = timed.as_ref().unwrap_or(scene);
-    // Coordinates from a point of the mechanism: far from it they would round away what small motions are.
-    let local = moved_to_origin(scene);
-    let scene = local.as_ref().map_or(scene, |(local, _)| local);
-    let numbered = match with_control_points(&queue, scene).await {
-        Ok(numbered) => numbered,
-        Err(failure) => return failed(failure),
-    };
-    let scene = numbered.as_ref().map_or(scene, |numbered| &numbered.scene);
-    let finer = with_more_points(scene, accuracy.points);
-    let scene = finer.as_ref().unwrap_or(scene);
-    let mut runs = match assemble(&queue, scene, accuracy) {
-        Ok(runs) => runs,
-        Err(failure) => return failed(failure),
-    };
-    if let Some(NumberedScene { counts, cycles, .. }) = &numbered {
-        runs[0].counts.add(counts);
-        runs[0].simulated += cycles;
-    }
-    runs.iter_mut().for_each(|run| run.display = options.first_cycle.then(WornDisplay::default));
-    if !scene.control_points_of_model || options.first_cycle {
-        runs[0].start_comparing_finer();
-    }
-    let mut result = evaluate(&mut runs).await;
-    if let (Ok(evaluation), Some((_, origin))) = (&mut result, &local) {
-        evaluation.move_histories(*origin);
-    }
-    let steps_tried = runs.iter().map(|run| run.counts.steps + run.counts.rejected).sum();
-    CountedEvaluation { result, steps_tried }
+    CountedEvaluation { result: stages.await, steps_tried }
 }
 
 /// The stages of an evaluation, each under every operating condition.

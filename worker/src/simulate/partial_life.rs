@@ -16,7 +16,7 @@ use super::motion_estimate::{MeasuredLives, MotionEstimate};
 use super::probe::{FinerCycles, Probe, is_probed};
 use super::quasi_static_island::wear_histories;
 use super::run::Run;
-use super::several_cycles::{SeveralCycles, SeveralMotions};
+use super::several_cycles::SeveralMotions;
 use super::side_by_side::join;
 use super::turn_period::{mix_contacts, share_bores};
 use crate::wear::StepRule;
@@ -198,7 +198,7 @@ async fn mean_outputs<'a>(
     estimate: &mut MotionEstimate,
 ) -> Simulated<Vec<f64>> {
     let Some(motions) = motions else { return Ok(run.measured.clone()) };
-    let SeveralCycles { motion, spread } = motions.measure(run, life).await?;
+    let (motion, spread) = motions.measure(run, life).await?;
     estimate.spreads.push(spread);
     Ok(motion)
 }

@@ -22,7 +22,7 @@
 
 use super::cycle_history::{FirstCycle, finish};
 use super::failures::Simulated;
-use super::island_state::{IslandStart, IslandState};
+use super::island_state::IslandState;
 use super::life_in_blocks::simulate_life;
 use super::partial_life::CycleModel;
 use super::run::Run;
@@ -72,9 +72,9 @@ pub fn simulate_program_life(
         let scene: &Scene = scene;
         let nothing = vec![None; scene.bodies.len()];
         let pose = Pose { time: 0.0, q: nothing.clone(), v: nothing };
-        let start = IslandStart { pose: &pose, turns: &vec![0.0; scene.bodies.len()] };
+        let turns = vec![0.0; scene.bodies.len()];
         let island = island_of_program(scene);
-        let state = IslandState::new(island, &start, scene, &RecordingRequest::default(), accuracy);
+        let state = IslandState::new(island, (&pose, &turns), scene, &RecordingRequest::default(), accuracy);
         let mut run = Run::of_islands(queue, scene, accuracy, vec![state]);
         run.share = share;
         run

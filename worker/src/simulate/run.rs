@@ -2,7 +2,7 @@
 
 use super::failures::{Simulated, failure, refuse_unbounded_forces, wear_failure, worn_through};
 use super::ideal_tracks::{ideal_tracks, left_open};
-use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot};
+use super::island_state::{IslandState, StateSnapshot, kept_time};
 use super::quasi_static_island::{QuasiStaticIsland, wear_histories};
 use super::repetition::Repetition;
 use super::side_by_side::{Integrated, LaneQueue, Span};
@@ -92,10 +92,9 @@ impl<'a> Run<'a> {
         }
         let ideal = ideal_tracks(scene, &poses, &requested, &mut newton)?;
         let turns = turns_per_cycle(scene, &poses)?;
-        let start = IslandStart { pose: &poses[0], turns: &turns };
         let islands: Vec<IslandState> = islands
             .into_iter()
-            .map(|island| IslandState::new(island, &start, scene, &requested, accuracy))
+            .map(|island| IslandState::new(island, (&poses[0], &turns), scene, &requested, accuracy))
             .collect();
         let repetition = Repetition { is_determined: poses.len() > 1, ..Repetition::default() };
         Ok(Run { newton, ideal, repetition, ..Run::of_islands(queue, scene, accuracy, islands) })
@@ -206,10 +205,10 @@ impl<'a> Run<'a> {
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
     pub(crate) async fn measure(&mut self) -> Simulated<()> {
-        let CycleSpan { period, kept } = CycleSpan::new(self.scene, self.accuracy);
+        let (period, kept) = (self.scene.life.period, kept_time(self.scene, self.accuracy));
         for state in &mut self.islands {
             state.recorder.clear();
-            state.keep_cycle_start();
+            state.cycle_start = state.snapshot();
         }
         if self.islands.iter().any(|state| state.recorder.full.is_some()) {
             self.start_full_recording();
@@ -217,12 +216,12 @@ impl<'a> Run<'a> {
         if kept > 0.0 {
             self.integrate(0.0..kept, true).await?;
         }
-        self.islands.iter_mut().for_each(IslandState::keep_warm_up_start);
+        self.islands.iter_mut().for_each(|state| state.warm_up_start = state.snapshot());
         self.integrate(kept..period, true).await?;
         for state in &mut self.islands {
             state.recorder.finish();
             if kept == 0.0 {
-                state.keep_warm_up_start();
+                state.warm_up_start = state.snapshot();
             }
         }
         self.measured = self.motion_outputs();

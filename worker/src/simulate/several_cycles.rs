@@ -34,14 +34,6 @@ pub struct SeveralMotions<'a> {
     further: Vec<Run<'a>>,
 }
 
-/// Cycles measured on the same bores, one of each motion.
-pub struct SeveralCycles {
-    /// Mean of every output of the motion `(outputs,)` [SI].
-    pub motion: Vec<f64>,
-    /// How far they spread.
-    pub spread: CycleSpread,
-}
-
 /// Spread of the cycles on one bore.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CycleSpread {
@@ -56,11 +48,16 @@ pub struct CycleSpread {
 
 impl<'a> SeveralMotions<'a> {
     /// Continues all motions by a cycle on the bores of `life` [cycles], side by side; that of the first has just been measured. Puts
-    /// the mean of all contact histories in the place of the last one.
+    /// the mean of all contact histories in the place of the last one. Returns the mean of every output of the motion `(outputs,)` [SI], and how
+    /// far the cycles spread.
     ///
     /// # Errors
     /// [`SimulationFailure`] if a cycle fails.
-    pub(crate) async fn measure(&mut self, run: &mut Run<'a>, life: u32) -> Simulated<SeveralCycles> {
+    pub(crate) async fn measure(
+        &mut self,
+        run: &mut Run<'a>,
+        life: u32,
+    ) -> Simulated<(Vec<f64>, CycleSpread)> {
         let start = self.further.is_empty();
         if start {
             self.further = vec![run.clone(); MOTIONS - 1];
@@ -90,7 +87,7 @@ impl<'a> SeveralMotions<'a> {
         let histories = run.islands.iter_mut().flat_map(|state| &mut state.recorder.histories);
         histories.for_each(|history| history.divide_work(MOTIONS));
         let (mean, of_single_cycles) = mean_and_variance(&motion);
-        Ok(SeveralCycles { motion: mean, spread: CycleSpread { life, motion: of_single_cycles, wear } })
+        Ok((mean, CycleSpread { life, motion: of_single_cycles, wear }))
     }
 }
 

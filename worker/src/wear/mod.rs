@@ -42,6 +42,7 @@ mod volume_tests;
 pub(crate) use amounts::{MarkedDepths, WearLaw, WornAmounts, wear_output};
 pub(crate) use archard::{BoreWearRate, WearHistory, WearRate};
 pub(crate) use condense::mean_contact_arc;
+pub(crate) use equilibrium::NoEquilibrium;
 pub(crate) use finer_bore::FinerBore;
 pub(crate) use interval::{ContactHistory, ContactInstant, ContactSample, Interval};
 pub(crate) use rail_history::{RailHistory, RailInstant};

@@ -204,7 +204,7 @@ impl<S: Simd> LaneGroup<S> {
     fn record_rows_of(&mut self, lane: usize) {
         let Some(pending) = &mut self.occupants[lane] else { return };
         let IslandState { island, recorder, .. } = &mut pending.span.state;
-        recorder.record_rows(island, &self.motion.of_lane(lane), (&mut self.q, &mut self.v, &mut self.at));
+        recorder.record_rows(island, (&self.motion, lane), (&mut self.q, &mut self.v, &mut self.at));
     }
 
     /// Adds the joint with the largest error of a lane to an error of its integration.
