@@ -86,7 +86,7 @@ impl JournalTable {
         let step = 1.0 / sub as f64;
         for j in 0..self.cubic[0].len() {
             let within = j % self.intervals;
-            let (cubic, o) = (Cubic(self.chords.cubic(within / sub)), (within % sub) as f64 * step);
+            let (cubic, o) = (Cubic(self.chords.cubic[within / sub]), (within % sub) as f64 * step);
             let values = [
                 cubic.value(o),
                 cubic.slope(o) * step,

@@ -20,7 +20,7 @@
 use super::coupling::{FrictionConstants, Geometry, NormalForce, Sliding, second_derivative};
 use super::frame::{End, Frame, Prescribed};
 use super::piecewise_cubic::Jet;
-use crate::lanes::{Lanewise, Real, lanewise};
+use crate::lanes::{Real, lanewise, same_in_lanes};
 use crate::plane::{dot, left};
 use common::scene::{GuideClearance, IdealFriction, JointKind, Mesh};
 use std::f64::consts::TAU;
@@ -65,16 +65,7 @@ pub enum Kind {
     Mesh,
 }
 
-impl Lanewise for Kind {
-    type Lanes<R: Real> = Kind;
-    fn in_lanes<R: Real>(&self, _like: R) -> Kind {
-        *self
-    }
-    fn write_lane<R: Real>(&self, _lane: usize, _to: &mut Kind) {}
-    fn has_same_topology(&self, other: &Self) -> bool {
-        self == other
-    }
-}
+same_in_lanes!(Kind);
 
 /// First row of each constraint, and the total number of rows.
 pub(crate) fn first_rows<R: Real>(constraints: &[Constraint<R>]) -> (Vec<usize>, usize) {

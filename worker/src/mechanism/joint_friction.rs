@@ -189,7 +189,7 @@ impl<R: Real> JointFriction<R> {
             rows.forward(adjoint, 1);
             let force = joint.ratio * joint.normal;
             to.friction[k] = [force, sliding.speed];
-            let AtConstantNormal { to_q, to_v } = AtConstantNormal::new(sliding, joint.normal);
+            let (to_q, to_v) = at_constant_normal(sliding, joint.normal);
             for side in 0..2 {
                 let frame = c.ends[side].frame;
                 if at.jet(frame).is_some() {
@@ -249,33 +249,26 @@ impl<R: Real> JointFriction<R> {
 }
 
 /// Derivatives of b c x to the coordinates of the pair and to their rates at constant normal force x `(6, 6)` each.
-struct AtConstantNormal<R> {
-    to_q: [[R; 6]; 6],
-    to_v: [[R; 6]; 6],
-}
-
-impl<R: Real> AtConstantNormal<R> {
-    #[inline(always)]
-    fn new(sliding: &Sliding<R>, normal: R) -> Self {
-        let zero = normal.zero();
-        let (force, grip) = (sliding.ratio * normal, sliding.slope * normal);
-        let mut to = AtConstantNormal { to_q: [[zero; 6]; 6], to_v: [[zero; 6]; 6] };
-        for r in 0..6 {
-            for s in 0..6 {
-                to.to_v[r][s] = grip * sliding.direction[r] * sliding.direction[s];
-            }
+#[inline(always)]
+fn at_constant_normal<R: Real>(sliding: &Sliding<R>, normal: R) -> ([[R; 6]; 6], [[R; 6]; 6]) {
+    let zero = normal.zero();
+    let (force, grip) = (sliding.ratio * normal, sliding.slope * normal);
+    let (mut to_q, mut to_v) = ([[zero; 6]; 6], [[zero; 6]; 6]);
+    for r in 0..6 {
+        for s in 0..6 {
+            to_v[r][s] = grip * sliding.direction[r] * sliding.direction[s];
         }
-        if let Some(turning) = &sliding.turning {
-            for s in 0..6 {
-                let mut speed = zero;
-                for r in 0..6 {
-                    speed = speed.plus_product(turning[r][s], sliding.rates[r]);
-                }
-                for r in 0..6 {
-                    to.to_q[r][s] = (grip * sliding.direction[r] * speed).plus_product(force, turning[r][s]);
-                }
-            }
-        }
-        to
     }
+    if let Some(turning) = &sliding.turning {
+        for s in 0..6 {
+            let mut speed = zero;
+            for r in 0..6 {
+                speed = speed.plus_product(turning[r][s], sliding.rates[r]);
+            }
+            for r in 0..6 {
+                to_q[r][s] = (grip * sliding.direction[r] * speed).plus_product(force, turning[r][s]);
+            }
+        }
+    }
+    (to_q, to_v)
 }

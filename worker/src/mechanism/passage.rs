@@ -110,7 +110,7 @@ impl Passage {
         }
         let joints = SparseElimination::new(constraints, mass)?;
         Some(Passage {
-            geometry: joints.space_for_factors(),
+            geometry: joints.factors.clone(),
             joints,
             is_large,
             shares: vec![1.0; m],

@@ -48,12 +48,12 @@ pub struct BoreWearRate {
     coefficients: [f64; 2],
     sizes: BoreSizes,
     profile: Profile,
-    contacts: FrozenContacts,
+    pub(super) contacts: FrozenContacts,
 }
 
 /// Contact samples of a history, found again on each profile, by the distribution of their pressure along the bore.
 #[derive(Debug, Clone)]
-enum FrozenContacts {
+pub(super) enum FrozenContacts {
     UniformOverArc(LocalArcs),
     Foundation(ConformalContacts),
 }
@@ -85,21 +85,6 @@ impl BoreWearRate {
             FrozenContacts::Foundation(_) => {}
         }
         self
-    }
-
-    /// Sizes of the surfaces.
-    #[cfg(test)]
-    pub(crate) fn sizes(&self) -> BoreSizes {
-        self.sizes
-    }
-
-    /// Evaluations of the foundation so far; zero under a law without one.
-    #[cfg(test)]
-    pub(crate) fn evaluations(&self) -> u64 {
-        match &self.contacts {
-            FrozenContacts::UniformOverArc(_) => 0,
-            FrozenContacts::Foundation(contacts) => contacts.evaluations(),
-        }
     }
 }
 
@@ -254,7 +239,7 @@ impl WearLaw for WearRate {
 
     fn sizes(&self) -> SurfaceSizes {
         match self {
-            WearRate::Bore(rate) => WearLaw::sizes(&**rate),
+            WearRate::Bore(rate) => rate.sizes(),
             WearRate::Rail(rate) => rate.sizes(),
         }
     }

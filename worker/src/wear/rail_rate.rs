@@ -22,7 +22,7 @@
 
 use super::amounts::{SurfaceSizes, WearLaw};
 use super::equilibrium::NoEquilibrium;
-use super::rail_equilibrium::{RailEquilibrium, RailGaps, SliderPose};
+use super::rail_equilibrium::{RailGaps, SliderPose};
 use super::rail_history::{RailHistory, RailSample};
 use crate::rail::{RailFaces, RailLayout};
 use std::collections::BTreeMap;
@@ -165,7 +165,7 @@ impl WearLaw for RailWearRate {
             if load == [0.0; 2] || sample.normal <= 0.0 {
                 continue;
             }
-            let RailEquilibrium { pose, heavier } = self.gaps.equilibrium(load, start)?;
+            let (pose, heavier) = self.gaps.equilibrium(load, start)?;
             self.samples[index].1 = pose;
             let scale = sample.work / (sample.normal * heavier);
             let (of_guide, of_slider) = rate.split_at_mut(layout.guide_depths());

@@ -235,7 +235,7 @@ fn every_load_has_its_equilibrium() {
         let (left, right) = (sums(0), sums(1));
         let carried = [left[0] - right[0], left[1] - right[1]];
         // Lighter ones than a face bears at 1e-12 m of overlap are made as heavy.
-        let heavier = found.heavier;
+        let heavier = found.1;
         for c in 0..2 {
             assert!(
                 (carried[c] - heavier * load[c]).abs() < 1e-6 * heavier * size,
@@ -243,7 +243,7 @@ fn every_load_has_its_equilibrium() {
             );
         }
         assert!(heavier < 1.0 + 1e-6 || size < 1e-2, "{k}: {heavier} {size}");
-        pose = found.pose;
+        pose = found.0;
     }
 }
 
