@@ -85,12 +85,12 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         for (index, (joint, (pair, wall))) in self.joints.iter().zip(pairs.iter().zip(&*walls)).enumerate() {
             let ([i, j], law) = joint.parts();
             let (fi, fj) = (&self.frames[i.frame], &self.frames[j.frame]);
-            let pair = pair_force::<R, JACOBIAN>(law, pair, wall, fi, fj);
-            self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.slopes, f, (at, &mut written));
+            let (force, joint, slopes) = pair_force::<R, JACOBIAN>(law, pair, wall, fi, fj);
+            self.add::<JACOBIAN>([i.frame, j.frame], &force, &slopes, f, (at, &mut written));
             if JACOBIAN {
-                at.joints[index] = pair.joint;
-                at.e[index] = pair.e;
-                at.turns[index] = pair.turn;
+                at.joints[index] = joint;
+                at.e[index] = pair.motion.e;
+                at.turns[index] = pair.motion.turn;
             }
         }
         for (index, guide) in self.guides.iter().enumerate() {

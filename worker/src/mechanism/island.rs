@@ -17,17 +17,6 @@ use crate::integrate::{Band, Linearised};
 use crate::plane::length;
 use common::scene::Scene;
 
-/// Energy of an island and power of its loads at one instant, without contacts.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct LoadPower {
-    /// Kinetic energy and potential energy of gravity and springs [J].
-    pub stored: f64,
-    /// Power lost in dampers [W].
-    pub lost: f64,
-    /// Power of loads without potential [W].
-    pub driving: f64,
-}
-
 /// Free bodies that influence each other, with the joints and loads that act on them.
 #[derive(Debug, Clone)]
 pub struct Island {
@@ -219,29 +208,30 @@ impl Island {
         self.ideal.update_inputs(t, &self.frames);
     }
 
-    /// Energies and powers of masses and loads, at the state last set.
-    pub(crate) fn load_power(&self, t: f64, v: &[f64]) -> LoadPower {
+    /// Of masses and loads, at the state last set: kinetic energy and potential energy of gravity and springs [J], power lost in dampers [W],
+    /// and power of loads without potential [W].
+    pub(crate) fn load_power(&self, t: f64, v: &[f64]) -> [f64; 3] {
         let kinetic = v.iter().zip(&self.mass).map(|(v, mass)| 0.5 * mass * v * v).sum();
-        let mut power = LoadPower { stored: kinetic, ..LoadPower::default() };
+        let (mut stored, mut lost, mut driving): (f64, f64, f64) = (kinetic, 0.0, 0.0);
         for (slot, weight) in self.weight.chunks_exact(3).enumerate() {
             let x = self.frames[slot].x;
-            power.stored -= weight[0] * x[0] + weight[1] * x[1];
+            stored -= weight[0] * x[0] + weight[1] * x[1];
         }
         for source in &self.loads {
             let load = source.force(t, &self.frames);
-            power.stored += load.stored;
-            power.lost += load.lost;
+            stored += load.stored;
+            lost += load.lost;
             if source.drives() {
-                power.driving += load.lost;
+                driving += load.lost;
                 for (side, &frame) in load.frames.iter().enumerate().filter(|&(_, &frame)| frame != NO_FRAME)
                 {
                     let Frame { v, omega, .. } = self.frames[frame];
                     let f = &load.f[3 * side..];
-                    power.driving += f[0] * v[0] + f[1] * v[1] + f[2] * omega;
+                    driving += f[0] * v[0] + f[1] * v[1] + f[2] * omega;
                 }
             }
         }
-        power
+        [stored, lost, driving]
     }
 
     /// Motion of a joint with clearance, at the state last set.

@@ -24,21 +24,6 @@ pub trait Blocks<R> {
     fn block<const ON: usize, const TO: usize>(&self) -> Block<R>;
 }
 
-/// Generalised forces of a pair of bodies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PairForce<R = f64> {
-    /// Generalised force `(6,)` [N, N m].
-    pub f: [R; 6],
-    /// Force of the joint in the bushing's frame.
-    pub joint: JointForce<R>,
-    /// Eccentricity in the bushing's frame `(2,)` [m].
-    pub e: [R; 2],
-    /// Angle of the journal's body minus that of the bushing's [rad].
-    pub turn: R,
-    /// Derivatives of f; zero unless computed with `JACOBIAN`.
-    pub slopes: PairSlopes<R>,
-}
-
 /// Derivatives of the force on the journal's body in global axes and of the moments on both bodies: rows (F_x, F_y, M_i
 /// + a_i x F, M_j - a_j x F). The bodies' positions and velocities act through e and w alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,8 +104,9 @@ impl<R: Real> PairMotion<R> {
     }
 }
 
-/// Generalised forces of a joint with this `law` at the motion `pair` and the surfaces `wall`, with its journal on the body in frame `fi` and its bushing on that in `fj`;
-/// with `JACOBIAN` their exact derivatives.
+/// Generalised forces `(6,)` [N, N m] of a joint with this `law` at the motion `pair` and the surfaces `wall`, with its journal on the body in frame
+/// `fi` and its bushing on that in `fj`; the force of the joint in the bushing's frame; and with `JACOBIAN` the exact derivatives of the
+/// generalised forces, else zero.
 #[inline(always)]
 pub(crate) fn pair_force<R: Real, const JACOBIAN: bool>(
     law: &LawLanes<R>,
@@ -128,7 +114,7 @@ pub(crate) fn pair_force<R: Real, const JACOBIAN: bool>(
     wall: &Walls<R>,
     fi: &Frame<R>,
     fj: &Frame<R>,
-) -> PairForce<R> {
+) -> ([R; 6], JointForce<R>, PairSlopes<R>) {
     let PairMotion { arms: [ai, aj], separation: [e, w], motion, place } = *pair;
     let (joint, slopes) = law.force::<JACOBIAN>((&place, wall), &motion);
     let force = fj.turn(joint.force);
@@ -143,20 +129,15 @@ pub(crate) fn pair_force<R: Real, const JACOBIAN: bool>(
     } else {
         PairSlopes::none(force[0])
     };
-    PairForce {
-        f: [
-            force[0],
-            force[1],
-            joint.torque_journal + cross(ai, force),
-            -force[0],
-            -force[1],
-            joint.torque_bushing - cross(aj, force),
-        ],
-        joint,
-        e: motion.e,
-        turn: motion.turn,
-        slopes: pair,
-    }
+    let on_bodies = [
+        force[0],
+        force[1],
+        joint.torque_journal + cross(ai, force),
+        -force[0],
+        -force[1],
+        joint.torque_bushing - cross(aj, force),
+    ];
+    (on_bodies, joint, pair)
 }
 
 impl<R: Real> PairSlopes<R> {

@@ -230,12 +230,12 @@ impl FullRecording {
 
 /// Energies and powers of an island at the state it was last linearised at.
 fn power_state(island: &Island, t: f64, v: &[f64], at: &Linearised) -> PowerState {
-    let loads = island.load_power(t, v);
+    let [stored, lost, driving] = island.load_power(t, v);
     let drives: f64 = at.prescribed.iter().zip(&island.jets).map(|(f, jet)| -f[2] * jet[1]).sum();
     let mut now = PowerState {
-        stored: loads.stored,
-        input: drives + island.ideal.driving_power(&at.lambda) + loads.driving,
-        lost: loads.lost,
+        stored,
+        input: drives + island.ideal.driving_power(&at.lambda) + driving,
+        lost,
         unphysical: 0.0,
     };
     now.lost += at.friction.iter().map(|[force, speed]| force * speed).sum::<f64>();

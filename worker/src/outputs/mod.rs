@@ -8,14 +8,15 @@
 //! | `motion_output.rs` | the outputs |
 //! | `angle_difference.rs`, `deviation.rs`, `backlash.rs` | values of single outputs |
 //! | `deviation.rs` | wanted functions of time or of an angle |
-//! | `recorder.rs`, `peaks.rs` | what to record of an island, and the recording |
-//! | `motion_rows.rs` | contacts and motion of islands in lanes |
+//! | `recording_request.rs`, `recorder.rs`, `peaks.rs` | what to record of an island, and the recording |
+//! | `contact_lanes.rs`, `motion_rows.rs` | contacts and motion of islands in lanes |
 //! | `recorded_cycle.rs` | the recordings of all islands of a cycle, as outputs read them |
 //! | `trace.rs` | angle of a body, force of a joint, path of a point and moment on a body over time |
 //! | `displayed_motion.rs` | everything of a cycle that is displayed |
 
 mod angle_difference;
 mod backlash;
+mod contact_lanes;
 mod deviation;
 mod displayed_motion;
 mod motion_output;
@@ -25,11 +26,14 @@ mod recorded_cycle;
 mod recorder;
 #[cfg(test)]
 mod recorder_tests;
+mod recording_request;
 mod trace;
 
+pub(crate) use contact_lanes::ContactLanes;
 pub(crate) use displayed_motion::{FullRecording, sum_of_islands};
 pub(crate) use motion_output::{Sampling, is_extreme, motion_value, recording_request};
-pub(crate) use motion_rows::{ContactLanes, MotionRows};
+pub(crate) use motion_rows::MotionRows;
 pub(crate) use recorded_cycle::{IdealTracks, RecordedCycle, sample_times};
-pub(crate) use recorder::{Recorder, RecordingRequest, SoughtBacklash};
+pub(crate) use recorder::Recorder;
+pub(crate) use recording_request::{RecordingRequest, SoughtBacklash};
 pub(crate) use trace::{BodyTrack, ForceTrack, MomentTrack, PointTrack};

@@ -11,6 +11,7 @@ use crate::integrate::StepCounts;
 use crate::mechanism::same_topology;
 use std::future::{Future, poll_fn};
 use std::pin::Pin;
+use std::rc::Rc;
 use std::task::{Context, Poll, Waker};
 use std::time::{Duration, Instant};
 
@@ -28,7 +29,7 @@ impl<'a, T> RunningEvaluation<'a, T> {
         stages: impl FnOnce(LaneQueue) -> F,
     ) -> Self {
         let queue = queue.for_another();
-        RunningEvaluation { cpu_time: queue.cpu_time(), stages: Box::pin(stages(queue)) }
+        RunningEvaluation { cpu_time: Rc::clone(&queue.cpu_time), stages: Box::pin(stages(queue)) }
     }
 
     fn poll(&mut self) -> Poll<T> {
@@ -62,7 +63,7 @@ pub(crate) fn run_side_by_side<'a, T>(
     next: &mut dyn FnMut() -> Option<RunningEvaluation<'a, T>>,
     done: &mut dyn FnMut(usize, T, Duration),
 ) {
-    let mut pool = LanePool::new(width);
+    let mut pool = LanePool { width, groups: vec![] };
     let mut running: Vec<(usize, RunningEvaluation<T>)> = vec![];
     let mut started = 0;
     loop {
@@ -121,11 +122,6 @@ struct OpenGroup {
 }
 
 impl LanePool {
-    /// A pool without groups.
-    pub(crate) fn new(width: LaneWidth) -> Self {
-        LanePool { width, groups: vec![] }
-    }
-
     /// Loads the queued islands into lanes and runs one group until an island of it has ended, charging the time in equal shares to
     /// the evaluations in the group. Returns the number of islands that ended; zero if no island was queued.
     pub(crate) fn run_group(&mut self, queue: &LaneQueue) -> usize {
@@ -174,7 +170,7 @@ impl LanePool {
 
 /// Integrates an island by itself, on the account of its evaluation.
 fn integrate_alone(pending: PendingSpan) {
-    let (cpu_time, begun, start) = (pending.cpu_time(), Instant::now(), pending.span.time.start);
+    let (cpu_time, begun, start) = (Rc::clone(&pending.cpu_time), Instant::now(), pending.span.time.start);
     pending.integrate_alone(start, StepCounts::default());
     cpu_time.set(cpu_time.get() + begun.elapsed());
 }

@@ -8,6 +8,7 @@ use crate::mechanism::{Island, IslandLanes, same_topology};
 use crate::outputs::{ContactLanes, MotionRows};
 use crate::simulate::island_state::IslandState;
 use pulp::Simd;
+use std::rc::Rc;
 
 /// Islands of one topology in lanes of some width.
 pub(super) trait Group {
@@ -81,7 +82,7 @@ impl<S: Simd> Group for LaneGroup<S> {
     }
 
     fn cpu_times(&self) -> Vec<CpuTime> {
-        self.occupants.iter().flatten().map(PendingSpan::cpu_time).collect()
+        self.occupants.iter().flatten().map(|pending| Rc::clone(&pending.cpu_time)).collect()
     }
 
     fn fill(&mut self, queue: &LaneQueue) {
