@@ -55,7 +55,7 @@ pub use constraint::Constraint;
 pub use extent::local_origin;
 pub(crate) use extent::moved_to_origin;
 pub(crate) use external_loads::ExternalLoads;
-pub use frame::{End, Frame, Prescribed};
+pub use frame::{End, Frame, Prescribed, TimedState};
 pub use guide::Guide;
 pub(crate) use influence::{Coordinate, Influence, held_poses, influences};
 pub use island::Island;

@@ -180,7 +180,7 @@ impl Recorder {
                 peak.push(force, later);
             }
         }
-        self.peaks.push(island, (t, later), q, v, at);
+        self.peaks.push(island, (t, q, v), later, at);
         if let Some(full) = &mut self.full {
             full.push(island, t, q, v, at);
         }

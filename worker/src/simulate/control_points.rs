@@ -24,7 +24,7 @@ use crate::mechanism::WearingPair;
 use crate::wear::mean_contact_arc;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
-use common::scene::{ControlPoints, JointKind, Scene};
+use common::scene::{Clearance, ControlPoints, GuideClearance, JointKind, Scene};
 use std::f64::consts::TAU;
 
 /// Step between the numbers that are chosen.
@@ -93,15 +93,11 @@ pub(crate) fn with_more_points(scene: &Scene, factor: u32) -> Option<Scene> {
 fn multiply(scene: &mut Scene, factor: usize) {
     for joint in &mut scene.joints {
         match &mut joint.kind {
-            JointKind::Clearance(clearance) => {
-                if let ControlPoints::Number(points) = &mut clearance.control_points {
-                    *points *= factor;
-                }
+            JointKind::Clearance(Clearance { control_points: ControlPoints::Number(points), .. }) => {
+                *points *= factor;
             }
-            JointKind::Guide(guide) => {
-                if let Some(wear) = &mut guide.wear {
-                    wear.control_points = factor * (wear.control_points - 1) + 1;
-                }
+            JointKind::Guide(GuideClearance { wear: Some(wear), .. }) => {
+                wear.control_points = factor * (wear.control_points - 1) + 1;
             }
             _ => {}
         }
