@@ -11,16 +11,16 @@
 //! Source:
 //! The law: see `foundation.rs`.
 
-use super::arc::{Arc, Arcs};
+use super::arc::Arcs;
 use super::arc_cells::ArcCells;
-use super::foundation::Foundation;
 use super::integrals::RotatedIntegrals;
-use super::joint_force::{ForceSlopes, JointForce, JointMotion};
-use super::journal_table::{Journal, JournalTable, Surfaces, within_a_turn, worn_radius};
-use super::local_hertz::{LocalHertz, PolarEccentricity, Walls};
+use super::journal_table::{JournalTable, within_a_turn, worn_radius};
 use super::rotated_arc::RotatedArc;
 use super::rotated_cells::RotatedCells;
-use super::{Contact, Surface};
+use super::{
+    Arc, Contact, ForceSlopes, Foundation, JointForce, JointMotion, Journal, LocalHertz, PolarEccentricity,
+    Surface, Surfaces, Walls,
+};
 use crate::bore::{Bore, Bores, Radius};
 use crate::lanes::{Lanewise, Real};
 use std::cell::RefCell;

@@ -1,10 +1,8 @@
 //! Derivatives of the generalised forces, of one pair of bodies and of whole islands, against central
 //! differences.
 
-use super::frame::End;
 use super::joint::{Blocks, PairMotion, PairSlopes, pair_force};
-use super::wearing_joint::WearingPair;
-use super::{Frame, Island, ideal_cycle, islands};
+use super::{End, Frame, Island, WearingPair, ideal_cycle, islands};
 use crate::bore::Profile;
 use crate::contact::{Contact, JointForce, Journal, LawLanes, Surfaces};
 use crate::integrate::{Dynamics, StepControl, StepCounts, Stepped, Stepper};

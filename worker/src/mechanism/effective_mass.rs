@@ -37,13 +37,11 @@
 //! summed over the pads that touch at the end and did not at the start. It counts as an error of the step. Under a force that grows evenly this is the
 //! impulse itself; it is 3/4 of it for a pad that begins from rest under a constant acceleration. What ideal joints couple is left out.
 
-use super::constraint::Constraint;
-use super::frame::{Frame, Placed, TimedState};
-use super::guide::{Guide, Guiding, gradient};
-use super::island::Island;
+use super::frame::Placed;
+use super::guide::{Guiding, gradient};
 use super::joint::PairMotion;
 use super::piecewise_cubic::Jet;
-use super::wearing_joint::WearingGuide;
+use super::{Constraint, Frame, Guide, Island, TimedState, WearingGuide};
 use crate::contact::{GuideReaction, PADS};
 use crate::lanes::Real;
 use crate::plane::{dot, fused_cross as cross};

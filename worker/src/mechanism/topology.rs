@@ -1,13 +1,12 @@
 //! Topology of a scene: the islands of bodies that influence each other, with their joints and loads.
 
-use super::constraint::{Constraint, first_rows};
+use super::constraint::first_rows;
 use super::coupling::JointInput;
 use super::elimination::Elimination;
 use super::frame::IslandFrames;
-use super::island::Island;
 use super::load::IslandLoad;
 use super::passage::Passage;
-use super::wearing_joint::{WearingGuide, WearingJoint};
+use super::{Constraint, Island, WearingGuide, WearingJoint};
 use common::failure::SimulationFailure;
 use common::scene::{JointKind, Load, Motion, Scene};
 

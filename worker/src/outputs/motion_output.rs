@@ -3,8 +3,7 @@
 use super::angle_difference::largest_difference;
 use super::backlash::{backlash, driving_torque};
 use super::deviation::{angle_error, argument_body, position_error};
-use super::recording_request::{RecordingRequest, SoughtBacklash};
-use super::{BodyTrack, RecordedCycle};
+use super::{BodyTrack, RecordedCycle, RecordingRequest, SoughtBacklash};
 use common::scene::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
 
 /// How an output reads the motion between two time steps.

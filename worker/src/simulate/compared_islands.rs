@@ -7,9 +7,8 @@
 //!
 //! for an output y of the motion, and the change of the wear rates in the joints of S.
 
-use super::failures::Simulated;
 use super::probe::{CycleValues, Probe, SURFACES};
-use super::run::Run;
+use super::{Run, Simulated};
 use crate::mechanism::WearingPair;
 use crate::outputs::Recorder;
 use common::accuracy::Accuracy;

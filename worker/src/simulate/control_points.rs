@@ -14,11 +14,8 @@
 //! # Contact arcs
 //! Contact arcs of the joints that wear, against the spacing of their control points. `wear/condense.rs` has the arc of a contact history.
 
-use super::failures::Simulated;
 use super::island_state::IslandState;
-use super::run::Run;
-use super::side_by_side::{LaneQueue, join};
-use super::turn_period;
+use super::{LaneQueue, Run, Simulated, join, turn_period};
 use crate::integrate::StepCounts;
 use crate::mechanism::WearingPair;
 use crate::wear::mean_contact_arc;

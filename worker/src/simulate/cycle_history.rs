@@ -3,9 +3,7 @@
 //! # Finish
 //! The result of an evaluation.
 
-use super::blocks::LifeHistory;
-use super::failures::Simulated;
-use super::run::Run;
+use super::{LifeHistory, Run, Simulated};
 use crate::mechanism::{Island, Prescribed};
 use crate::outputs::{FullRecording, RecordedCycle, Recorder, motion_value, sample_times, sum_of_islands};
 use common::failure::SimulationFailure;

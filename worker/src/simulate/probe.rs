@@ -18,10 +18,9 @@
 //! Source:
 //! Comparison of three grids: Roache, Verification and Validation in Computational Science and Engineering (1998), chapter 5.
 
-use super::failures::Simulated;
 use super::failures::wear_failure;
 use super::island_state::{CycleTools, IslandState};
-use super::run::Run;
+use super::{Run, Simulated};
 use crate::wear::{NoEquilibrium, WearLaw};
 use common::accuracy::Accuracy;
 use common::outputs::PointsError;

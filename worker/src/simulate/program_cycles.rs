@@ -20,14 +20,10 @@
 //! One cycle of a mechanism on given surfaces, with the contacts of every time step: the built-in mechanics for a program that wears the
 //! surfaces itself.
 
-use super::cycle_history::{FirstCycle, finish};
-use super::failures::Simulated;
 use super::island_state::IslandState;
-use super::life_in_blocks::simulate_life;
 use super::partial_life::CycleModel;
-use super::run::Run;
-use super::side_by_side::{LaneQueue, run_alone};
-use super::turn_period::{assemble, condition_scenes};
+use super::turn_period::condition_scenes;
+use super::{FirstCycle, LaneQueue, Run, Simulated, assemble, finish, run_alone, simulate_life};
 use crate::contact::{JointForce, equivalent_penetration};
 use crate::mechanism::{Pose, WearingJoint, WearingPair, island_of_program, moved_to_origin};
 use crate::outputs::RecordingRequest;

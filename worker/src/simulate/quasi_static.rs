@@ -4,14 +4,12 @@
 //! Outputs of the motion come from dynamic cycles at a few lives, on the bores worn so far, where the wear rates are compared too.
 //! That needs a contact law that conserves energy: under another one vibrations may grow as the bores wear, from one cycle to the next.
 
-use super::blocks::LifeHistory;
 use super::island_state::kept_time;
-use super::life_in_blocks::simulate_life;
 use super::motion_estimate::{MeasuredLives, MotionEstimate, largest_bend};
 use super::partial_life::CycleModel;
 use super::probe::{Probe, SURFACES, contains_one_of, is_probed};
 use super::quasi_static_island::QuasiStaticIsland;
-use super::run::Run;
+use super::{LifeHistory, Run, simulate_life};
 use crate::contact::Contact;
 use crate::integrate::StepCounts;
 use crate::mechanism::ideal_cycle;

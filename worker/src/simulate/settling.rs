@@ -8,11 +8,10 @@
 //! shows a cycle that begins with the fall into a bore deepened by wear: if an output has its extreme in the start of such a cycle, the
 //! cycle after it is measured in its place.
 
-use super::failures::Simulated;
 use super::island_state::IslandState;
 use super::probe::{Probe, SURFACES};
 use super::repetition::{NOT_DECAYING, StateSequence, ToCome, size};
-use super::run::Run;
+use super::{Run, Simulated};
 use crate::integrate::Stepped;
 use crate::outputs::{Recorder, is_extreme};
 use common::outputs::UnsettledMotion;

@@ -15,10 +15,8 @@
 //! # Source
 //! Method of independent replications: Law, Simulation Modeling and Analysis (2015), section 9.5.
 
-use super::failures::Simulated;
 use super::island_state::IslandState;
-use super::run::Run;
-use super::side_by_side::join;
+use super::{Run, Simulated, join};
 use common::scene::JointKind;
 
 /// Motions whose mean is taken.

@@ -25,10 +25,8 @@
 //! Source:
 //! Archard (1953), J. Appl. Phys. 24, 981-988: wear is linear in the work.
 
-use super::failures::Simulated;
 use super::probe::SURFACES;
-use super::run::Run;
-use super::side_by_side::LaneQueue;
+use super::{LaneQueue, Run, Simulated};
 use crate::mechanism::WearingPair;
 use crate::outputs::BodyTrack;
 use crate::wear::WearHistory;

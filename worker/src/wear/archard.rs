@@ -29,13 +29,10 @@
 //! Source:
 //! Archard (1953), J. Appl. Phys. 24, 981-988: wear is linear in the work of a contact.
 
-use super::amounts::{BoreSizes, SurfaceSizes, WearLaw};
+use super::amounts::{BoreSizes, SurfaceSizes};
 use super::conformal::ConformalContacts;
-use super::equilibrium::NoEquilibrium;
-use super::interval::ContactHistory;
 use super::local_arcs::LocalArcs;
-use super::rail_history::RailHistory;
-use super::rail_rate::RailWearRate;
+use super::{ContactHistory, NoEquilibrium, RailHistory, RailWearRate, WearLaw};
 use crate::bore::Profile;
 use crate::contact::Contact;
 use common::scene::WearDistribution;

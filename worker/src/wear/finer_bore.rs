@@ -23,8 +23,7 @@
 //! Comparison with a finer grid, without the extrapolation of Richardson (1911), Phil. Trans. R. Soc. A 210,
 //! 307-357; `stated_wear_errors_of_random_loads` compares with a converged bore.
 
-use super::amounts::{MarkedDepths, WearLaw, WornAmounts};
-use super::step::{StepRule, WearStep, WearStepStats};
+use super::{MarkedDepths, StepRule, WearLaw, WearStep, WearStepStats, WornAmounts};
 
 /// Error over the largest difference [1]: 2 where it halves with the spacing, as at the edge of a scar, 4/3 where the
 /// profile is smooth.

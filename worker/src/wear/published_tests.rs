@@ -1,10 +1,8 @@
 //! The published forms of the wear against closed forms: the rule of the points inside an arc, the explicit step, the approximating spline.
 
-use super::amounts::WearLaw;
-use super::interval::ContactSample;
 use super::local_arcs::LocalArcs;
 use super::step_tests::{COEFFICIENT, SURFACE, WIDTH};
-use super::{BoreWearRate, ContactHistory, StepRule, WearStep, WearStepStats};
+use super::{BoreWearRate, ContactHistory, ContactSample, StepRule, WearLaw, WearStep, WearStepStats};
 use crate::bore::Profile;
 use crate::contact::{Contact, LocalHertz};
 use common::scene::{BoreSpline, WearDistribution};

@@ -1,10 +1,10 @@
 //! Wear of guides and sliders under histories made for the purpose: volumes, closed forms, equilibria of random loads.
 
-use super::amounts::WearLaw;
 use super::rail_equilibrium::RailGaps;
-use super::rail_history::{RailHistory, RailInstant};
-use super::rail_rate::RailWearRate;
-use super::{FinerBore, StepRule, WearStep, WearStepStats, WornAmounts};
+use super::{
+    FinerBore, RailHistory, RailInstant, RailWearRate, StepRule, WearLaw, WearStep, WearStepStats,
+    WornAmounts,
+};
 use crate::contact::GuideReaction;
 use crate::rail::RailLayout;
 

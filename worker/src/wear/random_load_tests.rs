@@ -1,10 +1,10 @@
 //! The stated error of the wear against bores with eight times as many control points and four times as many blocks, over loads chosen
 //! at random.
 
-use super::amounts::WearLaw;
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH};
 use super::{
-    BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearStep, WearStepStats, WornAmounts,
+    BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearLaw, WearStep, WearStepStats,
+    WornAmounts,
 };
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};

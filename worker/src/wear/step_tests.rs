@@ -1,11 +1,11 @@
 //! The wear step under a frozen contact history: its order, its agreement with many small steps, and that it
 //! does not zig-zag however long its blocks are.
 
-use super::amounts::{BoreSizes, SurfaceSizes, WearLaw};
+use super::amounts::{BoreSizes, SurfaceSizes};
 use super::archard::FrozenContacts;
-use super::equilibrium::NoEquilibrium;
 use super::{
-    BoreWearRate, ContactHistory, ContactInstant, StepRule, WearStep, WearStepFailed, WearStepStats,
+    BoreWearRate, ContactHistory, ContactInstant, NoEquilibrium, StepRule, WearLaw, WearStep, WearStepFailed,
+    WearStepStats,
 };
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz, Surface};
