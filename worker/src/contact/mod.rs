@@ -19,7 +19,7 @@
 //! |---|---|---|
 //! | `local-hertz` | `local_hertz.rs` | none: the profile in the direction of the eccentricity |
 //! | `foundation`, round | `foundation.rs` | `arc_cells.rs`; lane by lane where a cell holds too many intervals, in free flight and for energies: `arc.rs` |
-//! | `foundation`, worn | `foundation.rs` | `rotated_cells.rs`, `rotated_sums.rs`; likewise `rotated_arc.rs` |
+//! | `foundation`, worn | `foundation.rs` | `rotated_cells.rs`, `rotated_segment.rs`; likewise `rotated_arc.rs` |
 //!
 //! Wear finds the contacts again on the worn surfaces: `wear/local_arcs.rs` for `local-hertz`, `wear/conformal.rs` for `foundation`, with the
 //! integrals of `arc.rs` and `rotated_arc.rs`.
@@ -31,13 +31,15 @@
 //! Normal force: Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445. Friction: Coulomb's law regularised as by
 //! Andersson, Soderberg, Bjorklund (2007), Tribology International 40, 580-587.
 
+// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
+#![allow(clippy::needless_range_loop)]
+
 mod arc;
 mod arc_cells;
 #[cfg(test)]
 mod arc_cells_tests;
 mod arc_visitor;
 mod cells;
-mod damping;
 mod energy;
 mod foundation;
 mod foundation_slopes;
@@ -46,7 +48,6 @@ mod foundation_tests;
 mod free_region;
 mod integrals;
 mod joint_force;
-mod journal_lanes;
 mod journal_table;
 #[cfg(test)]
 mod journal_tests;
@@ -59,7 +60,6 @@ mod rotated_cells;
 #[cfg(test)]
 mod rotated_cells_tests;
 mod rotated_segment;
-mod rotated_sums;
 mod segment;
 mod surface;
 #[cfg(test)]
@@ -67,8 +67,6 @@ mod tests;
 
 pub(crate) use arc::Arc;
 pub(crate) use arc_visitor::ArcVisitor;
-pub use damping::Restitution;
-pub(crate) use damping::initial as initial_damping;
 pub use foundation::Foundation;
 pub(crate) use foundation::FoundationWithJournal;
 pub(crate) use foundation_slopes::FoundationLoad;
@@ -80,8 +78,8 @@ pub use local_hertz::{LocalHertz, PolarEccentricity, Walls};
 pub use pad::{GuideReaction, PADS};
 pub(crate) use pad::{PadForce, pad_force};
 pub(crate) use rotated_arc::SegmentParts;
-pub use surface::{Surface, hertz_stiffness};
-pub(crate) use surface::{coulomb, equivalent_penetration};
+pub use surface::{Restitution, Surface, hertz_stiffness};
+pub(crate) use surface::{coulomb, equivalent_penetration, initial as initial_damping};
 
 use crate::bore::Profile;
 use common::scene::{Clearance, ContactLaw};

@@ -2,23 +2,19 @@
 //! bore and journal in each lane.
 //!
 //! A cell (`cells.rs`) holds eccentricities about e_0 [m] and angles of the journal for which its table of depths (`journal_table.rs`) stays in one
-//! interval, or in a part of it. Intervals in contact all over the cell add up to a polynomial (`rotated_sums.rs`); only the few
+//! interval, or in a part of it. Intervals in contact all over the cell add up to a polynomial (`rotated_segment.rs`); only the few
 //! intervals about the ends of an arc are looked at for each state, interval by interval in all lanes at once. The integrals are those
 //! of `rotated_arc.rs`, but for rounding; they depend on the state alone, not on the cells met before or on other lanes.
 //!
 //! # Source
 //! Derived here.
 
-// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
-#![allow(clippy::needless_range_loop)]
-
 use super::arc::Arc;
 use super::cells::{CellContents, Cells, MOST, SIDE, change_of_gaps};
 use super::integrals::{Integrals, RotatedIntegrals, UnitIntegrals};
 use super::journal_table::JournalTable;
 use super::rotated_arc::RotatedArc;
-use super::rotated_segment::RotatedSegment;
-use super::rotated_sums::{RotatedEnd, Whole};
+use super::rotated_segment::{RotatedEnd, RotatedSegment, Whole};
 use super::segment::SEGMENT;
 use crate::lanes::{Lanewise, Real};
 use std::f64::consts::TAU;

@@ -1,6 +1,9 @@
 //! The mechanism of a scene: islands of bodies that influence each other, their ideal start and motion, and
 //! the generalised forces of each island.
 
+// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
+#![allow(clippy::needless_range_loop)]
+
 #[cfg(test)]
 mod acceleration_tests;
 mod assembly;
@@ -10,7 +13,6 @@ mod constraint;
 #[cfg(test)]
 mod constraint_tests;
 mod coupling;
-mod dependence;
 #[cfg(test)]
 mod derivative_tests;
 mod effective_mass;
@@ -24,12 +26,10 @@ mod friction_balance;
 #[cfg(test)]
 mod friction_tests;
 mod guide;
-mod guide_onset;
 #[cfg(test)]
 mod guide_tests;
 mod influence;
 mod island;
-mod island_frames;
 mod island_steps;
 mod joint;
 mod joint_friction;
@@ -40,15 +40,11 @@ mod order_tests;
 mod orthonormal;
 mod passage;
 mod piecewise_cubic;
-mod prescribed;
-mod sliding;
 mod sparse_elimination;
 mod start_velocity;
 mod topology;
 mod turns;
-mod wearing_guide;
 mod wearing_joint;
-mod wearing_pair;
 mod worn_guide;
 #[cfg(test)]
 mod worn_guide_tests;
@@ -59,15 +55,13 @@ pub use constraint::Constraint;
 pub use extent::local_origin;
 pub(crate) use extent::moved_to_origin;
 pub(crate) use external_loads::ExternalLoads;
-pub use frame::{End, Frame};
+pub use frame::{End, Frame, Prescribed, TimedState};
 pub use guide::Guide;
 pub(crate) use influence::{Coordinate, Influence, held_poses, influences};
 pub use island::Island;
 pub(crate) use lanes::{IslandLanes, same_topology};
 pub(crate) use piecewise_cubic::PiecewiseCubic;
-pub use prescribed::Prescribed;
 pub use topology::{island_of_program, islands};
 pub use turns::turns_per_cycle;
-pub use wearing_guide::WearingGuide;
-pub use wearing_joint::WearingJoint;
-pub(crate) use wearing_pair::WearingPair;
+pub(crate) use wearing_joint::WearingPair;
+pub use wearing_joint::{WearingGuide, WearingJoint};

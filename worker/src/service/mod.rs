@@ -13,20 +13,16 @@
 //! is acknowledged (`UnacknowledgedResults`), so a coordinator may stop and the connection may break at any time. The
 //! caller needs no tokio runtime; if it has one, it must be multi-threaded (a condition of Zenoh).
 
-mod backoff;
 mod claim_event;
 mod claim_loop;
 mod connection_monitor;
 mod fair_share;
 mod guard;
 mod leave_policy;
-mod licence_contact;
 mod link;
-mod own_campaign;
 #[cfg(test)]
 mod practice_tests;
 mod prefetch;
-mod queue;
 mod slots;
 mod unacknowledged;
 mod worker_handle;

@@ -4,19 +4,16 @@
 //! Outputs of the motion come from dynamic cycles at a few lives, on the bores worn so far, where the wear rates are compared too.
 //! That needs a contact law that conserves energy: under another one vibrations may grow as the bores wear, from one cycle to the next.
 
-use super::blocks::LifeHistory;
-use super::island_state::CycleSpan;
-use super::life_in_blocks::simulate_life;
+use super::island_state::kept_time;
 use super::motion_estimate::{MeasuredLives, MotionEstimate, largest_bend};
 use super::partial_life::CycleModel;
 use super::probe::{Probe, SURFACES, contains_one_of, is_probed};
 use super::quasi_static_island::QuasiStaticIsland;
-use super::run::Run;
+use super::{LifeHistory, Run, simulate_life};
 use crate::contact::Contact;
 use crate::integrate::StepCounts;
 use crate::mechanism::ideal_cycle;
 use crate::quasi_static::{Unsuitable, ideal_motions, wear_rate_difference};
-use crate::wear::WearLaw;
 use common::accuracy::Tier;
 use common::scene::{Life, Output};
 use std::ops::Range;
@@ -168,10 +165,11 @@ impl Run<'_> {
     /// # Errors
     /// [`Unsuitable`] if the gaps cannot be integrated.
     pub(crate) fn quasi_static_cycle(&mut self) -> Result<(), Unsuitable> {
-        let cycle = CycleSpan::new(self.scene, self.accuracy);
+        let (kept, period) = (kept_time(self.scene, self.accuracy), self.scene.life.period);
         let mut counts = StepCounts::default();
         let mut islands = self.islands.iter_mut().zip(&mut self.quasi_static);
-        let done = islands.try_for_each(|(state, island)| island.run_cycle(state, &cycle, &mut counts));
+        let done =
+            islands.try_for_each(|(state, island)| island.run_cycle(state, (kept, period), &mut counts));
         self.counts.add(&counts);
         // Each evaluation of the force is one iteration of Newton's method.
         self.newton += counts.forces;
@@ -185,24 +183,9 @@ impl Run<'_> {
     /// # Errors
     /// [`Unsuitable::Disagrees`] if the rates of an output differ by more than the tolerance of the wear.
     fn check_against_dynamics(&mut self) -> Result<(), Unsuitable> {
-        let none = || vec![vec![]; SURFACES * self.scene.joints.len()];
-        let (mut quasi_static, mut dynamic) = (none(), none());
-        for (state, island) in self.islands.iter_mut().zip(&self.quasi_static) {
-            for (k, pair) in state.island.pairs().enumerate() {
-                for (rates, recorder) in
-                    [(&mut quasi_static, &island.recorder), (&mut dynamic, &state.recorder)]
-                {
-                    let mut rate = vec![0.0; pair.depths()];
-                    state.rates[k].freeze(&recorder.histories[k]);
-                    state.rates[k]
-                        .rate(&state.depth[k], &mut rate)
-                        .map_err(|_| Unsuitable::Disagrees(f64::INFINITY))?;
-                    let second = rate.split_off(pair.first_depths());
-                    rates[SURFACES * pair.scene_joint()] = rate;
-                    rates[SURFACES * pair.scene_joint() + 1] = second;
-                }
-            }
-        }
+        let unbalanced = |_| Unsuitable::Disagrees(f64::INFINITY);
+        let quasi_static = self.wear_rates_of(true).map_err(unbalanced)?;
+        let dynamic = self.wear_rates_of(false).map_err(unbalanced)?;
         for (output, largest) in self.scene.outputs.iter().zip(&mut self.tier_difference) {
             if let Some((_, joints)) = output.kind.wear() {
                 let surfaces: Vec<usize> =

@@ -11,10 +11,9 @@
 use super::island_state::IslandState;
 use super::probe::{Probe, SURFACES};
 use super::repetition::{NOT_DECAYING, StateSequence, ToCome, size};
-use super::run::Run;
+use super::{Run, Simulated};
 use crate::integrate::Stepped;
 use crate::outputs::{Recorder, is_extreme};
-use common::failure::SimulationFailure;
 use common::outputs::UnsettledMotion;
 use std::f64::consts::{PI, TAU};
 
@@ -118,7 +117,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn settle(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn settle(&mut self) -> Simulated<()> {
         let period = self.scene.life.period;
         for cycle in (1..=self.scene.life.settle_cycles).rev() {
             let start = -f64::from(cycle) * period;
@@ -132,7 +131,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn measure_first(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn measure_first(&mut self) -> Simulated<()> {
         self.measure().await?;
         let change = self.change_over_cycle();
         tracing::debug!("over the first cycle the state changes by {change}");
@@ -161,7 +160,7 @@ impl<'a> Run<'a> {
     }
 
     /// Notes by how much two further cycles differ from the one just measured, and what that leaves to come.
-    async fn state_what_is_to_come(&mut self, rest: &Rest) -> Result<(), SimulationFailure> {
+    async fn state_what_is_to_come(&mut self, rest: &Rest) -> Simulated<()> {
         let mut copy = self.clone();
         copy.begin_count();
         let cycles = [copy.measured_values(0)?, copy.measure_next(0).await?, copy.measure_next(0).await?];
@@ -213,7 +212,7 @@ impl<'a> Run<'a> {
     }
 
     /// Goes on with settling cycles until the motion repeats itself; how far it has come.
-    async fn settle_further(&mut self) -> Result<Rest, SimulationFailure> {
+    async fn settle_further(&mut self) -> Simulated<Rest> {
         let period = self.scene.life.period;
         let tolerance = self.accuracy.step_tolerance;
         let mut sequences: Vec<StateSequence> = self
@@ -262,7 +261,7 @@ impl<'a> Run<'a> {
     }
 
     /// Simulates a settling cycle and adds the states at its end.
-    async fn settle_once(&mut self, sequences: &mut [StateSequence]) -> Result<(), SimulationFailure> {
+    async fn settle_once(&mut self, sequences: &mut [StateSequence]) -> Simulated<()> {
         let period = self.scene.life.period;
         self.integrate(-period..0.0, false).await?;
         self.simulated += 1;
@@ -280,7 +279,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn next_settled_cycle(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn next_settled_cycle(&mut self) -> Simulated<()> {
         self.next_cycle().await?;
         self.measure_after_transient().await
     }
@@ -290,7 +289,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn measure_after_transient(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn measure_after_transient(&mut self) -> Simulated<()> {
         if self.repetition.is_irregular {
             return Ok(());
         }

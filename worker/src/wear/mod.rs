@@ -12,7 +12,6 @@ mod arc_ends;
 mod archard;
 mod condense;
 mod conformal;
-mod contact_arc;
 mod crossing;
 mod equilibrium;
 #[cfg(test)]
@@ -25,7 +24,6 @@ mod local_arcs;
 #[cfg(test)]
 mod local_arcs_tests;
 mod nodal_loads;
-mod on_journal;
 #[cfg(test)]
 mod published_tests;
 mod rail_equilibrium;
@@ -40,16 +38,13 @@ mod step;
 mod step_tests;
 #[cfg(test)]
 mod volume_tests;
-mod wear_law;
-mod wear_rate;
 
-pub(crate) use amounts::{MarkedDepths, WornAmounts, wear_output};
-pub(crate) use archard::BoreWearRate;
-pub(crate) use contact_arc::mean_contact_arc;
+pub(crate) use amounts::{MarkedDepths, WearLaw, WornAmounts, wear_output};
+pub(crate) use archard::{BoreWearRate, WearHistory, WearRate};
+pub(crate) use condense::mean_contact_arc;
+pub(crate) use equilibrium::NoEquilibrium;
 pub(crate) use finer_bore::FinerBore;
 pub(crate) use interval::{ContactHistory, ContactInstant, ContactSample, Interval};
 pub(crate) use rail_history::{RailHistory, RailInstant};
 pub(crate) use rail_rate::RailWearRate;
 pub(crate) use step::{StepRule, WearStep, WearStepFailed, WearStepStats};
-pub(crate) use wear_law::WearLaw;
-pub(crate) use wear_rate::{WearHistory, WearRate};

@@ -4,22 +4,19 @@
 //! Each kind of load has its equation at its type; `island_loads!` below lists the kinds. Generalised forces
 //! `(6,)` are (F_x, F_y, M) [N, N, N m] on the first frame, then on the second.
 
-mod actuators;
 mod drag;
 mod force;
-mod size;
 mod springs;
 mod stops;
 
 pub use force::{LoadForce, NO_FRAME};
 
 use super::frame::Frame;
-use super::island_frames::IslandFrames;
+use super::frame::IslandFrames;
 use crate::lanes::{Lanewise, Real};
-use actuators::{BodyTorque, Motor, PointForce};
 use common::scene::{Curve, Load};
-use drag::{Drag, RotationalDrag};
-use size::Size;
+use drag::{BodyTorque, Drag, Motor, PointForce, RotationalDrag};
+use force::Size;
 use springs::{DirectionalSpring, Spring, TorsionSpring};
 use stops::{AngleStop, LineStop};
 
