@@ -7,9 +7,9 @@
 //! replace the others; what the distribution then lacks is taken from the present one.
 
 use super::setting::{Allowed, Place, Setting, parse_all};
-use common::random::{Distribution, RandomVariable};
+use common::random::{Correlation, Distribution, RandomVariable};
 use common::scene::expression::read_unit;
-use common::scene::{DEFAULT_LAW, Fault, Faults, LAWS, MeasuredVariable, SceneSource};
+use common::scene::{DEFAULT_LAW, Fault, Faults, LAWS, MeasuredVariable, Scene, SceneSource};
 use toml::{Table, Value};
 
 /// Keys of a tolerance fit that gives a variable its moments.
@@ -76,21 +76,18 @@ fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Fau
     if settings.is_empty() {
         return Ok(source.clone());
     }
-    let of_variable = |k: usize| {
-        let of = move |setting: &Setting| match setting.place {
+    let of_variable = |k: usize| -> Vec<(&str, Value)> {
+        let of = |setting: &Setting| match setting.place {
             Place::Variable(i, key) if i == k => Some((key, setting.value.clone())),
             _ => None,
         };
-        settings.iter().filter_map(of).collect::<Vec<(&str, Value)>>()
+        settings.iter().filter_map(of).collect()
     };
     // A distribution without moments of its own moves to those that a normal one has as they are written.
     let moves = |k: &usize| {
-        let keys = of_variable(*k);
-        matches!(
-            source.variables()[*k].distribution,
-            Distribution::Triangular(_) | Distribution::Empirical(_)
-        ) && !keys.is_empty()
-            && keys.iter().all(|(key, _)| ["mean", "std"].contains(key))
+        let (keys, law) = (of_variable(*k), &source.variables()[*k].distribution);
+        let has_none = matches!(law, Distribution::Triangular(_) | Distribution::Empirical(_));
+        has_none && !keys.is_empty() && keys.iter().all(|(key, _)| ["mean", "std"].contains(key))
     };
     let moved: Vec<usize> = (0..source.variables().len()).filter(moves).collect();
     let normal = |k: &usize| Setting { place: Place::Variable(*k, "distribution"), value: "normal".into() };
@@ -147,6 +144,12 @@ pub fn row<'d>(document: &'d mut Table, name: &str) -> Option<&'d mut Table> {
     rows(document, "variables").iter_mut().filter_map(Value::as_table_mut).find(is_asked)
 }
 
+/// Correlation of the standard normals of two variables of a scene, 0 without one [1].
+pub fn correlation_of(scene: &Scene, i: usize, k: usize) -> f64 {
+    let is_pair = |c: &&Correlation| [(i, k), (k, i)].contains(&(c.first, c.second));
+    scene.correlations.iter().find(is_pair).map_or(0.0, |c| c.coefficient)
+}
+
 /// A row of the list of random variables: one that changes these `keys`, with the keys of its distribution.
 pub fn variable_row(name: &str, keys: &[String], law: &[(&str, Value)]) -> Table {
     let row = [("name", Value::from(name)), ("changes", Value::from(keys.to_vec()))];
@@ -183,11 +186,11 @@ fn insert_below(below: &mut Value, path: &[&str], value: Value) -> Option<()> {
                 number => number.parse::<usize>().ok()?.checked_sub(1),
             })?;
             let row = rows.get_mut(place)?;
-            if rest.is_empty() {
-                *row = value;
-                return Some(());
+            if !rest.is_empty() {
+                return insert_below(row, rest, value);
             }
-            insert_below(row, rest, value)
+            *row = value;
+            Some(())
         }
         _ => None,
     }
@@ -197,18 +200,22 @@ fn insert_below(below: &mut Value, path: &[&str], value: Value) -> Option<()> {
 fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Value)]) {
     let sets = |key: &str| set.iter().any(|(known, _)| *known == key);
     let word = |value: &Value| value.as_str().map(str::to_owned);
-    leave_samples(row, variable, set);
-    let before = row.get("distribution").and_then(word).unwrap_or_else(|| DEFAULT_LAW.to_owned());
-    let asked = set.iter().find(|(key, _)| *key == "distribution").and_then(|(_, value)| word(value));
-    let law = asked.unwrap_or_else(|| before.clone());
+    let asked = set.iter().find(|(key, _)| *key == "distribution").map(|(_, value)| value);
     let present = &variable.distribution;
     let moments = [("mean", present.parent_mean()), ("std", present.given_std())];
+    // Measured samples give way to the distribution that is asked for or was fitted.
+    if let Some(law) = asked.cloned().or_else(|| row.get("fit").cloned())
+        && row.remove("samples").is_some()
+    {
+        row.remove("fit");
+        row.insert("distribution".to_owned(), law);
+        write_values(row, &moments, &variable.unit);
+    }
+    let before = row.get("distribution").and_then(word).unwrap_or_else(|| DEFAULT_LAW.to_owned());
+    let law = asked.and_then(word).unwrap_or_else(|| before.clone());
     let fill = |row: &mut Table, values: &[(&str, f64)]| {
-        for (key, value) in values {
-            if !row.contains_key(*key) {
-                row.insert((*key).to_owned(), written_value(*value, &variable.unit));
-            }
-        }
+        let missing: Vec<_> = values.iter().filter(|(key, _)| !row.contains_key(*key)).copied().collect();
+        write_values(row, &missing, &variable.unit);
     };
     let remove = |row: &mut Table, keys: &[&str]| keys.iter().for_each(|key| drop(row.remove(*key)));
     // Moments in place of a fit, or of the bounds and the mode that located the variable.
@@ -259,31 +266,19 @@ fn move_values(
     let law = &variable.distribution;
     let (mean, (lower, upper)) = (law.parent_mean(), law.support());
     let stretch = target.given_std() / law.given_std();
-    let moved = |x: f64| written_value(target.parent_mean() + (x - mean) * stretch, &variable.unit);
-    match samples {
-        Some(measured) => {
-            let values = measured.samples.iter().map(|x| moved(*x)).collect();
-            row.insert("samples".to_owned(), Value::Array(values));
-        }
-        None => {
-            let values = [("lower", lower), ("mode", 3.0 * mean - lower - upper), ("upper", upper)];
-            row.extend(values.map(|(key, x)| (key.to_owned(), moved(x))));
-        }
+    let moved = |x: f64| target.parent_mean() + (x - mean) * stretch;
+    if let Some(measured) = samples {
+        let values = measured.samples.iter().map(|x| written_value(moved(*x), &variable.unit)).collect();
+        row.insert("samples".to_owned(), Value::Array(values));
+    } else {
+        let values = [("lower", lower), ("mode", 3.0 * mean - lower - upper), ("upper", upper)];
+        write_values(row, &values.map(|(key, x)| (key, moved(x))), &variable.unit);
     }
 }
 
-/// Replaces measured samples by the distribution that is asked for or was fitted, with their moments.
-fn leave_samples(row: &mut Table, variable: &RandomVariable, set: &[(&str, Value)]) {
-    let asked = set.iter().find(|(key, _)| *key == "distribution").map(|(_, value)| value.clone());
-    let Some(law) = asked.or_else(|| row.get("fit").cloned()).filter(|_| row.contains_key("samples")) else {
-        return;
-    };
-    row.retain(|key, _| key != "samples" && key != "fit");
-    row.insert("distribution".to_owned(), law);
-    let present = &variable.distribution;
-    for (key, value) in [("mean", present.parent_mean()), ("std", present.given_std())] {
-        row.insert(key.to_owned(), written_value(value, &variable.unit));
-    }
+/// Writes values in SI at keys of the row of a variable with this unit.
+pub fn write_values(row: &mut Table, values: &[(&str, f64)], unit: &str) {
+    row.extend(values.iter().map(|(key, value)| ((*key).to_owned(), written_value(*value, unit))));
 }
 
 /// A value in SI as in a scene file, in the unit of its variable.
