@@ -31,6 +31,13 @@ pub struct ChangeOfLife {
     pub cycles: Option<Change>,
 }
 
+impl ChangeOfLife {
+    /// True for the life of this curve at this level of the reliability.
+    pub fn is_of(&self, name: &str, level: f64) -> bool {
+        self.limit_state == name && self.reliability.to_bits() == level.to_bits()
+    }
+}
+
 /// The points of both populations, which are made from the same uniform numbers.
 pub struct PairedResults {
     /// First failures `(curves)(N,)` before and after.
@@ -120,6 +127,12 @@ impl PairedResults {
 /// Names of the curves: the limit states and `total`.
 pub fn curve_names(summary: &StudySummary) -> Vec<String> {
     summary.limit_states.iter().cloned().chain(["total".to_owned()]).collect()
+}
+
+/// At most `count` >= 2 of the values, evenly spread from the first to the last one.
+pub(in crate::analyses) fn spread<T: Copy>(values: &[T], count: usize) -> Vec<T> {
+    let n = values.len().min(count);
+    (0..n).map(|i| values[i * (values.len() - 1) / (n - 1).max(1)]).collect()
 }
 
 /// The time at which straight lines between `values` `(g,)` [1] at `cycles` `(g,)` first fall to a level [cycles].

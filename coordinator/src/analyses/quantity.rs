@@ -35,13 +35,15 @@ impl ShownUnit {
 /// What is wrong and what is expected, in words.
 pub fn output_quantity(output: &Output, text: &str) -> Result<f64, String> {
     match output.kind.unit() {
-        OutputUnit::External(unit) => {
-            let read = number_and_unit(text).filter(|(_, found)| found.is_empty() || *found == unit);
-            let expected = if unit.is_empty() { String::new() } else { format!(" in {unit}") };
-            read.map(|(value, _)| value).ok_or_else(|| format!("{text:?}: expected a number{expected}"))
-        }
+        OutputUnit::External(unit) => external(&unit, text),
         unit => read_quantity(text, unit.kind()).map_err(|fault| fault.to_string()),
     }
+}
+
+fn external(unit: &str, text: &str) -> Result<f64, String> {
+    let read = number_and_unit(text).filter(|(_, found)| found.is_empty() || *found == unit);
+    let expected = if unit.is_empty() { String::new() } else { format!(" in {unit}") };
+    read.map(|(value, _)| value).ok_or_else(|| format!("{text:?}: expected a number{expected}"))
 }
 
 /// The checkpoint at the key `cycles` of a row, its index and its life [cycles]; by default `default`, without one it is required.

@@ -9,7 +9,7 @@ use crate::analyses::error::AnalysisError;
 use crate::farm::evaluate::{EvaluateError, Evaluator, Request};
 use crate::statistics::design::{InputModel, Population};
 use common::accuracy::Accuracy;
-use common::random::{Distribution, GaussianCopula};
+use common::random::Distribution;
 
 /// Settings of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -134,7 +134,8 @@ impl TargetReader<'_> {
         let (lower, upper, of) = (lower?, upper?, of?);
         let unit = match kind {
             ParameterKind::Keys(_) if of.si.is_empty() => of.dimension.si_unit(),
-            _ => of.si.to_owned(),
+            ParameterKind::Keys(_) => of.si.to_owned(),
+            _ => String::new(),
         };
         Some(FreeParameter { name: name.to_owned(), kind, lower, upper, unit })
     }

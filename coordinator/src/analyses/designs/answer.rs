@@ -116,11 +116,11 @@ pub fn refine(
 ) -> Result<Refined, AnalysisError> {
     let target = study.settings.targets().error;
     let before = outcomes.len();
-    let mut candidates = Vec::with_capacity(designs.len());
-    for values in designs {
+    let candidate = |values: &Vec<f64>| {
         let scene = study.space.scene_at(values)?;
-        candidates.push(RefinedDesign { scene, error: f64::INFINITY, is_exhausted: false });
-    }
+        Ok(RefinedDesign { scene, error: f64::INFINITY, is_exhausted: false })
+    };
+    let mut candidates: Vec<_> = designs.iter().map(candidate).collect::<Result<_, AnalysisError>>()?;
     loop {
         // Those that are above the target; all of them once none of these is left.
         assess(study, &mut candidates, &outcomes, target)?;
@@ -137,16 +137,14 @@ pub fn refine(
         let Some(worst) = worst.filter(|_| left > 0) else {
             return Ok(Refined { added, largest_error: largest, target_error: target });
         };
-        let further = study.settings.batch.min(left);
-        let learning = FurtherLearning {
+        let known = simulate(&FurtherLearning {
             correction: None,
             changed: &candidates[worst].scene,
             studied: study.augmented,
             settings: study.settings,
             stored: &outcomes,
-            further,
-        };
-        let known = simulate(&learning)?;
+            further: study.settings.batch.min(left),
+        })?;
         candidates[worst].is_exhausted = known.len() == outcomes.len();
         outcomes = known;
     }

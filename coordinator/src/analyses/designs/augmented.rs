@@ -75,7 +75,7 @@ impl DesignSpace {
     }
 
     /// For each design variable the scenes at both ends of its range, the others in the middle.
-    fn ends(&self) -> Result<Vec<[Scene; 2]>, Faults> {
+    pub(super) fn ends(&self) -> Result<Vec<[Scene; 2]>, Faults> {
         let at = |i: usize, end: f64| {
             let mut values = self.middle();
             values[i] = self.variables[i].at(end);

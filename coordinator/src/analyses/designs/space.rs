@@ -122,10 +122,8 @@ impl DesignSpace {
 
     /// The values of a design in words, e.g. `parameters.clearance = 18 um`.
     pub fn in_words(&self, values: &[f64]) -> String {
-        let words = self.variables.iter().zip(values);
-        let words: Vec<String> =
-            words.map(|(v, value)| format!("{} = {}", v.key, v.with_unit(*value))).collect();
-        words.join(", ")
+        let word = |(v, value): (&DesignVariable, &f64)| format!("{} = {}", v.key, v.with_unit(*value));
+        self.variables.iter().zip(values).map(word).collect::<Vec<_>>().join(", ")
     }
 
     /// The values of one design `(q,)`, given as `KEY=VALUE` for every design variable in any order.
@@ -143,15 +141,11 @@ impl DesignSpace {
                 return Err(refuse(setting, format!("the design variables of this study are {}", keys())));
             };
             let variable = &self.variables[i];
-            let value = number_and_unit(value)
-                .filter(|(_, unit)| *unit == variable.unit)
-                .map(|(value, _)| value)
-                .filter(|value| (variable.lower..=variable.upper).contains(value));
-            let allowed = format!(
-                "allowed: {} to {}",
-                variable.with_unit(variable.lower),
-                variable.with_unit(variable.upper)
-            );
+            let DesignVariable { lower, upper, unit, .. } = variable;
+            let is_allowed = |(value, of): &(f64, &str)| of == unit && (*lower..=*upper).contains(value);
+            let value = number_and_unit(value).filter(is_allowed).map(|(value, _)| value);
+            let allowed =
+                format!("allowed: {}", [*lower, *upper].map(|end| variable.with_unit(end)).join(" to "));
             values[i] = Some(value.ok_or_else(|| refuse(setting, allowed))?);
         }
         let all: Option<Vec<f64>> = values.into_iter().collect();
@@ -170,16 +164,11 @@ impl DesignSpace {
 
     /// A grid of `points` >= 2 values per variable with both ends `(points^q)(q,)`, the first variable varying slowest.
     pub fn grid(&self, points: usize) -> Vec<Vec<f64>> {
-        let mut grid = vec![vec![]];
-        for variable in &self.variables {
+        self.variables.iter().fold(vec![vec![]], |grid, variable| {
             let values = (0..points).map(|i| variable.at(i as f64 / (points - 1) as f64));
-            let values: Vec<f64> = values.collect();
-            let longer = |row: &Vec<f64>| {
-                values.iter().map(|value| [row.as_slice(), &[*value]].concat()).collect::<Vec<_>>()
-            };
-            grid = grid.iter().flat_map(longer).collect();
-        }
-        grid
+            let longer = |row: &Vec<f64>| values.clone().map(|value| [&row[..], &[value]].concat()).collect();
+            grid.iter().flat_map::<Vec<_>, _>(longer).collect()
+        })
     }
 }
 

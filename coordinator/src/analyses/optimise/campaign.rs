@@ -12,6 +12,7 @@ use crate::study::{
     Campaign, CampaignResult, LARGEST_POPULATION, Observed, ObservedOutcome, Plan, Problem, SampleRequest,
     Settings,
 };
+use std::collections::BTreeSet;
 
 /// Surrogate error of the failure probability allowed by a target, over that probability [1]: an error of the reliability
 /// index of 0.01 at 0.9987.
@@ -52,17 +53,13 @@ impl<'a> TargetCampaign<'a> {
             problem.targets.iter().any(|target| target.limit_state.is_none_or(|named| named == *mode))
         };
         let modes: Vec<usize> = all.filter(named).collect();
-        let mut checkpoints: Vec<usize> = problem.targets.iter().map(|target| target.checkpoint).collect();
-        checkpoints.sort_unstable();
-        checkpoints.dedup();
+        let checkpoints: BTreeSet<usize> = problem.targets.iter().map(|target| target.checkpoint).collect();
+        let checkpoints = checkpoints.into_iter().collect();
         let mut made = Self { study, modes, checkpoints, outcomes: vec![] };
-        made.outcomes = study
-            .outcomes
-            .iter()
-            .map(|(sample, outcome)| {
-                (sample.clone(), outcome.clone().map(|observed| made.reduced(&observed)))
-            })
-            .collect();
+        let reduced = |(sample, outcome): &(Vec<f64>, ObservedOutcome)| {
+            (sample.clone(), outcome.clone().map(|observed| made.reduced(&observed)))
+        };
+        made.outcomes = study.outcomes.iter().map(reduced).collect();
         made
     }
 
@@ -175,11 +172,8 @@ fn largest_until(observed: &Observed, output: usize, last: usize) -> (f64, f64) 
     let (history, errors) = (&observed.histories[output], &observed.errors[output]);
     let at_start = observed.start[output].map(|value| (value, errors[0]));
     let later = history.iter().copied().zip(errors.iter().copied()).take(last + 1);
-    at_start
-        .into_iter()
-        .chain(later)
-        .reduce(|best, next| if next.0 > best.0 { next } else { best })
-        .unwrap_or_default()
+    let all = at_start.into_iter().chain(later);
+    all.reduce(|best, next| if next.0 > best.0 { next } else { best }).unwrap_or_default()
 }
 
 #[cfg(test)]

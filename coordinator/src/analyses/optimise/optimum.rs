@@ -5,9 +5,9 @@
 //! reliability by line sampling agrees with the one counted over the population.
 
 use super::campaign::{StudyBasis, TargetCampaign};
-use super::context::{Context, index_of, values_of};
+use super::context::{Context, index_of};
 use super::problem::DesignProblem;
-use super::reliability::{TargetValue, place, value};
+use super::reliability::{Constraint, TargetValue};
 use super::result::{
     Advice, Bound, FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations,
     TargetState,
@@ -40,7 +40,7 @@ pub fn optimise(
     let before = campaign.simulations();
     let mut context = Context::new(study, problem, &campaign);
     let present = problem.present(&context.reference);
-    let start: Vec<f64> = problem.quantities.iter().zip(&present).map(|(q, v)| place(q, *v)).collect();
+    let start: Vec<f64> = problem.quantities.iter().zip(&present).map(|(q, v)| q.place(*v)).collect();
     let middle = vec![0.5; start.len()];
     let dimension = study.problem.inputs.dimension();
     let visit = (VISIT.0 + dimension).min(VISIT.1);
@@ -57,7 +57,7 @@ pub fn optimise(
         round += 1;
         let (solved, region) = {
             let mut reliability = context.reliability(&learned, &known[0]);
-            let inputs = context.inputs(&values_of(problem, &centre))?;
+            let inputs = context.inputs(&problem.values(&centre))?;
             reliability.region = trust::region(problem, &inputs, &centre, visited);
             (solve(&mut reliability, &known), reliability.region)
         };
@@ -69,8 +69,7 @@ pub fn optimise(
         ));
         known = vec![solved.y.clone()];
         let pf = solved.least_probability(problem);
-        let values = values_of(problem, &solved.y);
-        let inputs = context.inputs(&values)?;
+        let inputs = context.inputs(&problem.values(&solved.y))?;
         let near = last.as_ref().is_some_and(|(at, _)| context.are_near(&inputs, at));
         let ended = last.as_ref().is_some_and(|(_, ended)| *ended);
         if near && ended {
@@ -96,11 +95,8 @@ pub fn optimise(
             if !context.reserve(&solved, &bounds) && round < MOST_ROUNDS {
                 continue;
             }
-            let reason = if left == 0 {
-                format!("the budget of {budget} simulations is spent")
-            } else {
-                format!("{MOST_ROUNDS} rounds have passed")
-            };
+            let spent = format!("the budget of {budget} simulations is spent");
+            let reason = if left == 0 { spent } else { format!("{MOST_ROUNDS} rounds have passed") };
             break (solved, region, bounds, Some(reason));
         }
         learned = if near {
@@ -167,7 +163,7 @@ impl Finding {
         let problem = context.problem;
         let Finding { solved, present, region, .. } = self;
         let held = trust::held(region, &solved.y);
-        let values = values_of(problem, &solved.y);
+        let values = problem.values(&solved.y);
         let targets = self.targets(context, learned, at_present);
         let variance = |target: &OptimisedTarget| {
             let beta = -standard_normal_quantile(1.0 - target.reliability);
@@ -176,14 +172,9 @@ impl Finding {
         let cost_standard_error = targets.iter().map(variance).sum::<f64>().sqrt();
         let quantity = |k: usize| {
             let quantity = &problem.quantities[k];
-            let (was, is) = (present[k], values[k]);
-            let si = quantity.unit.si;
-            let at = solved.y[k];
-            let on_bound = match at {
-                at if at < ON_BOUND => Some(Bound::Lower),
-                at if at > 1.0 - ON_BOUND => Some(Bound::Upper),
-                _ => None,
-            };
+            let (was, is, at, si) = (present[k], values[k], solved.y[k], quantity.unit.si);
+            let at_lower = (at < ON_BOUND).then_some(Bound::Lower);
+            let on_bound = at_lower.or((at > 1.0 - ON_BOUND).then_some(Bound::Upper));
             let spread = quantity.kind.is_spread();
             let scale = if spread { was.abs() } else { (quantity.upper - quantity.lower).abs() };
             let advice = match is - was {
@@ -204,7 +195,7 @@ impl Finding {
                 upper: quantity.upper / si,
                 grade: nearest.map(|grade| grade.name.clone()),
                 on_bound,
-                supported: [region[k].0, region[k].1].map(|y| value(quantity, y) / si),
+                supported: [region[k].0, region[k].1].map(|y| quantity.value(y) / si),
                 all_supported: region[k] == (0.0, 1.0),
                 held: held.contains(&k),
                 advice,
@@ -254,8 +245,8 @@ impl Finding {
     /// Least costs for stricter and looser targets, on the last surrogates.
     fn front(&self, context: &Context<'_>, learned: &CampaignResult) -> Vec<FrontPoint> {
         let solved = &self.solved;
-        let allowed: Vec<f64> =
-            context.problem.targets.iter().map(|target| 1.0 - target.reliability).collect();
+        let targets: Vec<f64> = context.problem.targets.iter().map(|target| target.reliability).collect();
+        let allowed: Vec<f64> = targets.iter().map(|r| 1.0 - r).collect();
         let point = |factor: f64| {
             let targets: Vec<f64> = allowed.iter().map(|p| 1.0 - factor * p).collect();
             // With the reserve of the optimum.
@@ -266,21 +257,13 @@ impl Finding {
             let (found, inside) = self.cheapest(context, learned, &beta);
             let whole = self.region.iter().all(|ends| *ends == (0.0, 1.0));
             let unsupported = !inside || !(found.feasible || whole);
-            FrontPoint {
-                factor,
-                targets,
-                cost: (found.feasible && inside).then_some(found.cost),
-                unsupported,
-            }
+            let cost = (found.feasible && inside).then_some(found.cost);
+            FrontPoint { factor, targets, cost, unsupported }
         };
         let mut points: Vec<FrontPoint> =
             FRONT.into_iter().filter(|factor| allowed.iter().all(|p| factor * p < 1.0)).map(point).collect();
-        let own = FrontPoint {
-            factor: 1.0,
-            targets: context.problem.targets.iter().map(|target| target.reliability).collect(),
-            cost: solved.feasible.then_some(solved.relaxed_cost),
-            unsupported: false,
-        };
+        let cost = solved.feasible.then_some(solved.relaxed_cost);
+        let own = FrontPoint { factor: 1.0, targets, cost, unsupported: false };
         let place = points.iter().position(|point| point.factor < 1.0).unwrap_or(points.len());
         points.insert(place, own);
         points
@@ -293,18 +276,16 @@ impl Finding {
         at_present: &CampaignResult,
     ) -> Vec<OptimisedTarget> {
         let solved = &self.solved;
-        let counted = learned.reliability();
-        let counted_before = at_present.reliability();
+        let counted = [at_present, learned].map(CampaignResult::reliability);
         let target = |i: usize| {
             let target = &context.problem.targets[i];
-            let (curve, column) = context.places[i];
+            let Constraint { curve, column, beta, .. } = context.constraints[i];
             let value = &solved.values[i];
             let surrogate = TargetCampaign::surrogate_error(learned, curve, column);
             let standard_error = surrogate.hypot(value.estimate.standard_error);
             let reliability = 1.0 - value.estimate.probability;
-            let point = counted[curve][column];
-            let was = counted_before[curve][column];
-            OptimisedTarget {
+            let [was, point] = [0, 1].map(|k: usize| counted[k][curve][column]);
+            let optimised = OptimisedTarget {
                 name: target.name.clone(),
                 limit_state: target.limit_state,
                 cycles: target.cycles,
@@ -315,16 +296,16 @@ impl Finding {
                 standard_error,
                 counted: point.reliability,
                 counted_standard_error: point.standard_error,
-                active: value.beta - context.constraints[i].beta < ACTIVE || solved.multipliers[i] > 0.0,
+                active: value.beta - beta < ACTIVE || solved.multipliers[i] > 0.0,
                 met: false,
                 state: TargetState::NotMet,
                 interval: [-REACH, REACH].map(|reach| (reliability + reach * standard_error).clamp(0.0, 1.0)),
                 multiplier: solved.multipliers[i],
                 confidence: target.confidence,
                 at_least: self.bounds[i],
-            }
+            };
+            optimised.judged(solved.feasible)
         };
-        let with_state = |i: usize| target(i).judged(solved.feasible);
-        (0..context.problem.targets.len()).map(with_state).collect()
+        (0..context.problem.targets.len()).map(target).collect()
     }
 }

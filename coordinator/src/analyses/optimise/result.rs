@@ -147,10 +147,10 @@ impl OptimisationResult {
             let row = optimum.reliability.iter().find(|row| row.cycles == target.cycles);
             let name = target.limit_state.map_or("total", |place| optimum.limit_states[place].as_str());
             if let Some(parts) = row.and_then(|row| row.parts.get(name)) {
-                let ([lower, upper], r) = (target.interval, target.reliability);
-                let reach = REACH * parts.numerical;
-                let range = ReliabilityRange { lower: r - reach, upper: r + reach };
-                let ReliabilityRange { lower, upper } = ReliabilityRange { lower, upper }.widened(r, range);
+                let (r, reach) = (target.reliability, REACH * parts.numerical);
+                let [own, range] = [target.interval, [r - reach, r + reach]]
+                    .map(|[lower, upper]| ReliabilityRange { lower, upper });
+                let ReliabilityRange { lower, upper } = own.widened(r, range);
                 target.interval = [lower, upper];
             }
             target.judged(self.feasible)

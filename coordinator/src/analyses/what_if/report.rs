@@ -2,7 +2,7 @@
 
 use super::answer::{Agreement, WhatIf};
 use super::changes::{ChangedVariable, LawParameters};
-use crate::analyses::paired_results::{ChangeOfLife, curve_names};
+use crate::analyses::paired_results::{curve_names, spread};
 use crate::presentation::report::format::{
     before_unit, count, percent, shortest, signed_with_width, three_digits, unit_scale,
 };
@@ -136,25 +136,15 @@ fn reliability_table(answer: &WhatIf) -> Option<Table> {
     let matters: Vec<usize> = (0..answer.before.reliability.len())
         .filter(|n| (first..=last).contains(&answer.before.reliability[*n].cycles))
         .collect();
-    let shown: Vec<usize> = if matters.len() <= ROWS {
-        matters
-    } else {
-        (0..ROWS).map(|i| matters[i * (matters.len() - 1) / (ROWS - 1)]).collect()
-    };
     let row = |n: usize| {
+        let rows = [&answer.before, &answer.after].map(|summary| &summary.reliability[n]);
+        let [before, after] = rows.map(|row| reliability(row, "total"));
         let change = answer.reliability[n].change.get("total").map_or(String::new(), signed);
-        vec![
-            count(answer.before.reliability[n].cycles.into()),
-            reliability(&answer.before.reliability[n], "total"),
-            reliability(&answer.after.reliability[n], "total"),
-            change,
-        ]
+        vec![count(rows[0].cycles.into()), before, after, change]
     };
-    Some(Table::new(
-        "Reliability of the system (no limit state exceeded)",
-        ["cycles", "R before (95 %)", "R after (95 %)", "after minus before (95 %)"],
-        shown.into_iter().map(row),
-    ))
+    let head = ["cycles", "R before (95 %)", "R after (95 %)", "after minus before (95 %)"];
+    let rows = spread(&matters, ROWS).into_iter().map(row);
+    Some(Table::new("Reliability of the system (no limit state exceeded)", head, rows))
 }
 
 /// Lives before and after, per limit state and in total.
@@ -162,15 +152,6 @@ fn lives_table(answer: &WhatIf) -> Option<Table> {
     if answer.before.lives.is_empty() || answer.after.lives.is_empty() {
         return None;
     }
-    let cell =
-        |summary: &StudySummary, name: &str, level: f64| life_with_limits(life_at(summary, name, level));
-    let change = |name: &str, level: f64| {
-        let is_asked =
-            |row: &&ChangeOfLife| row.limit_state == name && row.reliability.to_bits() == level.to_bits();
-        let found = answer.lives.iter().find(is_asked).and_then(|row| row.cycles);
-        let [before, after] = [&answer.before, &answer.after].map(|summary| life_at(summary, name, level));
-        change_of_life(found, before, after)
-    };
     let mut names = curve_names(&answer.before);
     if names.len() == 2 {
         names.remove(0);
@@ -178,12 +159,11 @@ fn lives_table(answer: &WhatIf) -> Option<Table> {
     names.reverse();
     let rows = names.iter().flat_map(|name| {
         LEVELS.map(|level| {
-            vec![
-                format!("{name}, R = {level}"),
-                cell(&answer.before, name, level),
-                cell(&answer.after, name, level),
-                change(name, level),
-            ]
+            let found = answer.lives.iter().find(|row| row.is_of(name, level)).and_then(|row| row.cycles);
+            let lives = [&answer.before, &answer.after].map(|summary| life_at(summary, name, level));
+            let [before, after] = lives.map(life_with_limits);
+            let change = change_of_life(found, lives[0], lives[1]);
+            vec![format!("{name}, R = {level}"), before, after, change]
         })
     });
     let head = ["life [cycles] at", "before (95 %)", "after (95 %)", "after minus before (95 %)"];
