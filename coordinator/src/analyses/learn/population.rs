@@ -99,18 +99,13 @@ pub fn fitted_reliability(
     seed: u64,
 ) -> ConfidentReliability {
     let mut rng = open_stream(seed, Stream::Parameters(0));
-    let draws: Vec<Vec<Distribution>> = fits
-        .iter()
-        .map(|(_, m)| fitted_draws(m.family, &m.distribution, &m.samples, SETS, &mut rng))
-        .collect();
+    let drawn = fits.iter().map(|(_, m)| fitted_draws(m.family, &m.distribution, &m.samples, SETS, &mut rng));
+    let draws: Vec<Vec<Distribution>> = drawn.collect();
     let moments = |law: &Distribution| (1.0, [law.parent_mean(), law.given_std()]);
-    let proposals: Vec<Distribution> = fits
-        .iter()
-        .zip(&draws)
-        .map(|((_, m), draws)| {
-            proposal(&m.distribution, None, &draws.iter().map(moments).collect::<Vec<_>>())
-        })
-        .collect();
+    let proposed = |((_, m), draws): (&(usize, &MeasuredVariable), &Vec<Distribution>)| {
+        proposal(&m.distribution, None, &draws.iter().map(moments).collect::<Vec<_>>())
+    };
+    let proposals: Vec<Distribution> = fits.iter().zip(&draws).map(proposed).collect();
     let indices: Vec<usize> = fits.iter().map(|(k, _)| *k).collect();
     let model = model_of(model, &indices, &proposals);
     let population = WeightedPopulation::new(&model, &indices, vec![], POINTS, seed);

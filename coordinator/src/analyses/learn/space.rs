@@ -6,6 +6,7 @@ use crate::statistics::updating::{ParameterPrior, ParameterSpace, UncertainVaria
 use crate::study::LifeModel;
 use common::random::Distribution;
 use common::scene::Scene;
+use std::collections::BTreeSet;
 
 /// Bounds of a flat prior of a mean [standard deviations of the study], and of a spread, up and down [factor].
 const WIDE: f64 = 5.0;
@@ -98,9 +99,7 @@ pub fn space_of(
     designs: &[usize],
     fixed: &[[bool; 2]],
 ) -> ParameterSpace {
-    let mut indices: Vec<usize> = unknown.iter().map(|u| u.variable).collect();
-    indices.sort_unstable();
-    indices.dedup();
+    let indices: BTreeSet<usize> = unknown.iter().map(|u| u.variable).collect();
     let variable = |index: usize| {
         let law = &inputs.variables()[index];
         let is_shared = designs.contains(&index);
@@ -110,12 +109,9 @@ pub fn space_of(
         };
         let (mean, std) = (prior(Moment::Mean), prior(Moment::Std));
         let (lower, upper) = law.support();
-        let kernel = || {
-            let middle =
-                Distribution::truncated_normal(0.5 * (lower + upper), KERNEL * (upper - lower), lower, upper);
-            middle.expect("the middle lies within")
-        };
-        let law = if is_shared { kernel() } else { law.clone() };
+        let (middle, width) = (0.5 * (lower + upper), KERNEL * (upper - lower));
+        let kernel = || Distribution::truncated_normal(middle, width, lower, upper);
+        let law = if is_shared { kernel().expect("the middle lies within") } else { law.clone() };
         let fixed = if is_shared { [true; 2] } else { fixed.get(index).copied().unwrap_or_default() };
         UncertainVariable { index, law, fixed, mean, std }
     };

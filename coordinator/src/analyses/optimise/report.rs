@@ -1,8 +1,6 @@
 //! The result of an optimisation with its tables, sentences and figures.
 
-use super::result::{
-    Advice, Bound, FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, TargetState,
-};
+use super::result::{FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, TargetState};
 use crate::presentation::report::format::{percent, shortest, significant};
 use crate::presentation::report::{
     Answer, AnswerPart, Axis, ComparedStudy, Figure, Ink, Plot, Scale, Series, Shape, Table,
@@ -139,30 +137,16 @@ fn tables(result: &OptimisationResult) -> Vec<Table> {
 }
 
 fn quantity_row(quantity: &OptimisedQuantity) -> Vec<String> {
+    let OptimisedQuantity { name, unit, advice, cost_before, cost_after, .. } = quantity;
     let grade = quantity.grade.as_ref().map_or(String::new(), |grade| format!(" ({grade})"));
-    let bound = match quantity.on_bound {
-        None if quantity.held => ", on the edge of the trust region",
-        None => "",
-        Some(Bound::Lower) => ", on its lower bound",
-        Some(Bound::Upper) => ", on its upper bound",
-    };
-    let advice = match quantity.advice {
-        Advice::Tighten => "tighten",
-        Advice::Loosen => "loosen",
-        Advice::Raise => "raise",
-        Advice::Lower => "lower",
-        Advice::Keep => "keep",
-    };
-    vec![
-        quantity.name.clone(),
-        number(quantity.before),
-        format!("{}{grade}", number(quantity.after)),
-        format!("{} to {}", number(quantity.lower), number(quantity.upper)),
-        quantity.unit.clone(),
-        format!("{advice}{bound}"),
-        number(quantity.cost_before),
-        number(quantity.cost_after),
-    ]
+    let edge = if quantity.held { ", on the edge of the trust region" } else { "" };
+    let bound = quantity.on_bound.map_or(edge.to_owned(), |bound| format!(", on its {bound} bound"));
+    let numbers =
+        [quantity.before, quantity.after, quantity.lower, quantity.upper, *cost_before, *cost_after];
+    let [before, after, lower, upper, cost_before, cost_after] = numbers.map(number);
+    let (after, allowed) = (format!("{after}{grade}"), format!("{lower} to {upper}"));
+    let change = format!("{advice}{bound}");
+    vec![name.clone(), before, after, allowed, unit.clone(), change, cost_before, cost_after]
 }
 
 fn target_row(target: &OptimisedTarget) -> Vec<String> {

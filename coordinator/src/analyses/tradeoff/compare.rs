@@ -2,11 +2,12 @@
 //! the errors on the reliability.
 
 use super::lives::{LifeChange, life_changes};
-use super::measure::Measurement;
+use super::measure::{Measurement, REFERENCE};
 use crate::farm::evaluate::Finished;
-use common::accuracy::NamedAccuracy;
+use common::accuracy::{Accuracy, NamedAccuracy};
 use common::outputs::Evaluation;
 use common::scene::{LimitState, Scene};
+use std::collections::BTreeSet;
 
 /// Error of one output of a setting against the reference, over all points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,11 +69,9 @@ pub fn compare(
     settings: &[NamedAccuracy],
     measurement: &Measurement,
 ) -> Vec<SettingComparison> {
-    let mut rows: Vec<SettingComparison> = settings
-        .iter()
-        .zip(&measurement.settings)
-        .map(|(setting, points)| row(scene, setting, points, &measurement.reference))
-        .collect();
+    let measured = settings.iter().zip(&measurement.settings);
+    let mut rows: Vec<SettingComparison> =
+        measured.map(|(setting, points)| row(scene, setting, points, &measurement.reference)).collect();
     for k in 0..rows.len() {
         let (seconds, worst) = (rows[k].seconds, rows[k].worst());
         let beaten = rows.iter().any(|other| {
@@ -96,10 +95,7 @@ pub fn reference_row(scene: &Scene, measurement: &Measurement) -> SettingCompari
             }
         }
     }
-    let setting = NamedAccuracy {
-        name: super::measure::REFERENCE.into(),
-        accuracy: common::accuracy::Accuracy::reference(),
-    };
+    let setting = NamedAccuracy { name: REFERENCE.into(), accuracy: Accuracy::reference() };
     row(scene, &setting, &own, &measurement.reference)
 }
 
@@ -109,15 +105,12 @@ fn row(
     points: &[Finished],
     reference: &[Finished],
 ) -> SettingComparison {
-    let pairs: Vec<ComparedPoint> = points
-        .iter()
-        .zip(reference)
-        .enumerate()
-        .filter_map(|(point, (measured, r))| {
-            let (found, reference) = (measured.outcome.as_ref().ok()?, r.outcome.as_ref().ok()?);
-            Some(ComparedPoint { point, measured, found, reference })
-        })
-        .collect();
+    let all = points.iter().zip(reference).enumerate();
+    let pairs = all.filter_map(|(point, (measured, r))| {
+        let (found, reference) = (measured.outcome.as_ref().ok()?, r.outcome.as_ref().ok()?);
+        Some(ComparedPoint { point, measured, found, reference })
+    });
+    let pairs: Vec<ComparedPoint> = pairs.collect();
     let mean = |quantity: &dyn Fn(&ComparedPoint) -> f64| {
         pairs.iter().map(quantity).sum::<f64>() / pairs.len().max(1) as f64
     };
@@ -140,16 +133,16 @@ fn row(
 
 /// Every value of output `k`.
 fn cases(k: usize, pairs: &[ComparedPoint]) -> Vec<StatedValue> {
-    let mut all = Vec::new();
-    for ComparedPoint { point, found, reference, .. } in pairs {
+    let of_point = |&ComparedPoint { point, found, reference, .. }: &ComparedPoint| {
         let values = found.histories[k].iter().zip(&reference.histories[k]).zip(&found.errors[k]);
-        all.extend(values.map(|((x, truth), &stated)| StatedValue {
-            point: *point,
+        let value = |((x, truth), stated): ((&f64, &f64), &f64)| StatedValue {
+            point,
             off: (x - truth).abs(),
-            stated,
-        }));
-    }
-    all
+            stated: *stated,
+        };
+        values.map(value).collect::<Vec<_>>()
+    };
+    pairs.iter().flat_map(of_point).collect()
 }
 
 fn output_error(scene: &Scene, k: usize, pairs: &[ComparedPoint], cases: &[StatedValue]) -> OutputError {
@@ -182,11 +175,9 @@ fn output_error(scene: &Scene, k: usize, pairs: &[ComparedPoint], cases: &[State
 /// Life at which a history first reaches a limit, by linear interpolation [cycles].
 fn crossing(cycles: &[u32], history: &[f64], limit: &LimitState) -> Option<f64> {
     let k = history.iter().position(|x| limit.is_reached(*x))?;
-    if k == 0 {
-        return Some(f64::from(cycles[0]));
-    }
-    let (n0, n1) = (f64::from(cycles[k - 1]), f64::from(cycles[k]));
-    let (y0, y1) = (limit.response(history[k - 1]), limit.response(history[k]));
+    let at = |k: usize| (f64::from(cycles[k]), limit.response(history[k]));
+    let (n1, y1) = at(k);
+    let Some((n0, y0)) = k.checked_sub(1).map(at) else { return Some(n1) };
     Some(n0 + (n1 - n0) * (limit.response_threshold() - y0) / (y1 - y0))
 }
 
@@ -210,10 +201,6 @@ impl StatedValue {
     /// True error over stated error [1]; 0 if both are zero, infinite if only the stated error is zero.
     pub fn ratio(&self) -> f64 {
         if self.off == 0.0 { 0.0 } else { self.off / self.stated }
-    }
-
-    fn is_missed(&self) -> bool {
-        self.off > TIMES * self.stated
     }
 }
 
@@ -243,16 +230,13 @@ impl StatedErrorCheck {
             let rank = (q * ratios.len() as f64).ceil() as usize;
             ratios.get(rank.max(1) - 1).copied().unwrap_or(0.0)
         };
-        let missed: Vec<&StatedValue> = values.iter().filter(|case| case.is_missed()).collect();
-        let mut points: Vec<usize> = missed.iter().map(|case| case.point).collect();
-        points.sort_unstable();
-        points.dedup();
+        let missed: Vec<&StatedValue> = values.iter().filter(|case| case.off > TIMES * case.stated).collect();
         StatedErrorCheck {
             within: share(values.iter().filter(|case| case.off <= case.stated).count()),
             within_twice: share(values.len() - missed.len()),
             median_ratio: quantile(0.5),
             ratio_95: quantile(REQUIRED_SHARE),
-            points_missed: points.len(),
+            points_missed: missed.iter().map(|case| case.point).collect::<BTreeSet<_>>().len(),
         }
     }
 

@@ -103,15 +103,10 @@ fn add(row: &mut Section, word: &'static str, question: &LifeQuestion<'_>, units
     let by = |row: &mut Section| {
         let column = if is_observation { "value" } else { "mode" };
         let mode = row.text_or(column, "a limit state", "").filter(|mode| !mode.is_empty());
-        match (mode, question.known) {
-            (Some(mode), Some(known)) => {
-                let known = known.iter().map(String::as_str);
-                row.reference(column, "limit state", mode, known);
-            }
-            (None, _) if question.mode.is_some() => {
-                row.inconsistent(column, "by which limit state it failed is needed with --mode");
-            }
-            _ => {}
+        if let (Some(mode), Some(known)) = (mode, question.known) {
+            row.reference(column, "limit state", mode, known.iter().map(String::as_str));
+        } else if mode.is_none() && question.mode.is_some() {
+            row.inconsistent(column, "by which limit state it failed is needed with --mode");
         }
         mode.map(str::to_owned)
     };

@@ -49,38 +49,22 @@ impl CampaignFile {
         Ok(())
     }
 
-    /// The legs of the campaign, the first one included; a file that has never been opened for writing since legs were
-    /// introduced has none.
+    /// The legs of the campaign, the first one included.
     ///
     /// # Errors
     /// [`StoreError`].
     pub fn legs(&self) -> Result<Vec<Leg>, StoreError> {
-        let rows: Vec<(Leg, String)> = self.query(|connection| {
-            let known = "SELECT count(*) > 0 FROM sqlite_schema WHERE name = 'leg'";
-            if !connection.query_row(known, [], |row| row.get::<_, bool>(0))? {
-                return Ok(vec![]);
-            }
-            let sql =
-                "SELECT number, started_at, evaluations, settings, command, version FROM leg ORDER BY number";
-            let mut statement = connection.prepare(sql)?;
-            let rows = statement.query_map([], |row| {
-                let leg = Leg {
-                    number: row.get(0)?,
-                    started_at: row.get(1)?,
-                    evaluations: row.get::<_, i64>(2)?.unsigned_abs() as usize,
-                    settings: Value::Null,
-                    command: row.get(4)?,
-                    version: row.get(5)?,
-                };
-                Ok((leg, row.get(3)?))
-            })?;
-            rows.collect()
-        })?;
-        let with_settings = |(leg, settings): (Leg, String)| {
+        type Columns = (u32, String, i64, String, String, String);
+        let sql =
+            "SELECT number, started_at, evaluations, settings, command, version FROM leg ORDER BY number";
+        let rows: Vec<Columns> =
+            self.query(|connection| connection.prepare(sql)?.query_map([], |row| row.try_into())?.collect())?;
+        let leg = |(number, started_at, evaluations, settings, command, version): Columns| {
             let settings = serde_json::from_str(&settings).map_err(|error| self.encoding("leg", error))?;
-            Ok(Leg { settings, ..leg })
+            let evaluations = evaluations.unsigned_abs() as usize;
+            Ok(Leg { number, started_at, evaluations, settings, command, version })
         };
-        rows.into_iter().map(with_settings).collect()
+        rows.into_iter().map(leg).collect()
     }
 
     /// Removes the failed evaluations of a study in which none has succeeded: its cause may be gone, and there is nothing
@@ -109,11 +93,10 @@ impl CampaignFile {
     pub(super) fn set_aside_from(&mut self, requests: i64) -> Result<(), StoreError> {
         self.query(|connection| {
             let transaction = begin_renumbering(connection)?;
-            let sql = "SELECT id FROM evaluation WHERE id >= ?1";
-            let unused: Vec<i64> = transaction
-                .prepare(sql)?
-                .query_map([requests], |row| row.get(0))?
-                .collect::<Result<_, _>>()?;
+            let unused: Vec<i64> = {
+                let mut statement = transaction.prepare("SELECT id FROM evaluation WHERE id >= ?1")?;
+                statement.query_map([requests], |row| row.get(0))?.collect::<Result<_, _>>()?
+            };
             for id in unused {
                 renumber(&transaction, id, free_number(&transaction)?)?;
             }
