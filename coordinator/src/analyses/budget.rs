@@ -64,13 +64,8 @@ pub enum BudgetError {
     #[error("no accuracy keeps the stated error below {0}")]
     OutOfReach(String),
     /// No setting gives a result.
-    #[error("no accuracy gives a result at every point; with {setting}: {failure}")]
-    Failed {
-        /// Name of the last setting.
-        setting: String,
-        /// Failure of the simulation.
-        failure: SimulationFailure,
-    },
+    #[error("no accuracy gives a result at every point; with {0}: {1}")]
+    Failed(String, SimulationFailure),
     /// The scene has no output.
     #[error("an error budget needs an output; this scene has none")]
     NothingToHold,
@@ -130,14 +125,11 @@ fn least_remainder(from: &Accuracy, to: &Accuracy) -> f64 {
         return 0.0;
     }
     let square = |a: f64, b: f64| (b / a) * (b / a);
-    [
-        to.step_tolerance / from.step_tolerance,
-        square(f64::from(from.cycle_jump), f64::from(to.cycle_jump)),
-        square(to.wear_samples as f64, from.wear_samples as f64),
-        to.wear_tolerance / from.wear_tolerance,
-    ]
-    .into_iter()
-    .fold(1.0, f64::min)
+    let steps = to.step_tolerance / from.step_tolerance;
+    let jumps = square(f64::from(from.cycle_jump), f64::from(to.cycle_jump));
+    let samples = square(to.wear_samples as f64, from.wear_samples as f64);
+    let wear = to.wear_tolerance / from.wear_tolerance;
+    [steps, jumps, samples, wear].into_iter().fold(1.0, f64::min)
 }
 
 /// Tries a setting at the nominal point and, if it keeps the budget there, at the other points.
@@ -157,14 +149,13 @@ fn attempt(
         let (outcomes, end) = evaluator.outcomes(&requests, &mut |_| ());
         end?;
         for finished in outcomes.into_iter().flatten() {
-            match finished.outcome {
-                Ok(evaluation) => {
-                    for found in shares(scene, &evaluation) {
-                        worst = if found.error > worst.error { found } else { worst };
-                    }
-                }
+            let found = match finished.outcome {
+                Ok(evaluation) => shares(scene, &evaluation),
                 Err(failure) => return Ok(TriedSetting { setting, worst: Err(failure) }),
-            }
+            };
+            worst = found
+                .into_iter()
+                .fold(worst, |worst, next| if next.error > worst.error { next } else { worst });
         }
         if worst.error > budget {
             break;
@@ -215,9 +206,7 @@ fn refusal(budget: f64, attempts: Vec<TriedSetting>) -> BudgetError {
         ));
     }
     match attempts.into_iter().next_back() {
-        Some(TriedSetting { setting, worst: Err(failure), .. }) => {
-            BudgetError::Failed { setting: setting.name, failure }
-        }
+        Some(TriedSetting { setting, worst: Err(failure) }) => BudgetError::Failed(setting.name, failure),
         _ => BudgetError::NothingToHold,
     }
 }

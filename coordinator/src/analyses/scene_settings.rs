@@ -44,14 +44,11 @@ pub fn redistributed(source: &SceneSource, settings: &[String]) -> Result<SceneS
 /// # Errors
 /// Keys that lead nowhere, or the faults of the changed scene.
 pub fn with_keys(source: &SceneSource, origin: &str, keys: &Table) -> Result<SceneSource, Faults> {
+    let what = "the scene has no such key; allowed: the path of a key, e.g. joints.crank.contact_law, with * for all rows";
     let mut faults: Vec<Fault> = Vec::new();
     let changed = source.edited(origin, |document| {
-        for (key, value) in keys {
-            let parts: Vec<&str> = key.split('.').collect();
-            if insert(document, &parts, value.clone()).is_none() {
-                faults.push(Fault::new(origin, key, "the scene has no such key; allowed: the path of a key, e.g. joints.crank.contact_law, with * for all rows"));
-            }
-        }
+        let refused = keys.iter().filter(|(key, value)| insert(document, key, value).is_none());
+        faults.extend(refused.map(|(key, _)| Fault::new(origin, key, what)));
     });
     if faults.is_empty() { changed } else { Err(Faults(faults)) }
 }
@@ -110,11 +107,9 @@ fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Fau
             match place {
                 Place::Variable(..) => {}
                 Place::Quantity(key) | Place::Threshold(key) => {
-                    let parts: Vec<&str> = key.split('.').collect();
-                    if insert(document, &parts, value.clone()).is_none() {
-                        let what = "this key cannot be set; write a scene that `extends` this one";
-                        faults.push(Fault::new("--set", key, what));
-                    }
+                    let what = "this key cannot be set; write a scene that `extends` this one";
+                    let found = insert(document, key, value);
+                    faults.extend(found.is_none().then(|| Fault::new("--set", key, what)));
                 }
                 Place::Correlation(pair) => {
                     let names = pair.map(|k| source.variables()[k].name.as_str());
@@ -159,41 +154,38 @@ pub fn variable_row(name: &str, keys: &[String], law: &[(&str, Value)]) -> Table
 
 /// Writes a value at the path of a key: keys of tables, names of rows, and numbers or coordinates of entries. `None` if the
 /// path leads nowhere.
-fn insert(table: &mut Table, path: &[&str], value: Value) -> Option<()> {
-    let (first, rest) = path.split_first()?;
+fn insert(table: &mut Table, path: &str, value: &Value) -> Option<()> {
     // What a file gave is another value then.
     table.remove("source");
-    if rest.is_empty() {
-        table.insert((*first).to_owned(), value);
-        return Some(());
+    if let Some((first, rest)) = path.split_once('.') {
+        return insert_below(table.get_mut(first)?, rest, value);
     }
-    insert_below(table.get_mut(*first)?, rest, value)
+    table.insert(path.to_owned(), value.clone());
+    Some(())
 }
 
-fn insert_below(below: &mut Value, path: &[&str], value: Value) -> Option<()> {
-    match below {
-        Value::Table(table) => insert(table, path, value),
-        Value::Array(rows) => {
-            let (first, rest) = path.split_first()?;
-            if *first == "*" && !rest.is_empty() {
-                let of_all = rows.iter_mut().map(|row| insert_below(row, rest, value.clone()));
-                return of_all.collect::<Option<Vec<()>>>().filter(|all| !all.is_empty()).map(drop);
-            }
-            let has_name = |row: &Value| row.get("name").and_then(Value::as_str) == Some(first);
-            let place = rows.iter().position(has_name).or_else(|| match *first {
-                "x" => Some(0),
-                "y" => Some(1),
-                number => number.parse::<usize>().ok()?.checked_sub(1),
-            })?;
-            let row = rows.get_mut(place)?;
-            if !rest.is_empty() {
-                return insert_below(row, rest, value);
-            }
-            *row = value;
-            Some(())
-        }
-        _ => None,
+fn insert_below(below: &mut Value, path: &str, value: &Value) -> Option<()> {
+    let rows = match below {
+        Value::Table(table) => return insert(table, path, value),
+        below => below.as_array_mut()?,
+    };
+    let (first, rest) = path.split_once('.').map_or((path, None), |(first, rest)| (first, Some(rest)));
+    if let ("*", Some(rest)) = (first, rest) {
+        let of_all = rows.iter_mut().map(|row| insert_below(row, rest, value));
+        return of_all.collect::<Option<Vec<()>>>().filter(|all| !all.is_empty()).map(drop);
     }
+    let has_name = |row: &Value| row.get("name").and_then(Value::as_str) == Some(first);
+    let place = rows.iter().position(has_name).or_else(|| match first {
+        "x" => Some(0),
+        "y" => Some(1),
+        number => number.parse::<usize>().ok()?.checked_sub(1),
+    })?;
+    let row = rows.get_mut(place)?;
+    if let Some(rest) = rest {
+        return insert_below(row, rest, value);
+    }
+    row.clone_from(value);
+    Some(())
 }
 
 /// Writes the changed keys of a variable into its row, without those that they exclude.

@@ -78,7 +78,7 @@ pub fn calibrate(
         let fit = problem.fit(&starts(space));
         if round == settings.rounds {
             let counts = (requested, requested - simulated.len());
-            return Ok(result(space, targets, &responses, &problem, &fit, counts));
+            return Ok(result(&responses, &problem, &fit, counts));
         }
         let around = |(k, best): (usize, &f64)| {
             let half = (WINDOW * fit.uncertainty(k)).max(SMALLEST_WINDOW);
@@ -139,8 +139,7 @@ fn simulate(
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<Vec<CalibrationPoint>, EvaluateError> {
     let all = (first_id..).zip(&points);
-    let requests: Vec<Request> =
-        all.map(|(id, point)| Request::at(id, point.sample.clone(), accuracy)).collect();
+    let requests: Vec<_> = all.map(|(id, point)| Request::at(id, point.sample.clone(), accuracy)).collect();
     let mut done = 0;
     let (outcomes, end) = evaluator.outcomes(&requests, &mut |_| {
         done += 1;

@@ -145,8 +145,8 @@ impl<R: Fn(&[f64]) -> Vec<f64>> LeastSquares<R> {
         let column = |k: usize| {
             let ends = [(places[k] - DIFFERENCE).max(0.0), (places[k] + DIFFERENCE).min(1.0)];
             let [a, b] = ends.map(|end| {
-                let moved: Vec<f64> =
-                    (0..places.len()).map(|i| if i == k { end } else { places[i] }).collect();
+                let mut moved = places.to_vec();
+                moved[k] = end;
                 (self.residuals)(&moved)
             });
             a.iter().zip(b).map(|(a, b)| (b - a) / (ends[1] - ends[0])).collect::<Vec<f64>>()

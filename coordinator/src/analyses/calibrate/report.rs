@@ -2,7 +2,7 @@
 
 use super::least_squares::{Fit, LeastSquares};
 use super::responses::ResponseSurrogates;
-use super::space::{FreeParameter, Space};
+use super::space::FreeParameter;
 use super::targets::Target;
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::significant;
@@ -96,32 +96,27 @@ pub struct CalibrationResult {
 
 /// The result of the last round, with the numbers of all simulations and of those without a result.
 pub(super) fn result<R: Fn(&[f64]) -> Vec<f64>>(
-    space: &Space,
-    targets: &[Target],
     responses: &ResponseSurrogates<'_>,
     problem: &LeastSquares<R>,
     fit: &Fit,
     (simulations, failed): (usize, usize),
 ) -> CalibrationResult {
+    let ResponseSurrogates { space, targets, .. } = responses;
     let best = fit.best.as_slice();
     let residuals = (problem.residuals)(best);
     let chi_squared: f64 = residuals.iter().map(|r| r * r).sum();
     let freedom = targets.len().saturating_sub(best.len());
     let scale = if freedom > 0 { (chi_squared / freedom as f64).max(1.0).sqrt() } else { 1.0 };
     let values = space.parameters(best);
-    let parameter = |(k, free): (usize, &FreeParameter)| {
-        let width = free.upper - free.lower;
-        let std = fit.uncertainty(k);
-        FittedParameter {
-            name: free.name.clone(),
-            value: values[k],
-            uncertainty: (scale * std).min(1.0) * width,
-            unit: free.unit.clone(),
-            lower: free.lower,
-            upper: free.upper,
-            on_bound: best[k] < ON_BOUND || best[k] > 1.0 - ON_BOUND,
-            determined: std < OPEN / 12.0_f64.sqrt(),
-        }
+    let parameter = |(k, free): (usize, &FreeParameter)| FittedParameter {
+        name: free.name.clone(),
+        value: values[k],
+        uncertainty: (scale * fit.uncertainty(k)).min(1.0) * (free.upper - free.lower),
+        unit: free.unit.clone(),
+        lower: free.lower,
+        upper: free.upper,
+        on_bound: best[k] < ON_BOUND || best[k] > 1.0 - ON_BOUND,
+        determined: fit.uncertainty(k) < OPEN / 12.0_f64.sqrt(),
     };
     let p = best.len();
     let target = |(target, residual): (&Target, &f64)| FittedTarget {
@@ -170,10 +165,8 @@ fn conflicts<R: Fn(&[f64]) -> Vec<f64>>(
 /// The result for the scene of this name with its tables.
 pub fn answer(found: &CalibrationResult, scene: &str) -> Answer {
     let CalibrationResult { simulations, failed, parameters, chi_squared, .. } = found;
-    let all = found.targets.len();
-    let counts = format!(
-        "{simulations} simulations, {failed} of them failed; chi squared {chi_squared:.2} for {all} targets."
-    );
+    let (all, sum) = (found.targets.len(), format!("chi squared {chi_squared:.2}"));
+    let counts = format!("{simulations} simulations, {failed} of them failed; {sum} for {all} targets.");
     let caution = "Free parameters: fitted to the targets below, so results that follow from them alone are not predictions.";
     let heading = "Correlations of the parameters' uncertainties";
     let correlations = (parameters.len() > 1).then(|| AnswerPart::Notes(heading, correlations(found)));

@@ -48,8 +48,8 @@ pub(super) struct CalibrationPoint {
 
 /// Surrogates of the responses of all targets.
 pub(super) struct ResponseSurrogates<'a> {
-    space: &'a Space,
-    targets: &'a [Target],
+    pub space: &'a Space,
+    pub targets: &'a [Target],
     surrogates: BTreeMap<Group, GroupSurrogate>,
     /// Standardised variables `(POPULATION)(d,)`.
     population: Population,

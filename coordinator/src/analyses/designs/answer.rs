@@ -123,10 +123,16 @@ pub fn refine(
     let mut candidates: Vec<_> = designs.iter().map(candidate).collect::<Result<_, AnalysisError>>()?;
     loop {
         // Those that are above the target; all of them once none of these is left.
-        assess(study, &mut candidates, &outcomes, target)?;
-        if candidates.iter().all(|candidate| candidate.error <= target) {
+        for _ in 0..2 {
+            let mut first = None;
+            for candidate in candidates.iter_mut().filter(|candidate| candidate.error > target) {
+                let learned = study.assess(&candidate.scene, &outcomes, &mut first)?;
+                candidate.error = learned.assessment.errors.largest();
+            }
+            if candidates.iter().any(|candidate| candidate.error > target) {
+                break;
+            }
             candidates.iter_mut().for_each(|candidate| candidate.error = f64::INFINITY);
-            assess(study, &mut candidates, &outcomes, target)?;
         }
         let largest = candidates.iter().map(|candidate| candidate.error).fold(0.0, f64::max);
         let added = outcomes.len() - before;
@@ -148,19 +154,4 @@ pub fn refine(
         candidates[worst].is_exhausted = known.len() == outcomes.len();
         outcomes = known;
     }
-}
-
-/// Assesses the candidates above the target.
-fn assess(
-    study: &DesignStudy<'_>,
-    candidates: &mut [RefinedDesign],
-    outcomes: &[StoredOutcome],
-    target: f64,
-) -> Result<(), AnalysisError> {
-    let mut first = None;
-    for candidate in candidates.iter_mut().filter(|candidate| candidate.error > target) {
-        let learned = study.assess(&candidate.scene, outcomes, &mut first)?;
-        candidate.error = learned.assessment.errors.largest();
-    }
-    Ok(())
 }

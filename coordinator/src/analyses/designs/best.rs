@@ -74,19 +74,19 @@ impl Best {
     /// The best of the answers; `None` if the objective of none is known.
     pub fn among(answers: &[DesignAnswer], objective: Objective) -> Option<Self> {
         let values: Vec<Option<(f64, bool)>> = answers.iter().map(|answer| objective.value(answer)).collect();
-        let known = values.iter().enumerate().filter_map(|(i, value)| Some((i, (*value)?)));
+        let known =
+            values.iter().enumerate().filter_map(|(i, value)| value.map(|(value, is)| (i, value, is)));
         // The first of equal ones.
-        let (index, (value, is_bound)) =
-            known.reduce(|best, next| if next.1.0 > best.1.0 { next } else { best })?;
-        let is_equal = |i: &usize| {
-            *i == index
-                || match values[*i] {
-                    Some((_, true)) => is_bound,
-                    Some((_, false)) if !is_bound => objective
-                        .change(&answers[index], &answers[*i])
-                        .is_some_and(|change| change.upper.is_none_or(|upper| upper >= 0.0)),
-                    _ => false,
-                }
+        let (index, value, is_bound) =
+            known.reduce(|best, next| if next.1 > best.1 { next } else { best })?;
+        let is_equal = |i: &usize| match values[*i] {
+            _ if *i == index => true,
+            Some((_, true)) => is_bound,
+            Some((_, false)) if !is_bound => {
+                let change = objective.change(&answers[index], &answers[*i]);
+                change.is_some_and(|change| change.upper.is_none_or(|upper| upper >= 0.0))
+            }
+            _ => false,
         };
         let equal = (0..answers.len()).filter(is_equal).collect();
         Some(Self { objective, index, value, is_bound, equal })

@@ -93,13 +93,9 @@ pub fn values_of(
     kinds.extend(variables.filter(|(_, v)| !designs.contains(&v.index)).map(|(place, v)| {
         (format!("{UNITS} measured values of {}", scene.variables[v.index].name), Kind::Values(place))
     }));
-    let narrowing = |kind: &Kind| -> Vec<f64> {
-        let one = |number: u32| {
-            let mut rng = open_stream(settings.units.seed, Stream::Parameters(1000 + number));
-            let weights = source.weights_after(kind, &before, &mut rng);
-            1.0 - width(&weights) / now
-        };
-        (0..DATA_SETS).into_par_iter().map(one).collect()
+    let narrowing = |kind: &Kind, number: u32| {
+        let mut rng = open_stream(settings.units.seed, Stream::Parameters(1000 + number));
+        1.0 - width(&source.weights_after(kind, &before, &mut rng)) / now
     };
     let cost = |kind: &Kind| {
         let of = match *kind {
@@ -110,7 +106,7 @@ pub fn values_of(
         data.prices.iter().find(|(priced, _)| *priced == of).map(|(_, price)| UNITS as f64 * price)
     };
     let value = |(data, kind): (String, Kind)| {
-        let all = narrowing(&kind);
+        let all: Vec<f64> = (0..DATA_SETS).into_par_iter().map(|number| narrowing(&kind, number)).collect();
         let n = all.len() as f64;
         let mean = all.iter().sum::<f64>() / n;
         let variance = all.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
@@ -118,8 +114,7 @@ pub fn values_of(
     };
     let mut values: Vec<DataValue> = kinds.into_iter().map(value).collect();
     let rank = |value: &DataValue| value.narrowing / value.cost.unwrap_or(1.0);
-    let is_priced = |value: &DataValue| value.cost.is_some();
-    values.sort_by(|a, b| is_priced(b).cmp(&is_priced(a)).then(rank(b).total_cmp(&rank(a))));
+    values.sort_by(|a, b| b.cost.is_some().cmp(&a.cost.is_some()).then(rank(b).total_cmp(&rank(a))));
     values
 }
 
@@ -136,11 +131,11 @@ fn stated_error(units: &[ObservedUnit], output: usize) -> Option<f64> {
 /// Index chosen with probabilities in proportion to `weights`.
 fn choose(weights: &[f64], rng: &mut impl Rng) -> usize {
     let mut left = rng.random::<f64>() * weights.iter().sum::<f64>();
-    let found = weights.iter().position(|w| {
+    let passes = |w: &f64| {
         left -= w;
         left < 0.0
-    });
-    found.unwrap_or(weights.len() - 1)
+    };
+    weights.iter().position(passes).unwrap_or(weights.len() - 1)
 }
 
 impl DataSource<'_> {

@@ -155,8 +155,7 @@ fn pass_of(
     let count = settings.units.population;
     let population = WeightedPopulation::new(model, &indices, outputs_of(units), count, settings.units.seed);
     let width = model.inputs().dimension() + model.deviations();
-    let update =
-        |(number, unit): (usize, &ObservedUnit)| posterior(&population.prior, unit, number, &settings.units);
+    let update = |(number, unit)| posterior(&population.prior, unit, number, &settings.units);
     let updated: Vec<Result<UnitPosterior, Unsupported>> = units.par_iter().enumerate().map(update).collect();
     let points = population.points.clone();
     let mut sets = vec![UnitPoints { units: vec![], weights: vec![], points, is_population: true }];
@@ -241,8 +240,8 @@ pub fn weights_without(particles: &Particles, units: usize) -> Vec<Vec<f64>> {
         let log = |t: usize| particles.weights[t].ln() - particles.predictions.value(t, i).0;
         let logs: Vec<f64> = (0..particles.len()).map(log).collect();
         let largest = logs.iter().copied().filter(|l| l.is_finite()).fold(f64::NEG_INFINITY, f64::max);
-        let weights: Vec<f64> =
-            logs.iter().map(|l| if l.is_finite() { (l - largest).exp() } else { 0.0 }).collect();
+        let weight = |l: &f64| if l.is_finite() { (l - largest).exp() } else { 0.0 };
+        let weights: Vec<f64> = logs.iter().map(weight).collect();
         let sum: f64 = weights.iter().sum();
         weights.into_iter().map(|w| w / sum).collect()
     };
@@ -263,9 +262,8 @@ pub fn check(
     let weights = weights.iter().map(|w| w / sum).collect();
     let particles = Particles { dimension: 1, states: vec![], predictions, weights };
     let resolution = (3.0 / particles.effective_size()).min(1.0);
-    let row =
-        |(e, o): (&Evidence, &Observation)| ObservationRow::new(o, e.probability(&particles), resolution);
-    let rows: Vec<ObservationRow> = evidence.iter().zip(&unit.observations).map(row).collect();
+    let rows = evidence.iter().map(|e| e.probability(&particles)).zip(&unit.observations);
+    let rows: Vec<_> = rows.map(|(probability, o)| ObservationRow::new(o, probability, resolution)).collect();
     warning(&rows).map(|warning| LearnedUnit { unit: unit.name.clone(), warning })
 }
 

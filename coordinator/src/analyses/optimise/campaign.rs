@@ -48,12 +48,12 @@ pub(super) struct TargetCampaign<'a> {
 impl<'a> TargetCampaign<'a> {
     /// The part of `study` that the targets of `problem` need.
     pub fn new(study: &'a StudyBasis, problem: &DesignProblem) -> Self {
-        let all = 0..study.problem.modes.len();
+        let targets = problem.targets.iter();
         let named = |mode: &usize| {
-            problem.targets.iter().any(|target| target.limit_state.is_none_or(|named| named == *mode))
+            targets.clone().any(|target| target.limit_state.is_none_or(|named| named == *mode))
         };
-        let modes: Vec<usize> = all.filter(named).collect();
-        let checkpoints: BTreeSet<usize> = problem.targets.iter().map(|target| target.checkpoint).collect();
+        let modes: Vec<usize> = (0..study.problem.modes.len()).filter(named).collect();
+        let checkpoints: BTreeSet<usize> = targets.clone().map(|target| target.checkpoint).collect();
         let checkpoints = checkpoints.into_iter().collect();
         let mut made = Self { study, modes, checkpoints, outcomes: vec![] };
         let reduced = |(sample, outcome): &(Vec<f64>, ObservedOutcome)| {
@@ -117,12 +117,8 @@ impl<'a> TargetCampaign<'a> {
         } else {
             (of_study, default.error, COV)
         };
-        let settings = Settings {
-            samples,
-            max_evaluations: self.outcomes.len() + count,
-            larger_populations: vec![],
-            ..study.settings.clone()
-        };
+        let (max_evaluations, larger_populations) = (self.outcomes.len() + count, vec![]);
+        let settings = Settings { samples, max_evaluations, larger_populations, ..study.settings.clone() };
         let plan = Plan {
             targets: StoppingTargets { error, relative_error: RELATIVE_ERROR, cov, ..default },
             largest_population: if resolved { samples } else { LARGEST_POPULATION },

@@ -81,11 +81,8 @@ impl DesignQuantity {
     /// The place y of a value [SI], within [0, 1].
     pub fn place(&self, value: f64) -> f64 {
         let Self { lower, upper, .. } = self;
-        let y = if self.kind.is_spread() {
-            (value / lower).ln() / (upper / lower).ln()
-        } else {
-            (value - lower) / (upper - lower)
-        };
+        let linear = (value - lower) / (upper - lower);
+        let y = if self.kind.is_spread() { (value / lower).ln() / (upper / lower).ln() } else { linear };
         if y.is_finite() { y.clamp(0.0, 1.0) } else { 0.0 }
     }
 
@@ -152,8 +149,8 @@ impl DesignProblem {
     /// # Errors
     /// [`LawError`] of the first distribution that does not exist.
     pub fn variables(&self, inputs: &InputModel, values: &[f64]) -> Result<Vec<Distribution>, LawError> {
-        let mut moments: Vec<(f64, f64)> =
-            inputs.variables().iter().map(|law| (law.parent_mean(), law.given_std())).collect();
+        let moments = inputs.variables().iter().map(|law| (law.parent_mean(), law.given_std()));
+        let mut moments: Vec<(f64, f64)> = moments.collect();
         let mut changed = vec![false; moments.len()];
         for follower in self.designs.iter().flat_map(|designs| &designs.followers) {
             let Some(value) = self.value_of(follower.leader, values) else { continue };
@@ -165,10 +162,11 @@ impl DesignProblem {
         for (quantity, value) in self.quantities.iter().zip(values) {
             for k in &quantity.variables {
                 changed[*k] = true;
+                let (mean, std) = &mut moments[*k];
                 match quantity.kind {
-                    QuantityKind::Mean => moments[*k].0 = *value,
-                    QuantityKind::Std => moments[*k].1 = *value,
-                    QuantityKind::Tolerance { capability } => moments[*k].1 = value / (6.0 * capability),
+                    QuantityKind::Mean => *mean = *value,
+                    QuantityKind::Std => *std = *value,
+                    QuantityKind::Tolerance { capability } => *std = value / (6.0 * capability),
                 }
             }
         }

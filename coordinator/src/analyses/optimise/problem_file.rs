@@ -1,6 +1,7 @@
 //! Reader of the file of an optimisation problem, TOML; every fault is reported at once.
 
 use super::problem::{DesignProblem, DesignQuantity, Grade, QuantityKind, ReliabilityTarget, StudiedDesigns};
+use super::problem_costs;
 use crate::analyses::designs::{DesignSpace, DesignVariable};
 use crate::analyses::quantity::{ShownUnit, checkpoint, limit_state};
 use crate::statistics::design::{InputModel, fixed_bounds};
@@ -37,9 +38,8 @@ pub fn read(
         });
         let quantities: Vec<_> = rows[0].iter_mut().map(|row| reader.quantity(row)).collect();
         let targets = rows[1].iter_mut().filter_map(|row| reader.target(row)).collect();
-        for (place, quantity) in
-            quantities.iter().enumerate().filter_map(|(k, found)| Some((k, found.as_ref()?)))
-        {
+        for (place, quantity) in quantities.iter().enumerate() {
+            let Some(quantity) = quantity else { continue };
             let is_same = |other: &&DesignQuantity| {
                 other.kind.is_spread() == quantity.kind.is_spread()
                     && other.variables.iter().any(|k| quantity.variables.contains(k))
@@ -53,10 +53,8 @@ pub fn read(
         DesignProblem { quantities, targets, fixed_bounds: fixed_bounds(source), designs: None }
     })?;
     file.refuse_for(reader.impossible_bounds(&problem))?;
-    match designs {
-        Some((space, studied)) => for_designs(problem, space, studied, file),
-        None => Ok(problem),
-    }
+    let Some((space, studied)) = designs else { return Ok(problem) };
+    for_designs(problem, space, studied, file)
 }
 
 /// The problem, read for the present design of a study with the design variables of `space` and the `augmented` scene.
@@ -107,8 +105,7 @@ impl ProblemReader<'_> {
     fn quantity(&self, row: &mut Section) -> Option<DesignQuantity> {
         let expected = "VARIABLE.mean, VARIABLE.std or VARIABLE.tolerance, or a list of them";
         let changes = row.text_or_texts("change", expected).unwrap_or_default();
-        let found: Vec<(usize, &str)> =
-            changes.iter().filter_map(|change| self.variable_of(row, change)).collect();
+        let found: Vec<_> = changes.iter().filter_map(|change| self.variable_of(row, change)).collect();
         let word = found.first().map(|(_, word)| *word);
         if found.iter().any(|(_, other)| Some(*other) != word) {
             row.inconsistent("change", "one quantity changes means, standard deviations or tolerances, not several of them; give each its own [[quantities]]");
@@ -125,9 +122,9 @@ impl ProblemReader<'_> {
         let variables: Vec<usize> = found.iter().map(|(k, _)| *k).collect();
         let unit = variables.first().map(|k| self.unit_of(*k));
         self.check_equal(row, &variables, kind);
-        let grades = super::problem_costs::grades(row, word, unit.as_ref());
+        let grades = problem_costs::grades(row, word, unit.as_ref());
         let (lower, upper) = self.bounds(row, variables.first().copied(), kind, &grades);
-        let cost = super::problem_costs::cost(row, unit.as_ref(), &grades);
+        let cost = problem_costs::cost(row, unit.as_ref(), &grades);
         row.finish();
         let ((cost, cost_unit), unit) = (cost?, unit?);
         let name = changes.join(", ");
@@ -148,19 +145,18 @@ impl ProblemReader<'_> {
             return None;
         };
         let k = row.meant("change", "random variable", name, variables);
-        let Some(word) = PARAMETERS.into_iter().find(|known| *known == word) else {
+        let known = PARAMETERS.into_iter().find(|known| *known == word);
+        if known.is_none() {
             row.fault("change", FaultKind::unknown_word(word, PARAMETERS.into_iter()));
-            return None;
-        };
-        let k = k?;
+        }
+        let (word, k) = (known?, k?);
         let law = &self.scene.variables[k].distribution;
         if word != "mean" && law.is_constant() {
             row.inconsistent("change", format!("{change:?}: a constant has no spread"));
         }
         if matches!(law, Distribution::Triangular(_)) {
-            let what =
-                "a triangular variable is given by its bounds and its mode, which an optimum does not change";
-            row.inconsistent("change", format!("{change:?}: {what}"));
+            let what = "is given by its bounds and its mode, which an optimum does not change";
+            row.inconsistent("change", format!("{change:?}: a triangular variable {what}"));
         }
         Some((k, word))
     }

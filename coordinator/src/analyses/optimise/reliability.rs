@@ -13,7 +13,7 @@
 //! Where no failure, or nothing else, is found along the lines, beta is that of the tangent plane at v = 0 (mean value
 //! first-order), which leads a search back.
 
-use super::problem::DesignProblem;
+use super::problem::{DesignProblem, DesignQuantity};
 use crate::statistics::design::InputModel;
 use crate::statistics::optimisation::Program;
 use crate::statistics::reliability::{LineEstimate, LineSampling};
@@ -273,13 +273,10 @@ impl Program for FreeDesign<'_> {
         let y = self.all(free);
         let part = |k: usize| {
             let quantity = &problem.quantities[k];
+            let DesignQuantity { lower, upper, .. } = quantity;
             let at = quantity.value(y[k]);
             let (cost, slope) = quantity.cost_at(at);
-            let by_y = if quantity.kind.is_spread() {
-                at * (quantity.upper / quantity.lower).ln()
-            } else {
-                quantity.upper - quantity.lower
-            };
+            let by_y = if quantity.kind.is_spread() { at * (upper / lower).ln() } else { upper - lower };
             (cost / cost_scale, slope * by_y / cost_scale)
         };
         let cost = (0..y.len()).map(|k| part(k).0).sum();

@@ -1,6 +1,8 @@
 //! The result of an optimisation with its tables, sentences and figures.
 
-use super::result::{FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, TargetState};
+use super::result::{
+    FrontPoint, Grades, OptimisationResult, OptimisedQuantity, OptimisedTarget, TargetState,
+};
 use crate::presentation::report::format::{percent, shortest, significant};
 use crate::presentation::report::{
     Answer, AnswerPart, Axis, ComparedStudy, Figure, Ink, Plot, Scale, Series, Shape, Table,
@@ -103,14 +105,9 @@ fn states(result: &OptimisationResult) -> String {
     if said.is_empty() && within.is_empty() && missed.is_empty() {
         said.push("Every target is met by the whole interval of its reliability.".to_owned());
     }
-    if !missed.is_empty() {
-        said.push(format!("Not met: {missed}."));
-    }
-    if !within.is_empty() {
-        said.push(format!(
-            "Met within the stated errors only, since the optimum lies on its target and the interval on both sides of it: {within}."
-        ));
-    }
+    let why = "since the optimum lies on its target and the interval on both sides of it";
+    said.extend((!missed.is_empty()).then(|| format!("Not met: {missed}.")));
+    said.extend((!within.is_empty()).then(|| format!("Met within the stated errors only, {why}: {within}.")));
     said.join(" ")
 }
 
@@ -186,17 +183,13 @@ fn notes(result: &OptimisationResult) -> Vec<String> {
          that the surrogates classify at the optimum, without numerical errors."
             .to_owned(),
     ];
-    if let Some(grades) = result.grades {
-        let proof = if grades.proved {
-            "on the surrogates no other combination of the allowed grades is cheaper"
-        } else {
-            "not all were examined, so a cheaper one may exist"
-        };
+    if let Some(Grades { examined, proved, relaxed_cost }) = result.grades {
+        let proof = "on the surrogates no other combination of the allowed grades is cheaper";
+        let proof = if proved { proof } else { "not all were examined, so a cheaper one may exist" };
+        let cost = number(relaxed_cost);
         notes.push(format!(
-            "{} combinations of grades were examined: {proof}. If every tolerance between the grades were allowed, the cost \
-             would be {}.",
-            grades.examined,
-            number(grades.relaxed_cost)
+            "{examined} combinations of grades were examined: {proof}. If every tolerance between the grades were allowed, the cost \
+             would be {cost}."
         ));
     }
     if !result.feasible || result.is_held() {

@@ -94,8 +94,8 @@ fn finished(
 fn solve_grades(reliability: &mut DesignReliability<'_>, relaxed: Solved) -> Solved {
     let problem = reliability.problem;
     let count = reliability.constraints.len();
-    let (graded, free): (Vec<usize>, Vec<usize>) =
-        (0..relaxed.y.len()).partition(|k| !problem.quantities[*k].grades.is_empty());
+    let is_graded = |k: &usize| !problem.quantities[*k].grades.is_empty();
+    let (graded, free): (Vec<usize>, Vec<usize>) = (0..relaxed.y.len()).partition(is_graded);
     let places = |k: &usize| {
         let quantity = &problem.quantities[*k];
         quantity.grades.iter().map(|grade| quantity.place(grade.width)).collect()
@@ -114,12 +114,10 @@ fn solve_grades(reliability: &mut DesignReliability<'_>, relaxed: Solved) -> Sol
         let quantity = &problem.quantities[k];
         quantity.cost_at(quantity.value(y)).0
     };
-    let costs = allowed.iter().zip(&graded);
-    let costs: Vec<Vec<f64>> =
-        costs.map(|(options, k)| options.iter().map(|y| cost_of(*k, *y)).collect()).collect();
+    let costs_at = |(places, k): (&Vec<f64>, &usize)| places.iter().map(|y| cost_of(*k, *y)).collect();
+    let costs: Vec<Vec<f64>> = allowed.iter().zip(&graded).map(costs_at).collect();
     // A cost between bounds is least at one of 21 places, to the accuracy of a bound.
-    let cheapest =
-        |k: &usize| (0..=20).map(|i| cost_of(*k, f64::from(i) / 20.0)).fold(f64::INFINITY, f64::min);
+    let cheapest = |k: &usize| least((0..=20).map(|i| cost_of(*k, f64::from(i) / 20.0)));
     let rest = free.iter().map(cheapest).sum::<f64>();
     let most = if free.is_empty() { MOST_EXAMINED.0 } else { MOST_EXAMINED.1 };
     let known = if relaxed.feasible { relaxed.cost } else { f64::NEG_INFINITY };
@@ -129,11 +127,10 @@ fn solve_grades(reliability: &mut DesignReliability<'_>, relaxed: Solved) -> Sol
         for ((k, options), chosen) in graded.iter().zip(&allowed).zip(chosen) {
             y[*k] = options[*chosen];
         }
-        let design = FreeDesign { reliability, free: free.clone(), at: y.clone() };
         if !free.is_empty() {
             let start: Vec<f64> = free.iter().map(|k| y[*k]).collect();
-            let found = minimise(&design, count, &start);
-            y = design.all(&found.x);
+            let design = FreeDesign { reliability, free: free.clone(), at: y };
+            y = design.all(&minimise(&design, count, &start).x);
         }
         let values = reliability.targets(&y)?;
         let constraints = values.iter().zip(&reliability.constraints).map(|(v, c)| v.beta - c.beta);
@@ -145,14 +142,11 @@ fn solve_grades(reliability: &mut DesignReliability<'_>, relaxed: Solved) -> Sol
         met.then_some(cost)
     });
     let relaxed_cost = relaxed.cost;
-    let proved = search.proved && whole;
-    let grades = Some(Grades { examined: search.examined, proved, relaxed_cost });
+    let (examined, proved) = (search.examined, search.proved && whole);
+    let grades = Some(Grades { examined, proved, relaxed_cost });
     let feasible = best.is_some();
     // The narrowest grades come nearest.
-    let narrowest = |mut y: Vec<f64>| {
-        graded.iter().for_each(|k| y[*k] = 0.0);
-        y
-    };
-    let y = best.map_or_else(|| narrowest(relaxed.y), |(y, _)| y);
+    let narrowest = (0..relaxed.y.len()).map(|k| if graded.contains(&k) { 0.0 } else { relaxed.y[k] });
+    let y = best.map_or_else(|| narrowest.collect(), |(y, _)| y);
     Solved { grades, relaxed_cost, ..finished(reliability, y, relaxed.multipliers, feasible) }
 }

@@ -32,10 +32,9 @@ pub fn answer(report: &ReplacementReport, scene: &Scene) -> Answer {
 fn numbers(report: &ReplacementReport) -> Vec<Vec<String>> {
     let ReplacementReport { age, end, mean_life, gain, .. } = report;
     let life = |cycles: f64| life(cycles, *end);
-    let [at_least, at_most] =
-        ["at least ", "at most "].map(|bound| if report.mean_life_is_bound { bound } else { "" });
-    let [failures, cost] =
-        [&report.run_to_failure, &report.cost_rate].map(|rate| rate.shown(|x| format!("{x:.4e}")));
+    let (at_least, at_most) = if report.mean_life_is_bound { ("at least ", "at most ") } else { ("", "") };
+    let rates = [&report.run_to_failure, &report.cost_rate];
+    let [failures, cost] = rates.map(|rate| rate.shown(|x| format!("{x:.4e}")));
     let r = report.reliability_at_age.shown(|r| format!("{r:.4}"));
     let mut rows = Vec::new();
     let mut add = |name: &str, text: String| rows.push(vec![name.to_owned(), text]);

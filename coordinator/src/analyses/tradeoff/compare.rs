@@ -74,11 +74,9 @@ pub fn compare(
         measured.map(|(setting, points)| row(scene, setting, points, &measurement.reference)).collect();
     for k in 0..rows.len() {
         let (seconds, worst) = (rows[k].seconds, rows[k].worst());
-        let beaten = rows.iter().any(|other| {
-            !other.outputs.is_empty()
-                && other.seconds <= seconds
-                && other.worst() <= worst
-                && (other.seconds < seconds || other.worst() < worst)
+        let beaten = rows.iter().filter(|other| !other.outputs.is_empty()).any(|other| {
+            let is_better = other.seconds < seconds || other.worst() < worst;
+            other.seconds <= seconds && other.worst() <= worst && is_better
         });
         rows[k].efficient = !rows[k].outputs.is_empty() && !beaten;
     }
@@ -133,26 +131,18 @@ fn row(
 
 /// Every value of output `k`.
 fn cases(k: usize, pairs: &[ComparedPoint]) -> Vec<StatedValue> {
-    let of_point = |&ComparedPoint { point, found, reference, .. }: &ComparedPoint| {
+    let all = pairs.iter().flat_map(|&ComparedPoint { point, found, reference, .. }| {
         let values = found.histories[k].iter().zip(&reference.histories[k]).zip(&found.errors[k]);
-        let value = |((x, truth), stated): ((&f64, &f64), &f64)| StatedValue {
-            point,
-            off: (x - truth).abs(),
-            stated: *stated,
-        };
-        values.map(value).collect::<Vec<_>>()
-    };
-    pairs.iter().flat_map(of_point).collect()
+        values.map(move |((x, truth), &stated)| StatedValue { point, off: (x - truth).abs(), stated })
+    });
+    all.collect()
 }
 
 fn output_error(scene: &Scene, k: usize, pairs: &[ComparedPoint], cases: &[StatedValue]) -> OutputError {
     let limits: Vec<&LimitState> = scene.limit_states.iter().filter(|l| l.output == k).collect();
     let values = pairs.iter().flat_map(|pair| &pair.reference.histories[k]);
-    let scale = limits
-        .iter()
-        .map(|l| l.scale())
-        .reduce(f64::min)
-        .unwrap_or_else(|| values.fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs())));
+    let scale = limits.iter().map(|l| l.scale()).reduce(f64::min);
+    let scale = scale.unwrap_or_else(|| values.fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs())));
     let (mut until_limit, mut life) = (0.0_f64, None);
     for ComparedPoint { found, reference, .. } in pairs {
         let (found_history, true_history) = (&found.histories[k], &reference.histories[k]);
@@ -161,12 +151,11 @@ fn output_error(scene: &Scene, k: usize, pairs: &[ComparedPoint], cases: &[State
         let differences =
             found_history.iter().zip(true_history).take(seen).map(|(x, truth)| (x - truth).abs());
         until_limit = differences.fold(until_limit, |a, off| a.max(off / scale));
-        let crossing = |history: &[f64]| {
+        let [first, true_first] = [found_history, true_history].map(|history| {
             limits.iter().filter_map(|limit| crossing(&found.cycles, history, limit)).reduce(f64::min)
-        };
-        if let (Some(a), Some(b)) = (crossing(found_history), crossing(true_history)) {
-            life = Some(life.unwrap_or(0.0_f64).max((a - b).abs()));
-        }
+        });
+        let change = first.zip(true_first).map(|(a, b)| (a - b).abs());
+        life = change.map(|change| life.unwrap_or(0.0_f64).max(change)).or(life);
     }
     let relative = cases.iter().fold(0.0, |a: f64, case| a.max(case.off / scale));
     OutputError { relative, until_limit, life, stated: StatedErrorCheck::new(cases) }

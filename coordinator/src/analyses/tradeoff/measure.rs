@@ -74,32 +74,17 @@ pub const QUICK: [&str; 10] = [
     "jump-2000",
 ];
 
-/// Single parameters, then combinations, in addition to [`QUICK`]; a new parameter needs a word in [`NamedAccuracy`] and a line here.
-const MORE: [&str; 24] = [
-    "step-x2",
-    "step-x0.5",
-    "jump-100",
-    "jump-250",
-    "jump-500",
-    "jump-1000",
-    "wear-tolerance-5e-3",
-    "wear-tolerance-1e-2",
-    "wear-tolerance-5e-2",
-    "samples-50",
-    "samples-100",
-    "samples-400",
-    "samples-1000",
-    "warm-up-0.02",
-    "warm-up-0.2",
-    "warm-up-1",
-    "dynamic",
-    "draft+step-x2",
-    "draft+step-x0.84",
-    "draft+samples-50",
-    "draft+wear-tolerance-5e-2",
-    "step-x0.84",
-    "step-x0.71+jump-1000",
-    "step-x0.5+jump-500+wear-tolerance-5e-3",
+/// Single parameters, a row each, then combinations, in addition to [`QUICK`]; a new parameter needs a word in [`NamedAccuracy`] and a
+/// row here.
+const MORE: [&[&str]; 8] = [
+    &["step-x2", "step-x0.5"],
+    &["jump-100", "jump-250", "jump-500", "jump-1000"],
+    &["wear-tolerance-5e-3", "wear-tolerance-1e-2", "wear-tolerance-5e-2"],
+    &["samples-50", "samples-100", "samples-400", "samples-1000"],
+    &["warm-up-0.02", "warm-up-0.2", "warm-up-1"],
+    &["dynamic"],
+    &["draft+step-x2", "draft+step-x0.84", "draft+samples-50", "draft+wear-tolerance-5e-2"],
+    &["step-x0.84", "step-x0.71+jump-1000", "step-x0.5+jump-500+wear-tolerance-5e-3"],
 ];
 
 /// The settings of these names.
@@ -114,7 +99,7 @@ pub fn settings<'n>(
 
 /// Names of the whole grid.
 pub fn full() -> impl Iterator<Item = &'static str> {
-    QUICK.into_iter().chain(MORE)
+    QUICK.into_iter().chain(MORE.into_iter().flatten().copied())
 }
 
 #[cfg(test)]

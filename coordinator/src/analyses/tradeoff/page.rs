@@ -44,12 +44,6 @@ pub fn answer(
     }
 }
 
-fn shown_name(row: &SettingComparison) -> String {
-    let name = &row.setting.name;
-    let name = if row.setting.is_preset() { format!("**{name}**") } else { name.clone() };
-    if row.efficient { format!("{name} *") } else { name }
-}
-
 fn table(scene: &Scene, rows: &[&SettingComparison], reference: &SettingComparison) -> Table {
     let percent = |share: f64| format!("{:.3} %", 100.0 * share);
     let of_output = |o: &OutputError| {
@@ -59,7 +53,10 @@ fn table(scene: &Scene, rows: &[&SettingComparison], reference: &SettingComparis
     };
     let own = |row: &SettingComparison| {
         let [steps, cycles] = [row.steps, row.cycles].map(|count| format!("{count:.0}"));
-        let mut cells = vec![shown_name(row), format!("{:.3}", row.seconds), steps, cycles];
+        let stars = if row.setting.is_preset() { "**" } else { "" };
+        let star = if row.efficient { " *" } else { "" };
+        let name = format!("{stars}{}{stars}{star}", row.setting.name);
+        let mut cells = vec![name, format!("{:.3}", row.seconds), steps, cycles];
         for k in 0..scene.outputs.len() {
             let failed = || ["failed".to_owned(), String::new()];
             cells.extend(row.outputs.get(k).map_or_else(failed, of_output));
@@ -90,8 +87,8 @@ fn settings_csv(scene: &Scene, rows: &[SettingComparison]) -> String {
     let states: Vec<&str> = scene.limit_states.iter().map(|limit| limit.name.as_str()).chain(total).collect();
     let cells = |row: &SettingComparison| -> Vec<(String, String)> {
         let own = setting_cells(row).map(|(column, cell)| (column.to_owned(), cell));
-        let of = |name: &str, cells: &[Cell]| -> Vec<_> {
-            cells.iter().map(|(column, cell)| (format!("{name}_{column}"), cell.clone())).collect()
+        let of = |name: &str, cells: &[Cell]| {
+            cells.iter().map(|(column, cell)| (format!("{name}_{column}"), cell.clone())).collect::<Vec<_>>()
         };
         let outputs = scene.outputs.iter().enumerate();
         let outputs = outputs.flat_map(|(k, output)| of(&output.name, &output_cells(row.outputs.get(k))));

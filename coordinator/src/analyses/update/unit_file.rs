@@ -266,12 +266,10 @@ impl UnitReader<'_> {
         let last = self.model.end();
         let read = text.parse::<f64>().ok().filter(|n| (first..=last).contains(n));
         if read.is_none() {
-            let from = if first > 0.0 {
-                format!("{first:.0}, the first checkpoint (the value at the start of life is not known),")
-            } else {
-                "0".to_owned()
-            };
-            let allowed = format!("a number of cycles from {from} to {last:.0}, the end of the study");
+            let why = ", the first checkpoint (the value at the start of life is not known),";
+            let why = if first > 0.0 { why } else { "" };
+            let allowed =
+                format!("a number of cycles from {first:.0}{why} to {last:.0}, the end of the study");
             row.inconsistent("cycles", format!("{text:?}: allowed: {allowed}"));
         }
         read

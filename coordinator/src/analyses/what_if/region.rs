@@ -107,14 +107,10 @@ fn shares_outside(learned: &CampaignResult, ranges: &[(f64, f64)]) -> (f64, Vec<
     let population = &learned.classified.population;
     let (mut any, mut by_variable) = (0usize, vec![0usize; ranges.len()]);
     for j in 0..population.len() {
-        let mut outside = false;
-        for ((count, range), z) in by_variable.iter_mut().zip(ranges).zip(population.standardised(j)) {
-            if *z < range.0 || *z > range.1 {
-                *count += 1;
-                outside = true;
-            }
-        }
-        any += usize::from(outside);
+        let values = population.standardised(j).iter().zip(ranges);
+        let outside: Vec<bool> = values.map(|(z, (low, high))| z < low || z > high).collect();
+        any += usize::from(outside.contains(&true));
+        by_variable.iter_mut().zip(outside).for_each(|(count, is_outside)| *count += usize::from(is_outside));
     }
     let share = |count: usize| count as f64 / population.len() as f64;
     (share(any), by_variable.into_iter().map(share).collect())
@@ -164,9 +160,10 @@ pub(super) fn widen(summary: &mut StudySummary, share: f64) {
     for life in &mut summary.lives {
         let of_life = |curve: &&LifeCurveRow| curve.limit_state == life.limit_state;
         let Some(curve) = summary.curves.iter().find(of_life) else { continue };
+        let fall = |limit: &[f64]| reached(&curve.cycles, limit, life.reliability);
         let range = |lower: &[f64], upper: &[f64], end: f64| CyclesRange {
-            lower: reached(&curve.cycles, lower, life.reliability).unwrap_or(end),
-            upper: reached(&curve.cycles, upper, life.reliability),
+            lower: fall(lower).unwrap_or(end),
+            upper: fall(upper),
         };
         life.interval = range(&curve.lower, &curve.upper, life.interval.lower);
         if let Some(with) = &mut life.with_numerical_error

@@ -108,9 +108,8 @@ fn in_words(law: &LawParameters, unit: &str) -> String {
     let from = law.lower.map_or(String::new(), |lower| format!(" from {}", shown(lower)));
     let to = law.upper.map_or(String::new(), |upper| format!(" to {}", shown(upper)));
     let comma = if from.is_empty() && to.is_empty() { "" } else { "," };
-    let text =
-        format!("{}, mean {}, std {}{comma}{from}{to}", law.distribution, shown(law.mean), shown(law.std));
-    before_unit(&text, unit)
+    let (mean, std) = (shown(law.mean), shown(law.std));
+    before_unit(&format!("{}, mean {mean}, std {std}{comma}{from}{to}", law.distribution), unit)
 }
 
 /// A change with the half-width of its interval and its sign.

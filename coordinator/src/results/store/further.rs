@@ -82,11 +82,8 @@ impl CampaignFile {
     /// Records an outcome under the first free number below zero.
     fn insert_further(&self, request: &Request, finished: &Finished) -> Result<(), StoreError> {
         let outcome = self.encoded(request, finished)?;
-        self.query(|connection| {
-            let transaction = connection.unchecked_transaction()?;
-            let number = free_number(&transaction)?;
-            self.write(&transaction, number, request, finished, &outcome)?;
-            transaction.commit()
+        self.transact(|transaction| {
+            self.write(transaction, free_number(transaction)?, request, finished, &outcome)
         })
     }
 }
