@@ -8,6 +8,9 @@ use toml::{Table, Value};
 /// Keys of a random variable that can be set.
 const VARIABLE_KEYS: [&str; 7] = ["distribution", "mean", "std", "lower", "upper", "mode", "truncation"];
 
+/// Beginnings of the keys that only quantities of a scene have.
+const SCENE_KEYS: [&str; 5] = ["parameters.", "bodies.", "joints.", "loads.", "materials."];
+
 /// What may be set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Allowed {
@@ -81,29 +84,30 @@ fn parse(source: &SceneSource, setting: &str, allowed: Allowed) -> Result<Settin
         };
         return correlation(source, names, of, value);
     }
-    let place = if allowed == Allowed::Everything {
-        match source.variable(key) {
-            Some(k) => Place::Variable(k, "mean"),
-            None if is_scene_quantity(source, key) || is_within_scene(key) => {
-                return Ok(Setting { place: quantity(source, setting, key)?, value });
-            }
-            None => distribution(source, key)?,
+    let everything = allowed == Allowed::Everything;
+    let place = match source.variable(key) {
+        Some(k) if everything => Place::Variable(k, "mean"),
+        // A key that can only be that of a quantity of the scene: an unknown one is answered with the nearest quantity.
+        _ if everything && SCENE_KEYS.iter().any(|start| key.starts_with(start)) => {
+            quantity(source, setting, key)?
         }
-    } else if is_scene_quantity(source, key) {
-        return refuse(
-            "this key changes what is simulated, so the results of the study say nothing of it; start a study of the changed \
-             scene with `coordinator run --set`",
-        );
-    } else {
-        distribution(source, key)?
+        _ if !is_scene_quantity(source, key) => distribution(source, key)?,
+        _ if everything => quantity(source, setting, key)?,
+        _ => {
+            return refuse(
+                "this key changes what is simulated, so the results of the study say nothing of it; start a study of the changed \
+                 scene with `coordinator run --set`",
+            );
+        }
     };
     if let (Place::Variable(k, _), Allowed::Studied) = (&place, allowed)
-        && source.variables()[*k].distribution.is_constant()
+        && let variable = &source.variables()[*k]
+        && variable.distribution.is_constant()
     {
         return refuse(&format!(
             "\"{}\" was constant in all simulations of the study, which therefore do not show its influence; start a study in \
              which it varies with `coordinator run`",
-            source.variables()[*k].name
+            variable.name
         ));
     }
     Ok(Setting { place, value })
@@ -119,11 +123,6 @@ fn usage() -> String {
          correlation(VARIABLE,VARIABLE) or rank_correlation(VARIABLE,VARIABLE)",
         VARIABLE_KEYS.join(", ")
     )
-}
-
-/// Whether a key can only be that of a quantity of the scene, so that an unknown one is answered with the nearest quantity.
-fn is_within_scene(key: &str) -> bool {
-    ["parameters.", "bodies.", "joints.", "loads.", "materials."].iter().any(|start| key.starts_with(start))
 }
 
 /// A number, or the text without its quotes.
@@ -159,12 +158,11 @@ fn distribution(source: &SceneSource, key: &str) -> Result<Place, FaultKind> {
     let state = states.iter().find(|state| state.name == name);
     let is_bound = ["lower", "upper"].contains(&last);
     if let Some(state) = state.filter(|_| last == "threshold" || (is_bound && variable.is_none())) {
-        return match state.middle().is_some() {
-            true if !is_bound => {
-                refuse(&format!("limit state \"{name}\" has lower and upper, no \"{last}\""))
-            }
-            false if is_bound => refuse(&format!("limit state \"{name}\" has a threshold, no \"{last}\"")),
-            _ => Ok(Place::Threshold(format!("limit_states.{name}.{last}"))),
+        let keys = if state.middle().is_some() { "lower and upper" } else { "a threshold" };
+        return if state.middle().is_some() == is_bound {
+            Ok(Place::Threshold(format!("limit_states.{name}.{last}")))
+        } else {
+            refuse(&format!("limit state \"{name}\" has {keys}, no \"{last}\""))
         };
     }
     if last == "threshold" {
@@ -196,9 +194,13 @@ fn correlation(
         return refuse("expected two different random variables");
     }
     let index = |name: &str| source.variable(name).ok_or_else(|| source.unknown_setting(name));
-    let (first, second) = (index(first)?, index(second)?);
-    let row = [("variables", Value::from(names)), (key, value)];
-    let row: Table = row.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
-    let place = Place::Correlation([first.min(second), first.max(second)]);
-    Ok(Setting { place, value: row.into() })
+    let (i, k) = (index(first)?, index(second)?);
+    let place = Place::Correlation([i.min(k), i.max(k)]);
+    Ok(Setting { place, value: correlation_row([first, second], key, value) })
+}
+
+/// A row of the list of correlations, with its value at the key `coefficient` or `rank`.
+pub fn correlation_row(names: [&str; 2], key: &str, value: Value) -> Value {
+    let row = [("variables", Value::from(names.to_vec())), (key, value)];
+    Table::from_iter(row.map(|(key, value)| (key.to_owned(), value))).into()
 }

@@ -202,7 +202,7 @@ fn refine_with(
     let correction = stored_correction(campaign, source.nominal())?;
     let mut simulate = |learning: &FurtherLearning<'_>| -> Result<Vec<StoredOutcome>, AnalysisError> {
         let learning = FurtherLearning { correction: correction.as_ref(), ..*learning };
-        learning.learn(evaluator.evaluator(), &mut FurtherEvaluations::of(campaign), &mut Silent)?;
+        learning.learn(evaluator.evaluator(), &mut FurtherEvaluations(campaign), &mut Silent)?;
         Ok(known_outcomes(campaign, source.nominal()).map_err(EvaluateError::from)?)
     };
     let mut progress = |error: f64, added: usize| {

@@ -154,9 +154,7 @@ impl CommandError {
     /// The error of a report into the study's own folder `dir`, where writing may not be allowed.
     pub fn of_report_in(self, dir: &Path) -> Self {
         match self {
-            Self::Report(ReportError::File(ResultFileError::Write { source: error, .. }))
-                if is_unusable_path(&error) =>
-            {
+            Self::Report(ReportError::File(ResultFileError::Write(_, error))) if is_unusable_path(&error) => {
                 let fault = format!("no file can be written here ({error}); name another folder with --out");
                 Self::refused(dir.display(), fault)
             }

@@ -102,7 +102,7 @@ fn search(
     let mut evaluator = opened.evaluator(&arguments.farm, verbosity.quiet)?;
     let correction = stored_correction(&opened.study.campaign, opened.study.scene())?;
     let OpenedStudy { study: StoredStudy { campaign, source, .. }, settings, .. } = opened;
-    let mut journal = FurtherEvaluations::of(campaign);
+    let mut journal = FurtherEvaluations(campaign);
     let mut next = basis.outcomes.len() as u64;
     let mut simulate = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, AnalysisError> {
         let (scene, evaluator) = (source.nominal(), evaluator.evaluator());

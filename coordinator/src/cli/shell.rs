@@ -29,7 +29,7 @@ pub fn man(out: Option<&Path>) -> Result<(), CommandError> {
     whole.build();
     if let Some(folder) = out {
         create_folder(folder)?;
-        let failed = |source| ResultFileError::Write { path: folder.to_path_buf(), source };
+        let failed = |source| ResultFileError::Write(folder.to_path_buf(), source);
         return Ok(clap_mangen::generate_to(whole, folder).map_err(failed)?);
     }
     let mut text = Vec::new();

@@ -241,7 +241,7 @@ impl OpenedStudy {
         let correction = correction.as_ref();
         let learning = FurtherLearning { correction, changed, studied, settings, stored, further };
         let mut terminal = Terminal::new(quiet);
-        let journal = &mut FurtherEvaluations::of(campaign);
+        let journal = &mut FurtherEvaluations(campaign);
         let learned = learning.learn(evaluator.evaluator(), journal, &mut terminal);
         terminal.finish();
         learned.map_err(|error| failed(error, self.study.campaign.dir()))?;

@@ -78,7 +78,7 @@ pub fn after_study(
         let mut settings: Settings = opened.settings.clone();
         settings.accuracy.setting = variant.accuracy.clone().unwrap_or(settings.accuracy.setting);
         let mut evaluator = CommandEvaluator::started(&source, &settings, farm, verbosity.quiet)?;
-        let mut journal = FurtherEvaluations::of(&mut opened.study.campaign);
+        let mut journal = FurtherEvaluations(&mut opened.study.campaign);
         let found = of_variants.learn(source.nominal(), variant.level, evaluator.evaluator(), &mut journal);
         let found = found.map_err(|error| CommandError::of_study(error, &dir))?;
         evaluator.close();

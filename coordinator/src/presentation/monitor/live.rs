@@ -294,7 +294,7 @@ impl LivePage {
         if let Some(summary) = summary {
             copy.put_document(SUMMARY_DOCUMENT, summary)?;
         }
-        let missing = || StoreError::NoCampaign { dir: self.dir.clone() };
+        let missing = || StoreError::NoCampaign(self.dir.clone());
         let input = ReportInput::from_campaign(&copy, &self.scene)?.ok_or_else(missing)?;
         Ok(report::render(&input, FigureFiles::Absent))
     }

@@ -127,7 +127,7 @@ impl ReportInput {
                     }
                 }
                 Err(failure) => {
-                    input.failures.push((stored.id, failure.to_string()));
+                    input.failures.push((stored.id.unsigned_abs(), failure.to_string()));
                 }
             }
             Ok::<(), StoreError>(())
