@@ -1,6 +1,6 @@
 //! Accuracy of a command's evaluations: by name, or the cheapest within an error budget.
 
-use super::{CommandError, share};
+use super::{CommandError, Done, share};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
@@ -43,7 +43,7 @@ impl AccuracyArguments {
         threads: usize,
         quiet: bool,
         interrupted: Arc<AtomicBool>,
-    ) -> Result<StudyAccuracy, CommandError> {
+    ) -> Done<StudyAccuracy> {
         let evaluate = |request: &Request| {
             let invalid = |faults: Faults| SimulationFailure::InvalidSample { faults: faults.to_string() };
             let scene = source.resolve_sample(&request.sample).map_err(invalid)?;
@@ -59,7 +59,7 @@ impl AccuracyArguments {
     ///
     /// # Errors
     /// [`CommandError::Budget`] if no setting keeps the error budget.
-    pub fn for_one(&self, scene: &Scene, quiet: bool) -> Result<StudyAccuracy, CommandError> {
+    pub fn for_one(&self, scene: &Scene, quiet: bool) -> Done<StudyAccuracy> {
         let evaluate = |request: &Request| {
             let options = SimulateOptions { first_cycle: request.with_first_cycle };
             simulate(scene, &request.accuracy.unwrap_or_default(), options)
@@ -73,7 +73,7 @@ impl AccuracyArguments {
         points: &[Vec<f64>],
         quiet: bool,
         mut evaluator: impl Evaluator,
-    ) -> Result<StudyAccuracy, CommandError> {
+    ) -> Done<StudyAccuracy> {
         let Some(budget) = self.max_error else {
             let setting = self.accuracy.clone().unwrap_or_else(|| scene.accuracy.clone());
             return Ok(StudyAccuracy { setting, max_error: None });
@@ -84,11 +84,10 @@ impl AccuracyArguments {
             }
         })?;
         if !quiet {
+            let (name, below, points) = (&setting.name, short_percent(budget), points.len());
+            let at = if points == 1 { "this point".to_owned() } else { format!("{points} points") };
             print_message(format_args!(
-                "accuracy {}: the cheapest tried that states errors below {} at {}",
-                setting.name,
-                short_percent(budget),
-                if points.len() == 1 { "this point".to_owned() } else { format!("{} points", points.len()) }
+                "accuracy {name}: the cheapest tried that states errors below {below} at {at}"
             ));
         }
         Ok(StudyAccuracy { setting, max_error: Some(budget) })
@@ -100,12 +99,8 @@ fn attempt_text(attempt: &TriedSetting, budget: f64) -> String {
     match &attempt.worst {
         Ok(worst) => {
             let verdict = if worst.error <= budget { "within" } else { "over" };
-            format!(
-                "tried {name}: {} of {}, {verdict} {}",
-                short_percent(worst.error),
-                worst.output,
-                short_percent(budget)
-            )
+            let [error, budget] = [worst.error, budget].map(short_percent);
+            format!("tried {name}: {error} of {}, {verdict} {budget}", worst.output)
         }
         Err(failure) => format!("tried {name}: {failure}"),
     }

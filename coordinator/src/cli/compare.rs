@@ -2,7 +2,7 @@
 
 use super::output::{file_of, or_here, unusable};
 use super::stored_study::scene_of;
-use super::{CommandError, Destination, answer_with, summary_of};
+use super::{CommandError, Destination, Done, answer_with, summary_of};
 use clap::Args;
 use common::scene::SceneSource;
 use coordinator::analyses::scene_difference::{DifferingKey, differing_keys};
@@ -28,7 +28,7 @@ pub struct CompareArguments {
 ///
 /// # Errors
 /// [`CommandError`] if a study is not finished, or the studies cannot be compared.
-pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), CommandError> {
+pub fn compare(arguments: &CompareArguments, as_json: bool) -> Done {
     let out = arguments.out.as_deref().map(destination).transpose()?;
     let name = out.as_ref().map_or("compare", |(_, name)| name).to_owned();
     let names = names(&arguments.dirs);
@@ -55,7 +55,7 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
 }
 
 /// Folder of the files, and their name without its ending.
-fn destination(out: &Path) -> Result<(PathBuf, String), CommandError> {
+fn destination(out: &Path) -> Done<(PathBuf, String)> {
     let page = file_of(out, "compare.html")?;
     if page.extension().is_none_or(|end| end != "html") {
         return Err(unusable(out, "expected a folder, or a name that ends in .html".to_owned()));
@@ -64,7 +64,7 @@ fn destination(out: &Path) -> Result<(PathBuf, String), CommandError> {
     Ok((page.parent().map(or_here).unwrap_or(&page).to_owned(), name))
 }
 
-fn study(dir: &Path, name: String) -> Result<ComparedStudy, CommandError> {
+fn study(dir: &Path, name: String) -> Done<ComparedStudy> {
     Ok(ComparedStudy { name, summary: summary_of(&CampaignFile::look(dir)?)? })
 }
 

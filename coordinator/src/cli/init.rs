@@ -2,7 +2,7 @@
 
 use super::imported;
 use super::output::{file_of, unusable};
-use super::{CommandError, print, to_json};
+use super::{CommandError, Done, print, to_json};
 use clap::Args;
 use common::scene::{Faults, SceneSource, read_text};
 use serde_json::json;
@@ -33,7 +33,7 @@ const NAME: &str = "@name@";
 ///
 /// # Errors
 /// [`CommandError::BadInput`].
-pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError> {
+pub fn init(arguments: &InitArguments, as_json: bool) -> Done {
     let name = &arguments.name;
     let tame = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
     if !tame || SceneSource::builtin_names().contains(&name.as_str()) {

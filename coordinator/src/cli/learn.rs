@@ -1,7 +1,8 @@
 //! `coordinator learn`: parameters of a population from what was observed of its units, and R at a confidence.
 
 use super::{
-    CommandError, Destination, FarmArguments, OpenedStudy, Verbosity, answer_with, positive, share, value,
+    CommandError, Destination, Done, FarmArguments, OpenedStudy, Verbosity, answer_with, positive, share,
+    value,
 };
 use clap::Args;
 use coordinator::analyses::learn::{LearnReport, LearnSettings, answer, laws_of, learn as learn_fleet};
@@ -71,7 +72,7 @@ fn sets(text: &str) -> Result<usize, String> {
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn learn(arguments: &LearnArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+pub fn learn(arguments: &LearnArguments, verbosity: Verbosity) -> Done {
     let mut opened = OpenedStudy::open(&arguments.dir, arguments.refine.is_some())?;
     let mut report = learned(&opened, arguments)?;
     if let Some(further) = arguments.refine {
@@ -95,7 +96,7 @@ pub fn learn(arguments: &LearnArguments, verbosity: Verbosity) -> Result<(), Com
 }
 
 /// What the data say by all simulations that the study has.
-fn learned(opened: &OpenedStudy, arguments: &LearnArguments) -> Result<LearnReport, CommandError> {
+fn learned(opened: &OpenedStudy, arguments: &LearnArguments) -> Done<LearnReport> {
     let present = opened.present()?;
     let model = opened.life_model()?;
     let (studied, summary) = (opened.study.scene(), &opened.summary);

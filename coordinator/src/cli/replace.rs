@@ -1,6 +1,6 @@
 //! `coordinator replace`: the age, or the measured level, of replacement with the least cost, from a finished study.
 
-use super::{CommandError, Destination, OpenedStudy, answer_with, probability, value};
+use super::{CommandError, Destination, Done, OpenedStudy, answer_with, probability, value};
 use clap::Args;
 use common::scene::Scene;
 use coordinator::analyses::quantity::output_quantity;
@@ -79,7 +79,7 @@ fn cost_or_zero(text: &str) -> Result<f64, String> {
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Result<(), CommandError> {
+pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Done {
     let costs = ReplacementCosts { planned: arguments.planned_cost, failure: arguments.failure_cost };
     check_costs(&costs).map_err(CommandError::bad_input)?;
     let opened = OpenedStudy::open(&arguments.dir, false)?;
@@ -97,32 +97,29 @@ pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Result<(), Comman
 }
 
 /// The inspections asked for.
-fn plan(arguments: &ReplaceArguments, scene: &Scene) -> Result<InspectionPlan, CommandError> {
-    let names = || scene.outputs.iter().map(|output| output.name.as_str()).collect::<Vec<_>>().join(", ");
+fn plan(arguments: &ReplaceArguments, scene: &Scene) -> Done<InspectionPlan> {
+    let names: Vec<&str> = scene.outputs.iter().map(|output| output.name.as_str()).collect();
     let refused = |option: &str, value: &str, fault: String| {
         CommandError::refused(format_args!("{option} {value}"), fault)
     };
-    let output = match &arguments.inspect_output {
-        Some(name) => scene.outputs.iter().position(|output| output.name == *name).ok_or_else(|| {
-            refused("--inspect-output", name, format!("this study has no such output; allowed: {}", names()))
-        })?,
+    let (given, first) = (&arguments.inspect_output, scene.limit_states[0].output);
+    let (output, fault) = match given {
+        Some(name) => (names.iter().position(|own| own == name), "this study has no such output; allowed:"),
         None => {
-            let first = scene.limit_states[0].output;
-            if scene.limit_states.iter().any(|limit| limit.output != first) {
-                let missing = format!("the limit states have several outputs, name one of {}", names());
-                return Err(refused("--inspect-output", "(none)", missing));
-            }
-            first
+            let is_same = scene.limit_states.iter().all(|limit| limit.output == first);
+            (is_same.then_some(first), "the limit states have several outputs, name one of")
         }
     };
-    let error =
-        arguments.inspect_error.as_ref().map(|text| match output_quantity(&scene.outputs[output], text) {
-            Ok(error) if error >= 0.0 => Ok(error),
-            read => {
-                Err(refused("--inspect-error", text, read.err().unwrap_or("allowed: 0 or above".to_owned())))
-            }
-        });
-    let error = error.transpose()?.unwrap_or(0.0);
+    let output = output.ok_or_else(|| {
+        let value = given.as_deref().unwrap_or("(none)");
+        refused("--inspect-output", value, format!("{fault} {}", names.join(", ")))
+    })?;
+    let error = match &arguments.inspect_error {
+        None => 0.0,
+        Some(text) => output_quantity(&scene.outputs[output], text)
+            .and_then(|error| if error >= 0.0 { Ok(error) } else { Err("allowed: 0 or above".to_owned()) })
+            .map_err(|fault| refused("--inspect-error", text, fault))?,
+    };
     let costs = PolicyCosts {
         planned: arguments.planned_cost,
         failure: arguments.failure_cost,

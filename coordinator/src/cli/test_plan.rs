@@ -1,6 +1,6 @@
 //! `coordinator test-plan`: units and cycles of a test that demonstrates a reliability.
 
-use super::{CommandError, Destination, StoredStudy, answer_with, probability, summary_of, value};
+use super::{CommandError, Destination, Done, StoredStudy, answer_with, probability, summary_of, value};
 use clap::Args;
 use coordinator::analyses::test_plan::{TestPlanQuestion, answer, plan};
 use std::path::PathBuf;
@@ -74,7 +74,7 @@ fn many(text: &str) -> Result<u64, String> {
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn test_plan(arguments: &TestPlanArguments, as_json: bool) -> Result<(), CommandError> {
+pub fn test_plan(arguments: &TestPlanArguments, as_json: bool) -> Done {
     let summary =
         arguments.dir.as_ref().map(|dir| summary_of(&StoredStudy::look(dir)?.campaign)).transpose()?;
     let question = TestPlanQuestion {

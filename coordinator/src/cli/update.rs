@@ -1,6 +1,6 @@
 //! `coordinator update`: reliability and remaining life of single units from what was measured of them.
 
-use super::{CommandError, Destination, OpenedStudy, answer_with, value};
+use super::{CommandError, Destination, Done, OpenedStudy, answer_with, value};
 use clap::Args;
 use coordinator::analyses::update::{FleetSettings, answer, read_fleet, update as update_fleet};
 use std::path::PathBuf;
@@ -56,7 +56,7 @@ fn many(text: &str) -> Result<usize, String> {
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn update(arguments: &UpdateArguments, as_json: bool) -> Result<(), CommandError> {
+pub fn update(arguments: &UpdateArguments, as_json: bool) -> Done {
     let opened = OpenedStudy::open(&arguments.dir, false)?;
     let model = opened.life_model()?;
     let OpenedStudy { study, summary, .. } = &opened;

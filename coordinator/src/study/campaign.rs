@@ -9,12 +9,11 @@
 //! Echard, Gayton, Lemaire (2011), AK-MCS: an active learning reliability method combining Kriging and Monte
 //! Carlo simulation, Structural Safety 33(2).
 
-use super::campaign_data::CampaignData;
+use super::campaign_data::{CampaignData, judge, largest_prediction_error};
 use super::classified_population::ClassifiedPopulation;
 use super::failures::{check_failures, check_nominal, check_results};
 use super::observations::ObservedOutcome;
 use super::plan::{Plan, Problem};
-use super::prediction_check::{judge, largest_prediction_error};
 use super::requests::{PendingSample, Requests};
 use super::round::{Assessment, RoundInput, assess};
 use super::step::{CampaignError, Step, StopReason};
@@ -90,7 +89,8 @@ impl Campaign {
 
     fn step_on_this_population(&mut self) -> Result<Step, CampaignError> {
         if self.requests.total == 0 {
-            return Ok(self.request_nominal_point());
+            // The nominal point, alone: a simulator that cannot answer is found out by one evaluation.
+            return Ok(self.requests.begin(vec![PendingSample::nominal(&self.problem.inputs)]));
         }
         let waiting = self.requests.under_way();
         if self.progress.stop.is_some() {
@@ -169,11 +169,6 @@ impl Campaign {
     /// Simulations the budget leaves.
     pub(super) fn budget_left(&self) -> usize {
         self.plan.settings.max_evaluations.saturating_sub(self.requests.total)
-    }
-
-    /// Requests the nominal point, alone: a simulator that cannot answer is found out by one evaluation.
-    fn request_nominal_point(&mut self) -> Step {
-        self.requests.begin(vec![PendingSample::nominal(&self.problem.inputs)])
     }
 
     /// Requests the rest of the initial design: a Latin hypercube; as published, or if the population is all there is,

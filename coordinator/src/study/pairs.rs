@@ -16,11 +16,11 @@
 
 use super::CampaignResult;
 use super::campaign::Campaign;
-use super::correction::{Correction, LevelFigures, LevelPair, PairedModel};
+use super::correction::{Correction, LevelFigures, LevelPair, PairedModel, PairsResult};
 use super::interim::InterimResult;
 use super::learner::Learner;
 use super::observations::{Observed, ObservedOutcome};
-use super::pairs_result::PairsResult;
+
 use super::plan::ResponseLayout;
 use super::step::{CampaignError, SampleRequest, Step, StopReason};
 use crate::results::summary::Round;
@@ -308,9 +308,9 @@ impl Learner for PairedCampaign<'_> {
                     ..SampleRequest::new(self.simulated[*i].sample.clone())
                 };
                 let requests = self.requested.iter().map(request).collect();
-                self.requested
-                    .iter()
-                    .for_each(|(i, level)| self.simulated[*i].requested[usize::from(*level) - 1] = true);
+                for (i, level) in &self.requested {
+                    self.simulated[*i].requested[usize::from(*level) - 1] = true;
+                }
                 return Ok(Step::Evaluate(requests));
             }
             self.has_ended = true;
@@ -356,18 +356,25 @@ impl Learner for PairedCampaign<'_> {
     }
 
     fn rounds(&self) -> &[Round] {
-        Campaign::rounds(&self.campaign)
+        self.campaign.rounds()
     }
 
     fn purpose(&self) -> String {
-        if self.requested.is_empty() { self.campaign.purpose() } else { "finer levels".to_owned() }
+        match self.campaign.rounds().len() {
+            _ if !self.requested.is_empty() => "finer levels".to_owned(),
+            0 if self.campaign.evaluations() == 0 => "nominal point".to_owned(),
+            0 => "initial design".to_owned(),
+            round => format!("round {round}"),
+        }
     }
 
     fn interim(&self) -> Option<InterimResult> {
-        Learner::interim(&self.campaign)
+        self.campaign.interim()
     }
 
     fn constant_limit_states(&self) -> Vec<usize> {
-        self.campaign.constant_limit_states()
+        let Campaign { problem, data, .. } = &self.campaign;
+        let constant = |mode: &usize| data.observations.is_constant(problem.modes[*mode].output);
+        (0..problem.modes.len()).filter(constant).collect()
     }
 }

@@ -8,7 +8,7 @@ use common::failure::SimulationFailure;
 use std::collections::{HashSet, VecDeque};
 
 /// A requested simulation.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct PendingSample {
     /// Standardised point `(d,)` [1].
     pub z: Vec<f64>,
@@ -41,15 +41,7 @@ impl PendingSample {
 
     /// The standardised point `z` `(d,)` [1], which is none of the population.
     pub fn at(z: Vec<f64>, inputs: &InputModel) -> Self {
-        Self {
-            sample: inputs.to_physical(&z),
-            z,
-            member: None,
-            stricter: false,
-            exploring: false,
-            mode: None,
-            not_by: vec![],
-        }
+        Self { sample: inputs.to_physical(&z), z, ..Self::default() }
     }
 }
 
@@ -101,9 +93,8 @@ impl Requests {
             let copies = (0..population.len()).filter(|i| population.standardised(*i) == z);
             copies.for_each(|i| self.requested[i] = true);
         }
-        let (z, sample) = (population.standardised(j).to_vec(), population.physical(j));
-        let not_by = vec![];
-        PendingSample { z, sample, member: Some(j), stricter: false, exploring: false, mode: None, not_by }
+        let z = population.standardised(j).to_vec();
+        PendingSample { member: Some(j), ..PendingSample::at(z, population.inputs()) }
     }
 
     /// Registers a chunk as under way and returns the step that requests it.

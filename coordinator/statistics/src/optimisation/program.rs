@@ -230,13 +230,9 @@ impl Program for Raised<'_> {
 
 /// Multipliers of the constraints `(c,)` at x: least squares over the active ones, those that come out negative dropped.
 fn multipliers(program: &dyn Program, x: &[f64], values: &[f64]) -> Vec<f64> {
-    let free: Vec<usize> = program
-        .bounds()
-        .iter()
-        .enumerate()
-        .filter(|(k, (lower, upper))| x[*k] - lower > ACTIVE && upper - x[*k] > ACTIVE)
-        .map(|(k, _)| k)
-        .collect();
+    let bounds = program.bounds();
+    let is_free = |k: &usize| x[*k] - bounds[*k].0 > ACTIVE && bounds[*k].1 - x[*k] > ACTIVE;
+    let free: Vec<usize> = (0..bounds.len()).filter(is_free).collect();
     let mut found = vec![0.0; values.len()];
     let mut active: Vec<usize> = (0..values.len()).filter(|i| values[*i] < ACTIVE).collect();
     if active.is_empty() || free.is_empty() {

@@ -3,12 +3,12 @@
 //! as in the classification, so that lives and failure shares belong together.
 //!
 //! # Source
-//! The crossing as in `crossing.rs`, the numerical errors as in `numerical.rs`; the predictions are those of Kriging, see
+//! The crossing as in `crossing.rs`, the numerical errors as in `life_counts.rs`; the predictions are those of Kriging, see
 //! [`crate::surrogate`].
 
 use super::crossing::Track;
+use super::life_counts::ErrorLine;
 use super::life_counts::{LifeCounts, ModeLives, ResponseErrors, mode_lives};
-use super::numerical::ErrorLine;
 use crate::design::{Population, deviation};
 use crate::surrogate::Kriging;
 use faer::{Mat, MatRef};

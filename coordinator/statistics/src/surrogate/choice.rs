@@ -39,16 +39,6 @@ impl Incumbent {
     }
 }
 
-/// Judgement of one form.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Candidate {
-    /// Kernel and trend.
-    pub form: Form,
-    /// Mean log predictive density at points left out, over points and outputs, with outputs in units of
-    /// their standard deviations [1].
-    pub log_density: f64,
-}
-
 /// A surrogate of the chosen form.
 #[derive(Debug, Clone)]
 pub struct Chosen {
@@ -58,8 +48,6 @@ pub struct Chosen {
     pub fitted: Fitted,
     /// Its cross-validation; `None` after a warm fit, and with too few points.
     pub cross_validation: Option<CrossValidation>,
-    /// All forms compared, in the order of [`FormSettings::candidates`]; empty without a comparison.
-    pub candidates: Vec<Candidate>,
     /// Number of repairs: starts without a usable point, forms that could not be conditioned, nuggets raised.
     pub repairs: usize,
 }
@@ -93,7 +81,7 @@ pub fn fit_surrogate(
         first.cross_validate(training);
     }
     if warm || forms.len() == 1 {
-        return Ok(first.chosen(vec![], repairs));
+        return Ok(first.chosen(repairs));
     }
 
     // The other forms start from the incumbent's optimum, because a length has a similar meaning for all
@@ -116,9 +104,7 @@ pub fn fit_surrogate(
         }
     }
     let best = challenger(&compared).unwrap_or(0);
-    let mut candidates: Vec<Candidate> = compared.iter().map(FittedForm::judged).collect();
-    candidates.sort_by_key(|candidate| forms.iter().position(|form| *form == candidate.form));
-    Ok(compared.swap_remove(best).chosen(candidates, repairs))
+    Ok(compared.swap_remove(best).chosen(repairs))
 }
 
 /// One form, fitted and conditioned.
@@ -163,13 +149,9 @@ impl FittedForm {
         self.fitted.failed_starts + self.model.raised()
     }
 
-    fn judged(&self) -> Candidate {
-        Candidate { form: self.form, log_density: self.log_density() }
-    }
-
-    fn chosen(self, candidates: Vec<Candidate>, repairs: usize) -> Chosen {
+    fn chosen(self, repairs: usize) -> Chosen {
         let Self { model, fitted, cross_validation, .. } = self;
-        Chosen { model, fitted, cross_validation, candidates, repairs }
+        Chosen { model, fitted, cross_validation, repairs }
     }
 }
 
@@ -230,11 +212,10 @@ mod tests {
         let x = points(3, 60);
         let linear = Mat::from_fn(60, 1, |i, _| 3.0 + x[(0, i)] - 2.0 * x[(1, i)] + 0.1 * x[(2, i)]);
         let chosen = choose(&x, &linear, None, Effort::MultiStart);
-        assert_eq!(chosen.model.trend(), Trend::Linear, "{:?}", chosen.candidates);
-        assert_eq!(chosen.candidates.len(), 6);
+        assert_eq!(chosen.model.trend(), Trend::Linear);
         let kinked = Mat::from_fn(60, 1, |i, _| (x[(0, i)] - 0.3).abs() + 0.5 * (x[(1, i)] + 0.2).abs());
         let chosen = choose(&x, &kinked, None, Effort::MultiStart);
-        assert_ne!(chosen.model.correlation().kernel, Kernel::Gaussian, "{:?}", chosen.candidates);
+        assert_ne!(chosen.model.correlation().kernel, Kernel::Gaussian);
         // The same data give the same choice.
         let again = choose(&x, &kinked, Some(&chosen.model.incumbent()), Effort::MultiStart);
         assert_eq!(again.model.incumbent().form(), chosen.model.incumbent().form());
@@ -245,17 +226,22 @@ mod tests {
         let x = points(2, 40);
         let y = Mat::from_fn(40, 2, |i, o| (x[(0, i)] + 0.3 * o as f64).sin() * (0.7 * x[(1, i)]).cos());
         let chosen = choose(&x, &y, None, Effort::MultiStart);
-        assert_eq!(chosen.model.correlation().kernel, Kernel::Gaussian, "{:?}", chosen.candidates);
-        let of =
-            |kernel| chosen.candidates.iter().find(|c| c.form == Form { kernel, ..Form::default() }).unwrap();
-        assert!(of(Kernel::Gaussian).log_density > of(Kernel::Matern32).log_density + 1.0);
+        assert_eq!(chosen.model.correlation().kernel, Kernel::Gaussian);
+        let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None, is_exact: false };
+        let log_density = |kernel| {
+            let fixed = FormSettings::fixed(Form { kernel, ..Form::default() });
+            let found = fit_surrogate(training, fixed, None, Effort::MultiStart).unwrap();
+            let densities = found.cross_validation.unwrap().log_densities;
+            densities.iter().sum::<f64>() / densities.len() as f64
+        };
+        assert!(log_density(Kernel::Gaussian) > log_density(Kernel::Matern32) + 1.0);
         // Without the effort to compare, the incumbent's form stays.
         let rough = Incumbent {
             correlation: Correlation { kernel: Kernel::Matern32, ..chosen.model.correlation().clone() },
             trend: Trend::Linear,
         };
         let kept = choose(&x, &y, Some(&rough), Effort::Warm);
-        assert_eq!((kept.model.incumbent().form(), kept.candidates.len()), (rough.form(), 0));
+        assert_eq!((kept.model.incumbent().form(), kept.cross_validation), (rough.form(), None));
     }
 
     #[test]

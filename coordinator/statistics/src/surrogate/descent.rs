@@ -81,10 +81,8 @@ impl LikelihoodProblem<'_> {
             return Ok(value.clone());
         }
         memo.evaluations += 1;
-        let mut value = self
-            .likelihood
-            .evaluate_in(&mut self.work.borrow_mut(), &self.bounds.correlation(free))
-            .ok_or_else(|| Error::msg("correlation matrix without Cholesky factor"))?;
+        let value = self.likelihood.evaluate_in(&mut self.work.borrow_mut(), &self.bounds.correlation(free));
+        let mut value = value.ok_or_else(|| Error::msg("correlation matrix without Cholesky factor"))?;
         value.gradient.iter_mut().zip(free).enumerate().for_each(|(k, (g, t))| {
             *g *= self.bounds.slope(k, *t);
         });
