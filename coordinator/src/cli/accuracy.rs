@@ -1,9 +1,10 @@
 //! Accuracy of a command's evaluations: by name, or the cheapest within an error budget.
 
-use super::{CommandError, Done, share};
+use super::{Done, share};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
+use common::outputs::Evaluation;
 use common::scene::{Faults, Scene, SceneSource};
 use coordinator::analyses::budget::{LADDER, RANDOM_POINTS, TriedSetting, choose_setting};
 use coordinator::farm::evaluate::local::LocalEvaluator;
@@ -35,7 +36,7 @@ impl AccuracyArguments {
     /// depend on the seed alone.
     ///
     /// # Errors
-    /// [`CommandError::Budget`] if no setting keeps the error budget.
+    /// [`super::CommandError::Budget`] if no setting keeps the error budget.
     pub fn for_study(
         &self,
         source: &SceneSource,
@@ -46,9 +47,7 @@ impl AccuracyArguments {
     ) -> Done<StudyAccuracy> {
         let evaluate = |request: &Request| {
             let invalid = |faults: Faults| SimulationFailure::InvalidSample { faults: faults.to_string() };
-            let scene = source.resolve_sample(&request.sample).map_err(invalid)?;
-            let accuracy = request.accuracy.unwrap_or_default();
-            simulate(&scene, &accuracy, SimulateOptions { first_cycle: request.with_first_cycle })
+            evaluated(&source.resolve_sample(&request.sample).map_err(invalid)?, request)
         };
         let evaluator = LocalEvaluator::new(threads, evaluate).interrupted_by(interrupted);
         let scene = source.nominal();
@@ -58,13 +57,10 @@ impl AccuracyArguments {
     /// Accuracy of one evaluation of a scene: the named one, or one chosen for it.
     ///
     /// # Errors
-    /// [`CommandError::Budget`] if no setting keeps the error budget.
+    /// [`super::CommandError::Budget`] if no setting keeps the error budget.
     pub fn for_one(&self, scene: &Scene, quiet: bool) -> Done<StudyAccuracy> {
-        let evaluate = |request: &Request| {
-            let options = SimulateOptions { first_cycle: request.with_first_cycle };
-            simulate(scene, &request.accuracy.unwrap_or_default(), options)
-        };
-        self.choose(scene, &[vec![]], quiet, LocalEvaluator::new(1, evaluate))
+        let evaluator = LocalEvaluator::new(1, |request: &Request| evaluated(scene, request));
+        self.choose(scene, &[vec![]], quiet, evaluator)
     }
 
     fn choose(
@@ -92,6 +88,12 @@ impl AccuracyArguments {
         }
         Ok(StudyAccuracy { setting, max_error: Some(budget) })
     }
+}
+
+/// Simulates a scene as requested.
+fn evaluated(scene: &Scene, request: &Request) -> Result<Evaluation, SimulationFailure> {
+    let options = SimulateOptions { first_cycle: request.with_first_cycle };
+    simulate(scene, &request.accuracy.unwrap_or_default(), options)
 }
 
 fn attempt_text(attempt: &TriedSetting, budget: f64) -> String {

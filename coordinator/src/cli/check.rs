@@ -95,8 +95,7 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
     at_once(&loads.iter().map(|line| format!("{line}\n")).collect::<String>())?;
     let mut cost = None;
     if is_mechanism && !quick {
-        let of_study = accuracy.as_ref().unwrap_or(&scene.accuracy);
-        cost = Model::new(scene, of_study).expected();
+        cost = Model::new(scene, accuracy.as_ref().unwrap_or(&scene.accuracy)).expected();
         at_once(&cost.iter().map(|cost| format!("cost: {cost}\n")).collect::<String>())?;
     }
     let evaluation = if *quick {

@@ -1,6 +1,7 @@
 //! `coordinator designs`, and the end of a study with design variables: reliability and lives of every design, with
 //! simulations where single designs are still uncertain.
 
+use super::shared::within;
 use super::{
     CommandError, CommandEvaluator, Destination, Done, FarmArguments, OpenedStudy, StoredStudy, Verbosity,
     answer_with, failed, known_outcomes, positive, stored_correction, value,
@@ -39,7 +40,7 @@ pub struct DesignsArguments {
     /// Folder of the finished study
     pub dir: PathBuf,
     /// Values per design variable [default: 9, 5 or 3 with one, two or three variables]
-    #[arg(long, value_name = "N", value_parser = points)]
+    #[arg(long, value_name = "N", value_parser = within(2, 101))]
     pub points: Option<usize>,
     /// Answer for the design with this value alone, one for each design variable
     #[arg(long, value_name = "KEY=VALUE", conflicts_with = "points")]
@@ -58,10 +59,6 @@ pub struct DesignsArguments {
     pub out: Option<Destination>,
     #[command(flatten)]
     pub farm: FarmArguments,
-}
-
-fn points(text: &str) -> Result<usize, String> {
-    value(text, "a whole number from 2 to 101", |n| (2..=101).contains(n))
 }
 
 fn level(text: &str) -> Result<f64, String> {

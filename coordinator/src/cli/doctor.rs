@@ -85,8 +85,7 @@ fn host_and_port(endpoint: &str) -> Done<(&str, u16)> {
         let (protocol, address) = endpoint.split_once('/')?;
         let (host, port) = address.split(['?', '#']).next()?.rsplit_once(':')?;
         let host = host.trim_start_matches('[').trim_end_matches(']');
-        let port = port.parse().ok()?;
-        (["tcp", "tls"].contains(&protocol) && !host.is_empty()).then_some((host, port))
+        (["tcp", "tls"].contains(&protocol) && !host.is_empty()).then_some((host, port.parse().ok()?))
     };
     parts().ok_or_else(|| {
         let reason = "not an endpoint of the kind PROTOCOL/HOST:PORT".to_owned();

@@ -1,7 +1,7 @@
 //! `coordinator draw`: the mechanism of a scene as a drawing, before anything is simulated.
 
 use super::output::{check_destination, file_of, unusable};
-use super::{CommandError, Done, SetArguments, check_linkage, load_with, print, to_json};
+use super::{CommandError, Done, SetArguments, check_linkage, load_with, print, to_json, value};
 use clap::Args;
 use common::scene::{Body, Motion, Scene, SceneSource};
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
@@ -40,8 +40,7 @@ pub struct DrawArguments {
 
 /// Reads a share from 0 to 1.
 fn share(text: &str) -> Result<f64, String> {
-    let value = text.trim().parse::<f64>().ok().filter(|x| (0.0..=1.0).contains(x));
-    value.ok_or_else(|| "allowed: a number from 0 to 1".to_owned())
+    value(text, "a number from 0 to 1", |x| (0.0..=1.0).contains(x))
 }
 
 /// Runs the command.
@@ -156,10 +155,10 @@ fn drawn(origin: &str, scene: &Scene, share: f64) -> Done<(DrawnMechanism, Optio
         .iter()
         .map(|pose| scene.bodies.iter().zip(&pose.q).map(|(body, q)| place(pose.time, body, q)).collect());
     let cycle: Vec<Vec<([f64; 2], f64)>> = cycle.collect();
-    let shown = drawing::instant(cycle.len(), share);
-    let drawn = DrawnMechanism::new(scene, &cycle, shown).ok_or_else(|| {
-        CommandError::refused(origin, "not modelled yet: a mechanism whose points all coincide")
-    })?;
+    let drawn =
+        DrawnMechanism::new(scene, &cycle, drawing::instant(cycle.len(), share)).ok_or_else(|| {
+            CommandError::refused(origin, "not modelled yet: a mechanism whose points all coincide")
+        })?;
     let times: Vec<f64> = ideal.iter().map(|pose| pose.time).collect();
     Ok((drawn, VaryingLoads::new(scene, &cycle, &times)))
 }

@@ -87,7 +87,7 @@ pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -
         SimulatorKind::Program(program) => {
             writeln!(out, "  program: {}\n  {}", program.command.join(" "), exchange(program))?
         }
-        SimulatorKind::UmBridge(UmBridgeModel { model, url }) => {
+        SimulatorKind::UmBridge(UmBridgeModel { model, url, .. }) => {
             let of = format!("model \"{model}\" of the UM-Bridge server {url}");
             writeln!(out, "  {of}, one request at a time per worker slot")?
         }

@@ -29,12 +29,6 @@ use worker::simulator::simulator;
 const SILENT: &str = "the coordinator no longer answers its own questions: its messaging has failed. Every evaluation recorded so \
                       far is saved: continue a study with `coordinator resume DIR`.";
 
-/// How the arguments ask a batch system for workers.
-fn scale_settings(arguments: &FarmArguments) -> Option<ScaleSettings> {
-    let (system, most) = (arguments.scale.clone()?, arguments.most?);
-    Some(ScaleSettings { system, most, idle: arguments.idle.unwrap_or(Duration::from_secs(60)) })
-}
-
 /// Number of local slots that the arguments ask for.
 pub fn local_slots(arguments: &FarmArguments) -> usize {
     arguments.workers.unwrap_or_else(cores)
@@ -223,7 +217,9 @@ impl WorkerFarm {
             service::spawn(config, Arc::clone(&self.simulator))
         };
         self.local = endpoint.clone().filter(|_| slots > 0).map(spawn).transpose()?;
-        if let (Some(settings), Some(endpoint)) = (scale_settings(&self.arguments), endpoint) {
+        let FarmArguments { scale, most, idle, .. } = &self.arguments;
+        if let (Some(system), Some(most), Some(endpoint)) = (scale.clone(), *most, endpoint) {
+            let settings = ScaleSettings { system, most, idle: idle.unwrap_or(Duration::from_secs(60)) };
             if !matches!(settings.system, BatchSystem::Command(_)) && endpoint.contains("/127.0.0.1:") {
                 tracing::warn!(
                     "jobs on other machines cannot reach {endpoint}: --listen or --config sets another address"
@@ -269,8 +265,7 @@ fn announced(source: &SceneSource, settings: &Settings, resumed: bool) -> Done<C
         timeout: simulator.timeout,
         licences: None,
     });
-    let stored = serde_json::to_string(settings)?;
-    let campaign = of_mechanism(source, settings.accuracy.setting.clone(), &stored);
+    let campaign = of_mechanism(source, settings.accuracy.setting.clone(), &serde_json::to_string(settings)?);
     Ok(CampaignSpec { simulator, resumed, ..campaign })
 }
 

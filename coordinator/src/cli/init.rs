@@ -50,8 +50,7 @@ pub fn init(arguments: &InitArguments, as_json: bool) -> Done {
             let shown = from.display().to_string();
             let linkage =
                 imported::read(&read_text(from)?).map_err(|fault| CommandError::refused(&shown, fault))?;
-            let file = from.file_name().unwrap_or_default().display().to_string();
-            let text = linkage.scene(name, &file);
+            let text = linkage.scene(name, &from.file_name().unwrap_or_default().display().to_string());
             SceneSource::parse(&text, &shown).map_err(Faults::without_places)?;
             (text, linkage.unread)
         }

@@ -1,8 +1,8 @@
 //! `coordinator learn`: parameters of a population from what was observed of its units, and R at a confidence.
 
+use super::shared::within;
 use super::{
     CommandError, Destination, Done, FarmArguments, OpenedStudy, Verbosity, answer_with, positive, share,
-    value,
 };
 use clap::Args;
 use coordinator::analyses::learn::{LearnReport, LearnSettings, answer, laws_of, learn as learn_fleet};
@@ -46,7 +46,7 @@ pub struct LearnArguments {
     #[arg(long, value_name = "SHARE", default_value = "90%", value_parser = confidence)]
     pub confidence: f64,
     /// Sets of parameters of sequential Monte Carlo
-    #[arg(long, value_name = "N", default_value = "500", value_parser = sets)]
+    #[arg(long, value_name = "N", default_value = "500", value_parser = within(200, 20_000))]
     pub sets: usize,
     /// Add at most this many simulations where the population that was learned leaves those of the study
     #[arg(long, value_name = "N", value_parser = positive)]
@@ -62,10 +62,6 @@ pub struct LearnArguments {
 pub fn confidence(text: &str) -> Result<f64, String> {
     let read = share(text).ok().filter(|c| (0.5..=0.999).contains(c));
     read.ok_or_else(|| "allowed: a confidence from 50% to 99.9%, e.g. 90%".to_owned())
-}
-
-fn sets(text: &str) -> Result<usize, String> {
-    value(text, "a whole number from 200 to 20000", |n| (200..=20_000).contains(n))
 }
 
 /// Runs the command.
@@ -107,7 +103,6 @@ fn learned(opened: &OpenedStudy, arguments: &LearnArguments) -> Done<LearnReport
     let mut settings = LearnSettings::new(opened.study.settings.seed);
     settings.sets = arguments.sets;
     settings.confidence = arguments.confidence;
-    let fixed = fixed_bounds(&opened.study.source);
-    learn_fleet(studied, summary, model, &data, &designs, &fixed, &settings)
+    learn_fleet(studied, summary, model, &data, &designs, &fixed_bounds(&opened.study.source), &settings)
         .map_err(|error| CommandError::refused(arguments.data.display(), error.to_string()))
 }

@@ -2,8 +2,8 @@
 //! simulations at the optimum.
 
 use super::{
-    CommandError, Destination, Done, FarmArguments, OpenedStudy, StoredStudy, Verbosity, answer_with,
-    stored_correction, whole,
+    Destination, Done, FarmArguments, OpenedStudy, StoredStudy, Verbosity, answer_with, stored_correction,
+    whole,
 };
 use clap::Args;
 use common::scene::{InputFile, Scene};
@@ -60,7 +60,7 @@ pub struct OptimiseArguments {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CommandError`].
+/// [`super::CommandError`].
 pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Done {
     let mut opened = OpenedStudy::open(&arguments.dir, arguments.max_evaluations > 0)?;
     let base = opened.present()?;

@@ -1,5 +1,6 @@
 //! `coordinator replace`: the age, or the measured level, of replacement with the least cost, from a finished study.
 
+use super::shared::above_zero;
 use super::{CommandError, Destination, Done, OpenedStudy, answer_with, probability, value};
 use clap::Args;
 use common::scene::Scene;
@@ -30,10 +31,10 @@ pub struct ReplaceArguments {
     /// Folder of the study
     pub dir: PathBuf,
     /// Cost of a planned replacement
-    #[arg(long, value_name = "C", default_value = "1", value_parser = cost)]
+    #[arg(long, value_name = "C", default_value = "1", value_parser = above_zero)]
     pub planned_cost: f64,
     /// Total cost of a failure, its replacement included, not a surcharge
-    #[arg(long, value_name = "C", value_parser = cost)]
+    #[arg(long, value_name = "C", value_parser = above_zero)]
     pub failure_cost: f64,
     /// Failures that count: a limit state, or total
     #[arg(long, value_name = "NAME", default_value = "total")]
@@ -45,10 +46,10 @@ pub struct ReplaceArguments {
     #[arg(long, value_name = "C", default_value = "90%", value_parser = probability, requires = "reliability")]
     pub confidence: f64,
     /// Inspect every N cycles and replace above a measured level; several distances with commas
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = cost, group = "schedule")]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = above_zero, group = "schedule")]
     pub inspect_every: Vec<f64>,
     /// Inspect at these lives instead, increasing, with commas
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = cost, group = "schedule")]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = above_zero, group = "schedule")]
     pub inspect_at: Vec<f64>,
     /// Cost of an inspection
     #[arg(long, value_name = "C", default_value = "0", value_parser = cost_or_zero, requires = "schedule")]
@@ -63,11 +64,6 @@ pub struct ReplaceArguments {
     /// this file, which ends in .txt, .md or .json, instead of standard output
     #[arg(long, value_name = "DIR-or-FILE")]
     pub out: Option<Destination>,
-}
-
-/// Reads a number above zero.
-fn cost(text: &str) -> Result<f64, String> {
-    value(text, "a number above 0", |x: &f64| *x > 0.0 && x.is_finite())
 }
 
 /// Reads a number from zero on.

@@ -60,8 +60,8 @@ pub fn report(arguments: &ReportArguments, as_json: bool) -> Done {
         Some(out) => write_results(&campaign, out, &texts)?,
         None => write_results(&campaign, dir, &texts).map_err(|error| error.of_report_in(dir))?,
     };
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let printed = pdf.then(|| print_page(&page, &path)).transpose()?;
+    let printed =
+        pdf.then(|| print_page(&page, &std::env::var_os("PATH").unwrap_or_default())).transpose()?;
     let confidence_page = stated.as_ref().map(|(answer, _)| answer.write(out.as_ref().unwrap_or(dir)));
     let confidence_page = confidence_page.transpose()?;
     if as_json {

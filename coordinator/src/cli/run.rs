@@ -135,8 +135,7 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Done {
     let monitor = Monitor::open(monitor, &evaluator, dir, study.scene(), &study.settings)?;
     study.campaign.forget_failed_start()?;
     // Another build computes what follows: from which evaluation on, the legs say.
-    let by_another = study.campaign.legs()?.last().is_none_or(|leg| leg.version != program());
-    if begins_leg || by_another {
+    if begins_leg || study.campaign.legs()?.last().is_none_or(|leg| leg.version != program()) {
         let settings = serde_json::to_value(&study.settings)?;
         study.campaign.begin_leg(settings, &command_line(), &program())?;
     }
@@ -170,8 +169,7 @@ fn program() -> String {
 fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Done {
     print_message(format_args!("{} evaluations are done already", study.campaign.count()?));
     let legs = study.campaign.legs()?;
-    let begun = &study.campaign.meta().version;
-    let before = legs.iter().skip(1).last().map_or(begun, |leg| &leg.version);
+    let before = legs.iter().skip(1).last().map_or(&study.campaign.meta().version, |leg| &leg.version);
     let ours = program();
     if *before != ours {
         print_message(format_args!(
@@ -192,8 +190,7 @@ fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Done {
 /// The command line of this process.
 fn command_line() -> String {
     // A name of a file need not be UTF-8.
-    let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
-    words.collect::<Vec<_>>().join(" ")
+    std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
 }
 
 /// Runs a study to its end and writes its results.
@@ -256,8 +253,7 @@ fn free_folder(scene: &str) -> PathBuf {
     let name = format!("hingewise-{}", scene.chars().map(tame).collect::<String>());
     let free = |name: &str| !Path::new(name).exists();
     let numbered = (2_u32..).map(|n| format!("{name}-{n}"));
-    let found = std::iter::once(name.clone()).chain(numbered).find(|name| free(name));
-    PathBuf::from(found.unwrap_or(name))
+    PathBuf::from(std::iter::once(name.clone()).chain(numbered).find(|name| free(name)).unwrap_or(name))
 }
 
 /// One entry per output and checkpoint of the histories.

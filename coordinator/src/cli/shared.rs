@@ -186,6 +186,22 @@ pub fn value<T: FromStr>(text: &str, allowed: &str, allows: impl FnOnce(&T) -> b
     text.trim().parse().ok().filter(allows).ok_or_else(|| format!("allowed: {allowed}"))
 }
 
+/// Parser of a whole number within these bounds.
+pub fn within<T>(from: T, to: T) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static
+where
+    T: FromStr + PartialOrd + Display + Copy + Send + Sync + 'static,
+{
+    move |text| value(text, &format!("a whole number from {from} to {to}"), |n| (from..=to).contains(n))
+}
+
+/// Reads a number above zero.
+///
+/// # Errors
+/// The allowed values, in words.
+pub fn above_zero(text: &str) -> Result<f64, String> {
+    value(text, "a number above 0", |x: &f64| *x > 0.0 && x.is_finite())
+}
+
 /// Reads a whole number above zero.
 ///
 /// # Errors

@@ -54,8 +54,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
         if arguments.report.is_some() {
             return Err(CommandError::no_mechanism(source.origin()));
         }
-        let text = external::simulate(&source, &settings)?;
-        return deliver(&text, out.as_deref());
+        return deliver(&external::simulate(&source, &settings)?, out.as_deref());
     }
     let scene = source.resolve_with(&settings).map_err(one_of_each_cause)?;
     check_linkage(source.origin(), &source, &scene)?;

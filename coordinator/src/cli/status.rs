@@ -1,7 +1,7 @@
 //! `coordinator status`: the progress of a running study.
 
 use super::stored_study::END_DOCUMENT;
-use super::{CommandError, Done, count, print, to_json};
+use super::{Done, count, print, to_json};
 use clap::Args;
 use common::wire::{Phase, Status};
 use coordinator::farm::dispatch::{ClientError, ClientSession};
@@ -48,7 +48,7 @@ pub struct StatusArguments {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CommandError::Client`] if the coordinator does not answer.
+/// [`super::CommandError::Client`] if the coordinator does not answer.
 pub fn status(arguments: &StatusArguments, as_json: bool) -> Done {
     let dir = Path::new(&arguments.endpoint);
     if dir.is_dir() {
@@ -99,7 +99,7 @@ pub fn explained(error: ClientError, since: Instant) -> ClientError {
 /// Prints the state of the study in a folder.
 ///
 /// # Errors
-/// [`CommandError::Store`].
+/// [`super::CommandError::Store`].
 fn stored_status(dir: &Path, as_json: bool) -> Done {
     let campaign = CampaignFile::look(dir)?;
     let reason: Option<String> = campaign.document(END_DOCUMENT)?;

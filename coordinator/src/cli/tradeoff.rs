@@ -71,8 +71,7 @@ pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Done {
     // What is complete is written even if the rest is missing.
     if measurement.points > 0 {
         let rows = compare(scene, &plan.settings, &measurement);
-        let reference = reference_row(scene, &measurement);
-        let answer = answer(scene, &rows, &reference, measurement.points);
+        let answer = answer(scene, &rows, &reference_row(scene, &measurement), measurement.points);
         if let Some(folder) = &arguments.out {
             let values = values_csv(scene, &plan.settings, &measurement);
             write_text(&folder.join("values.csv"), &values)?;

@@ -100,8 +100,7 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Done {
     if let Some(confidence) = confidence {
         let confident = opened.confident(&changed, *confidence)?;
         let end = f64::from(changed.nominal().life.cycles);
-        let tables = confident_tables(&confident, end).map(AnswerPart::Table);
-        answer.parts.splice(1..1, tables);
+        answer.parts.splice(1..1, confident_tables(&confident, end).map(AnswerPart::Table));
         answer.figures.push(confident_figure(&confident, &found.after.reliability, end));
         as_json["confident"] = serde_json::to_value(&confident)?;
     }

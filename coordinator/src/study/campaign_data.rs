@@ -96,8 +96,7 @@ impl CampaignData {
             (1.0 - approach).max(0.1).powi(-3)
         };
         let results = self.observations.standardised().chain(self.confirmed.iter().map(Vec::as_slice));
-        let failed = self.failed.iter().map(|failed| (&failed.z[..], 1.0));
-        results.map(|z| (z, factor(z))).chain(failed).collect()
+        results.map(|z| (z, factor(z))).chain(self.failed.iter().map(|failed| (&failed.z[..], 1.0))).collect()
     }
 
     /// True if a failure at the standardised point `z` `(d,)` has a probability of a third or more by the distances from failures and
@@ -124,7 +123,7 @@ impl Surrogate {
             let (value, mean) = (results.values[(n + i, o)], prediction.mean[(o, i)]);
             let variance = self.model.sigma2()[o] * (prediction.variance_factor[i] + noise) * inflation;
             let error = (value - mean).abs() / variance.max(f64::MIN_POSITIVE).sqrt();
-            if concerns_limit(value, mean, self.threshold.value) { error } else { 0.0 }
+            if verdict(value, mean, self.threshold.value) > Verdict::Confirmed { error } else { 0.0 }
         };
         let pairs = (0..all - n).flat_map(|i| self.fitted_on.iter().map(move |o| (i, *o)));
         pairs.map(|(i, o)| standardised_error(i, o)).fold(0.0, f64::max)
@@ -156,12 +155,6 @@ fn verdict(value: f64, predicted: f64, threshold: f64) -> Verdict {
     } else {
         Verdict::Confirmed
     }
-}
-
-/// True if `value` lies beyond the threshold against the prediction, or at less than [`NEAR`] of the predicted
-/// distance from it.
-fn concerns_limit(value: f64, predicted: f64, threshold: f64) -> bool {
-    verdict(value, predicted, threshold) > Verdict::Confirmed
 }
 
 /// Largest error [1] of any surrogate at the results observed since its fit, in predicted standard
@@ -212,7 +205,7 @@ pub(super) fn judge(surrogates: &[Surrogate], modes: &[Mode], z: &[f64], observe
 
 #[cfg(test)]
 mod tests {
-    use super::{Verdict, approach, concerns_limit, verdict, *};
+    use super::{Verdict, approach, verdict, *};
 
     #[test]
     fn issue_one_corner_without_results_counts_once() {
@@ -253,11 +246,11 @@ mod tests {
 
     #[test]
     fn a_result_concerns_the_limit_if_nearer_than_predicted_or_beyond() {
-        let cases =
-            [(9.0, 5.0), (10.5, 9.9), (12.0, 20.0), (9.0, 11.0)].map(|(v, p)| concerns_limit(v, p, 10.0));
+        let cases = [(9.0, 5.0), (10.5, 9.9), (12.0, 20.0), (9.0, 11.0)]
+            .map(|(v, p)| verdict(v, p, 10.0) > Verdict::Confirmed);
         assert_eq!(cases, [true; 4]);
-        let cases =
-            [(5.0, 5.0), (-90.0, 5.0), (5.0, 4.9), (20.0, 12.0)].map(|(v, p)| concerns_limit(v, p, 10.0));
+        let cases = [(5.0, 5.0), (-90.0, 5.0), (5.0, 4.9), (20.0, 12.0)]
+            .map(|(v, p)| verdict(v, p, 10.0) > Verdict::Confirmed);
         assert_eq!(cases, [false; 4]);
         let cases = [(9.0, 5.0), (10.5, 9.9), (9.0, 11.0), (5.0, 5.0)].map(|(v, p)| verdict(v, p, 10.0));
         let [near, contradicted] = [Verdict::Near, Verdict::Contradicted];

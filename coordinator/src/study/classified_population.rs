@@ -208,8 +208,7 @@ impl ClassifiedPopulation {
         let mut rng = open_stream(plan.settings.seed, Stream::Subset(self.draws));
         let (drawn, condition) =
             conditional_population(self.unconditional(), surrogates, self.samples, &mut rng);
-        let replaced = std::mem::replace(&mut self.population, drawn);
-        self.unconditional.get_or_insert(replaced);
+        self.unconditional.get_or_insert(std::mem::replace(&mut self.population, drawn));
         self.condition = condition;
         self.draws += 1;
     }

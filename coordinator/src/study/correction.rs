@@ -146,8 +146,7 @@ impl Correction {
             known.insert(key, ()).is_none().then_some(LevelPair { sample, working, finer, finest })
         };
         let pairs: Vec<LevelPair> = working.iter().filter_map(pair).collect();
-        let outputs = pairs.first()?.working.histories.len();
-        Self::new(&pairs, outputs, PairedModel::of(scene))
+        Self::new(&pairs, pairs.first()?.working.histories.len(), PairedModel::of(scene))
     }
 
     /// The corrected result of an evaluation at values of the variables `(d,)` [SI]; responses that were derived from its outputs are left
@@ -162,8 +161,7 @@ impl Correction {
         let mut rough = Vec::with_capacity(outputs);
         for (output, OutputCorrection { difference, has_start }) in self.outputs.iter().enumerate() {
             let shift = usize::from(*has_start);
-            let values = histories[output].iter_mut().zip(&mut errors[output]);
-            for (n, (value, error)) in values.enumerate() {
+            for (n, (value, error)) in histories[output].iter_mut().zip(&mut errors[output]).enumerate() {
                 let stated = if adds { *error } else { 0.0 };
                 *error = stated.hypot(REACH * difference.std_at(n + shift, *value));
                 *value += difference.at(n + shift, *value, sample);

@@ -258,8 +258,7 @@ impl RequestSource for StudyRequests<'_, '_> {
         if self.requests.is_empty() {
             self.record.times.idle += since.elapsed();
         }
-        let next = self.take_steps();
-        next.map_err(|error| self.fail(error))
+        self.take_steps().map_err(|error| self.fail(error))
     }
 
     fn record(&mut self, finished: Finished) -> Result<(), EvaluateError> {

@@ -123,8 +123,7 @@ impl Campaign {
         }
         self.surrogates.require_fit();
         let (assessment, _) = self.assess_until_fresh()?;
-        let cov = self.classified.coefficient_of_variation(assessment.governing_failed());
-        self.add_round(&assessment, cov);
+        self.add_round(&assessment, self.classified.coefficient_of_variation(assessment.governing_failed()));
         self.progress.assessment = Some(assessment);
         Ok(())
     }
@@ -135,8 +134,7 @@ impl Campaign {
 pub fn complete_outcomes(scene: &Scene, stored: &[StoredOutcome]) -> Vec<(Vec<f64>, ObservedOutcome)> {
     let responses = ResponseLayout::from_scene(scene);
     let complete = |stored: &StoredOutcome| {
-        let outcome = stored.outcome.clone().map(|observed| responses.complete(observed));
-        (stored.sample.clone(), outcome)
+        (stored.sample.clone(), stored.outcome.clone().map(|observed| responses.complete(observed)))
     };
     stored.iter().map(complete).collect()
 }
@@ -207,8 +205,7 @@ pub fn result_of(
     started: Instant,
 ) -> StudyResult {
     let findings = curves_from_learning(scene, settings, learned);
-    let timing = Timing { total: started.elapsed().as_secs_f64(), ..Timing::default() };
-    findings.result(scene, timing, vec![])
+    findings.result(scene, Timing { total: started.elapsed().as_secs_f64(), ..Timing::default() }, vec![])
 }
 
 /// A question about a finished study that may ask for further simulations.

@@ -26,7 +26,6 @@ use super::plan::Problem;
 use super::round::Assessment;
 use crate::results::reliability_summary::ErrorParts;
 use crate::results::summary::{PerLimitState, ReliabilityRange, ReliabilityRow, UntestedRow};
-use crate::statistics::design::InputModel;
 use crate::statistics::learning::Mode;
 use crate::statistics::reliability::{
     Condition, CurvePoint, half_width, reliability_curve, surrogate_error_at,
@@ -205,33 +204,35 @@ impl Untested {
 mod tests {
     use super::super::Observed;
     use super::*;
+    use crate::statistics::design::InputModel;
     use common::random::Distribution;
 
     #[test]
     fn issue_a_bound_was_the_surrogates_word_alone() {
         let inputs = InputModel::from(&vec![Distribution::normal(3.0, 2.0).unwrap(); 2]);
-        let modes = [0, 1].map(|output| Mode { output, threshold: 1.0 });
+        let modes = [0, 1].map(|output| Mode { output, threshold: 1.0 }).to_vec();
+        let problem = Problem { inputs, outputs: 2, modes, checkpoints: vec![1] };
         let mut observations = Observations::new(2);
         // Twelve results without failures; then the first limit state fails at 3 and at 8 standard deviations, the second nowhere.
         for i in 0..12 {
             observations.add(&[0.1 * i as f64, -1.0], Observed::exact(vec![vec![0.0], vec![0.0]]));
         }
-        let found = Untested::new(&modes, &observations, &inputs, &[1e-9, 0.0, 1e-9], 12);
+        let found = Untested::new(&problem, &observations, &[1e-9, 0.0, 1e-9], 12);
         assert_eq!(found, Untested { curves: vec![true; 3], samples: 11 });
         // 0.05 = (1 - P)^11.
         assert!((found.bound(2).unwrap() - 0.23840).abs() < 1e-5);
         observations.add(&[8.0, 0.0], Observed::exact(vec![vec![2.0], vec![0.0]]));
         // P(|U| > 8) = exp(-32) = 1.3e-14.
         for (pf, untested) in [(1e-10, true), (1e-12, false)] {
-            let found = Untested::new(&modes, &observations, &inputs, &[pf, 0.0, pf], 12);
+            let found = Untested::new(&problem, &observations, &[pf, 0.0, pf], 12);
             assert_eq!(found.curves, [untested, true, untested], "{pf}");
         }
         observations.add(&[0.0, -3.0], Observed::exact(vec![vec![2.0], vec![0.0]]));
-        let found = Untested::new(&modes, &observations, &inputs, &[1e-3, 0.0, 1e-3], 12);
+        let found = Untested::new(&problem, &observations, &[1e-3, 0.0, 1e-3], 12);
         assert_eq!(found.curves, [false, true, false]);
         // The second fails no more often than the system, and without a prediction nothing is tested.
         assert_eq!((found.possible(1, 2e-3), found.possible(0, 2e-3)), (Some(2e-3), None));
-        let none = Untested::new(&modes, &observations, &inputs, &[0.0; 3], 12);
+        let none = Untested::new(&problem, &observations, &[0.0; 3], 12);
         assert_eq!((none.possible(2, 0.0), &none.curves), (none.bound(2), &vec![true; 3]));
         assert_eq!(Untested::default().bound(0), None);
     }

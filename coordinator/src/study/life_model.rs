@@ -16,7 +16,7 @@ use super::observations::Sides;
 use super::plan::ResponseLayout;
 use super::{CampaignResult, Surrogate};
 use crate::statistics::design::InputModel;
-use crate::statistics::learning::Classification;
+use crate::statistics::learning::{Classification, Mode};
 use crate::statistics::reliability::{ErrorLine, Track};
 use crate::statistics::surrogate::{ExplicitMean, Kriging};
 use common::scene::{Fails, LimitState, Scene};
@@ -84,11 +84,11 @@ impl History {
     }
 
     /// The history of a distance from a middle by its two sides.
-    fn of_sides(surrogate: &Surrogate, sides: &Sides, inflation: f64) -> Self {
+    fn of_sides(surrogate: &Surrogate, sides: &Sides) -> Self {
         let mut model = surrogate.model.clone();
         let with_start = sides.with_start();
         model.set_sides(with_start.as_ref().unwrap_or(&sides.values).as_ref());
-        Self::of_model(model, with_start.is_some(), inflation)
+        Self::of_model(model, with_start.is_some(), surrogate.inflation())
     }
 
     fn of_model(model: Kriging, has_start: bool, inflation: f64) -> Self {
@@ -126,12 +126,12 @@ impl LifeModel {
     pub fn new(scene: &Scene, learned: &CampaignResult) -> Self {
         let surrogates = &learned.assessment.surrogates;
         let layout = ResponseLayout::from_scene(scene);
-        let mode = |(s, (mode, surrogate)): (usize, (&crate::statistics::learning::Mode, &Surrogate))| {
+        let mode = |(s, (mode, surrogate)): (usize, (&Mode, &Surrogate))| {
             let observations = learned.observations.design_of(s);
             let (values, start) =
                 (observations.running_maxima(mode.output), observations.starts(mode.output));
             let history = match observations.sides(mode.output) {
-                Some(sides) => History::of_sides(surrogate, &sides, surrogate.inflation()),
+                Some(sides) => History::of_sides(surrogate, &sides),
                 None => History::new(surrogate, &values, start, surrogate.inflation()),
             };
             ModeModel { history, threshold: surrogate.threshold.value }
@@ -197,8 +197,7 @@ impl LifeModel {
 
     /// Number of deviations of a point.
     pub fn deviations(&self) -> usize {
-        let own = self.outputs.iter().filter(|output| output.deviation >= self.modes.len()).count();
-        self.modes.len() + own
+        self.modes.len() + self.outputs.iter().filter(|output| output.deviation >= self.modes.len()).count()
     }
 
     /// Earliest life at which an output is known [cycles].

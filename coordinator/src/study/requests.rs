@@ -169,7 +169,7 @@ mod tests {
         assert_eq!((0..30).filter(|j| requests.requested[*j]).collect::<Vec<_>>(), [3]);
         // Chains repeat points: the third is a known one, the others are two copies of a new one.
         let (known, new) = (population.standardised(3).to_vec(), vec![5.0, 1.0]);
-        let chains = population.with_points([&new[..], &new, &known].concat());
+        let chains = population.with_descendants([&new[..], &new, &known].concat(), vec![]);
         requests.mark_known(&chains);
         assert_eq!(requests.requested, [false, false, true]);
         let mut chains = ClassifiedPopulation::new(chains);

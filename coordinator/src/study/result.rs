@@ -61,8 +61,7 @@ pub(super) struct Findings {
 
 /// Names of the curves: the limit states, in the scene's order, and the system.
 pub(super) fn curve_names(scene: &Scene) -> Vec<String> {
-    let limits = scene.limit_states.iter().map(|limit| limit.name.clone());
-    limits.chain(["total".to_owned()]).collect()
+    scene.limit_states.iter().map(|limit| limit.name.clone()).chain(["total".to_owned()]).collect()
 }
 
 /// The summary of a study without results: what scene and settings determine.

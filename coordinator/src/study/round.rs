@@ -5,7 +5,7 @@ use super::failures::{Failed, Feasibility};
 use super::observations::Observations;
 use super::plan::{Plan, Problem};
 use super::step::CampaignError;
-use super::surrogates::{FitOptions, GRID, Surrogate, fit_surrogates};
+use super::surrogates::{GRID, Surrogate, fit_surrogates};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
@@ -121,8 +121,7 @@ impl Assessment {
     ) -> Vec<Vec<f64>> {
         let points: Vec<&[f64]> = rim.iter().map(Vec::as_slice).collect();
         let columns = Mat::from_fn(points.first().map_or(0, |z| z.len()), points.len(), |k, i| points[i][k]);
-        let feasible = self.feasibility.open_probability(columns.as_ref());
-        let chosen = farthest(&points, known, &feasible, count);
+        let chosen = farthest(&points, known, &self.feasibility.open_probability(columns.as_ref()), count);
         chosen.into_iter().map(|place| std::mem::take(&mut rim[place])).collect()
     }
 
@@ -161,8 +160,7 @@ impl Assessment {
             let after = (last + 1..shares.len()).filter(|n| shares[*n] < 1.0);
             let end = combined[combined.len() - 1];
             let after = after.map(|n| (n, in_proportion(end, 1.0 - shares[n], 1.0 - shares[last])));
-            let on_grid = self.grid.iter().copied().zip(combined.iter().copied());
-            before.chain(on_grid).chain(after).collect()
+            before.chain(self.grid.iter().copied().zip(combined.iter().copied())).chain(after).collect()
         };
         self.errors.by_curve.iter().zip(&self.noise_shift).zip(&self.curves).map(of_curve).collect()
     }
@@ -199,13 +197,8 @@ pub(super) fn assess(
 ) -> Result<Assessment, CampaignError> {
     let points = input.observations.points();
     let RoundInput { problem, plan, observations, previous, .. } = *input;
-    let options = FitOptions {
-        forms: plan.settings.forms,
-        stated_errors: plan.settings.stated_errors,
-        effort,
-        as_published: plan.is_as_published(),
-    };
-    let surrogates = fit_surrogates(observations, &problem.modes, (input.surrogates, previous), options)?;
+    let surrogates =
+        fit_surrogates(observations, &problem.modes, (input.surrogates, previous), (plan, effort))?;
     let grid = common_grid(&surrogates);
     let modes = classify_modes(input, &surrogates, caches, &grid);
     let first_failures: Vec<&[u32]> = modes.iter().map(|mode| mode.first_failure.as_slice()).collect();
@@ -348,6 +341,5 @@ fn nearest(grid: &[usize], checkpoint: usize) -> usize {
 
 /// Largest absolute difference of two sets of curves of the same shape.
 pub(super) fn largest_change(before: &[Vec<f64>], now: &[Vec<f64>]) -> f64 {
-    let pairs = before.iter().flatten().zip(now.iter().flatten());
-    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    before.iter().flatten().zip(now.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }

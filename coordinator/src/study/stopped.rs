@@ -78,8 +78,7 @@ pub(super) fn stop_in_words(scene: &Scene, learned: &CampaignResult, settings: &
     let targets = settings.targets();
     let figures = &learned.assessment.figures;
     let condition = &learned.classified.condition;
-    let variables = learned.classified.population.dimension();
-    let held = targets.points_to_hold(variables, condition.levels > 0);
+    let held = targets.points_to_hold(learned.classified.population.dimension(), condition.levels > 0);
     let reason = match learned.stop {
         _ if settings.method == Method::AkMcs => as_published(scene, learned, settings),
         StopReason::Rule(Rule::Learning) => format!(

@@ -72,8 +72,7 @@ pub(super) fn predictions(scene: &Scene, learned: &CampaignResult) -> Vec<Predic
 /// the output from the same simulations.
 pub(super) fn sobol(scene: &Scene, campaign: &CampaignResult) -> Vec<SobolRow> {
     // For dependent variables the indices are no shares of the variance.
-    let population = campaign.classified.unconditional();
-    if !population.inputs().copula().is_independent() {
+    if !campaign.classified.unconditional().inputs().copula().is_independent() {
         return Vec::new();
     }
     (0..scene.limit_states.len()).flat_map(|s| sobol_of(scene, campaign, s)).collect()
@@ -166,8 +165,7 @@ pub(super) fn failure_points(
 fn normals(population: &Population, point: usize) -> (Vec<f64>, f64) {
     let inputs = population.inputs();
     let normals = inputs.normals(&population.physical(point));
-    let independent = inputs.copula().decorrelate(&normals);
-    let distance = independent.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let distance = inputs.copula().decorrelate(&normals).iter().map(|v| v * v).sum::<f64>().sqrt();
     (normals, distance)
 }
 

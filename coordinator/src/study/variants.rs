@@ -67,12 +67,8 @@ impl StudyOfVariants<'_> {
             .going_on(stored.len() as u64, correction)
             .run(&mut paired)?;
         let (shift, evaluations) = paired.of_pairs();
-        let learned = match shift {
-            None => None,
-            Some(shift) => {
-                Some(learn_from_results(scene, scene, settings, &shift.correct_all(stored.to_vec()))?)
-            }
-        };
-        Ok(LearnedVariant { learned, evaluations })
+        let shifted = shift.map(|shift| shift.correct_all(stored.to_vec()));
+        let learned = shifted.map(|shifted| learn_from_results(scene, scene, settings, &shifted));
+        Ok(LearnedVariant { learned: learned.transpose()?, evaluations })
     }
 }

@@ -17,7 +17,6 @@
 //! doi 10.3969/j.issn.1004-132X.2026.06.020, who choose the design by Latin hypercube.
 
 use super::{InputModel, Stream, latin_hypercube, open_stream};
-use common::random::Distribution;
 use common::scene::Scene;
 use faer::MatRef;
 use rand::{Rng, RngExt};
@@ -61,13 +60,8 @@ impl Population {
         Self { inputs: inputs.clone(), z, origins: Vec::new(), rng: open_stream(seed, Stream::Population) }
     }
 
-    /// A population of the same variables with the standardised points `(n, d)` row-major; it must not grow.
-    pub fn with_points(&self, z: Vec<f64>) -> Self {
-        self.with_descendants(z, Vec::new())
-    }
-
-    /// The same with points of Markov chains, each descending from one of some independent samples, `origins`
-    /// `(n,)`.
+    /// A population of the same variables with the standardised points `(n, d)` row-major; it must not grow. Points of Markov chains
+    /// descend each from one of some independent samples, `origins` `(n,)`, which are empty for independent points.
     pub fn with_descendants(&self, z: Vec<f64>, origins: Vec<u32>) -> Self {
         Self { inputs: self.inputs.clone(), z, origins, rng: self.rng.clone() }
     }
@@ -96,11 +90,6 @@ impl Population {
     /// Number of variables d.
     pub fn dimension(&self) -> usize {
         self.inputs.dimension()
-    }
-
-    /// The random variables `(d,)`.
-    pub fn variables(&self) -> &[Distribution] {
-        self.inputs.variables()
     }
 
     /// The input model: the random variables with their dependence.
@@ -224,7 +213,7 @@ mod tests {
         let population = Population::draw(correlated(), n, 3);
         let u: Vec<Vec<f64>> = (0..4)
             .map(|k| {
-                let variable = &population.variables()[k];
+                let variable = &population.inputs().variables()[k];
                 column(&population, k).iter().map(|x| variable.to_standard_normal(*x)).collect()
             })
             .collect();

@@ -216,8 +216,7 @@ pub struct Coupled {
 
 /// Coupled learning functions of every point `(N,)`, from the classifications by all modes on the same grid.
 pub fn coupled_criterion(modes: &[Classification]) -> Vec<Coupled> {
-    let points = modes[0].variance_factor.len();
-    (0..points).into_par_iter().map(|j| coupled(modes, j)).collect()
+    (0..modes[0].variance_factor.len()).into_par_iter().map(|j| coupled(modes, j)).collect()
 }
 
 fn coupled(modes: &[Classification], j: usize) -> Coupled {

@@ -240,7 +240,7 @@ mod tests {
         let model = Kriging::condition(data.as_ref(), values.as_ref(), &correlation).unwrap();
         let variable = random::Distribution::normal(0.0, 1.0).unwrap();
         let places = (0..points).map(|i| distance * i as f64).collect();
-        let population = Population::draw(&[variable], 0, 1).with_points(places);
+        let population = Population::draw(&[variable], 0, 1).with_descendants(places, vec![]);
         let pool = Pool { members: (0..points).collect(), sampled: points, uncertain: points };
         JointPool::new(pool, &[], &population, &[&model])
     }

@@ -76,8 +76,7 @@ pub fn choose_pool(coupled: &[Coupled], requested: &[bool], least: usize, seed: 
     if uncertain > LARGEST {
         let mut rng = open_stream(seed, Stream::Pool(round));
         for i in 0..LARGEST {
-            let other = rng.random_range(i..uncertain);
-            members.swap(i, other);
+            members.swap(i, rng.random_range(i..uncertain));
         }
         members.truncate(LARGEST);
         members.sort_unstable();

@@ -178,8 +178,7 @@ impl Nearness {
 
 /// gain_j of every member `(p,)` [1], summed over modes.
 fn gains(pool: &JointPool, near: &Nearness) -> Vec<f64> {
-    let members = near.risk.len();
-    let mut gains = vec![0.0; members];
+    let mut gains = vec![0.0; near.risk.len()];
     for (posterior, targeted) in pool.posteriors.iter().zip(&near.targeted) {
         for (j, gain) in gains.iter_mut().enumerate() {
             let denominator = posterior.variance(j) + posterior.noise();
@@ -226,7 +225,7 @@ mod tests {
             Correlation { kernel: Kernel::Gaussian, theta: vec![1.0], nugget: 1e-8, stated: 0.0 };
         let model = Kriging::condition(data.as_ref(), values.as_ref(), &correlation).unwrap();
         let variable = Distribution::normal(0.0, 1.0).unwrap();
-        let population = Population::draw(&[variable], 0, 1).with_points(places.to_vec());
+        let population = Population::draw(&[variable], 0, 1).with_descendants(places.to_vec(), vec![]);
         let members: Vec<usize> = (0..places.len()).filter(|i| !under_way.contains(i)).collect();
         let pool = Pool { sampled: members.len(), uncertain: members.len(), members };
         JointPool::new(pool, &under_way.collect::<Vec<usize>>(), &population, &[&model])

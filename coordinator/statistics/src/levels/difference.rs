@@ -76,8 +76,7 @@ impl Difference {
         let centre = pairs.iter().map(|(y, _)| y).sum::<f64>() / n;
         let mean = pairs.iter().map(|(_, d)| d).sum::<f64>() / n;
         let square: f64 = pairs.iter().map(|(y, _)| (y - centre).powi(2)).sum();
-        let is_line = form == DifferenceForm::Line && square > 0.0;
-        let square = if is_line { square } else { f64::INFINITY };
+        let square = if form == DifferenceForm::Line && square > 0.0 { square } else { f64::INFINITY };
         let slope = pairs.iter().map(|(y, d)| (y - centre) * (d - mean)).sum::<f64>() / square;
         let mut difference = Self {
             centre,

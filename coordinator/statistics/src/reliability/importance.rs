@@ -89,8 +89,7 @@ impl ImportanceSampling {
         let mut known = self.in_event(&known, &y);
         let mut mixture = Mixture::cover(&known, d)?;
         for _ in 0..TRIALS.0 {
-            let count = (TRIAL * self.samples as f64) as usize;
-            let trial = mixture.propose(count, self.level, rng, respond);
+            let trial = mixture.propose((TRIAL * self.samples as f64) as usize, self.level, rng, respond);
             known.extend(self.in_event(&trial.u, &trial.y));
             let enough = trial.variation() <= TRIALS.1;
             mixture = Mixture::cover(&known, d)?;
@@ -98,8 +97,7 @@ impl ImportanceSampling {
                 break;
             }
         }
-        let count = (PROPOSALS * self.samples as f64) as usize;
-        let proposals = mixture.propose(count, self.level, rng, respond);
+        let proposals = mixture.propose((PROPOSALS * self.samples as f64) as usize, self.level, rng, respond);
         let sum: f64 = proposals.w.iter().sum();
         (sum > 0.0).then(|| self.resampled(&proposals, sum, rng))
     }

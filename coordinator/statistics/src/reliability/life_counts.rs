@@ -43,8 +43,7 @@ impl LifePosition {
     /// The shorter of two lives.
     #[must_use]
     pub fn earlier(self, other: Self) -> Self {
-        let other_first = (other.interval, other.share) < (self.interval, self.share);
-        if other_first { other } else { self }
+        if (other.interval, other.share) < (self.interval, self.share) { other } else { self }
     }
 }
 

@@ -141,13 +141,11 @@ impl LineSampling {
     /// the origin, then their means over the roots of some lines, weighted with the density.
     pub fn directions(&self, modes: usize, margins: &Margins<'_>) -> Vec<Vec<f64>> {
         let d = self.normals.nrows();
-        let origin = Mat::zeros(d, 1);
-        let at_origin = gradients(origin.as_ref(), 0.5, margins);
+        let at_origin = gradients(Mat::zeros(d, 1).as_ref(), 0.5, margins);
         let of_mode = |i: usize| {
             let mut direction = unit((0..d).map(|k| at_origin[k][(i, 0)]).collect());
             for _ in 0..SEARCH_ROUNDS {
-                let lines = self.lines().min(SEARCH_LINES);
-                let (feet, _, brackets) = self.crossings(lines, &direction, margins);
+                let (feet, _, brackets) = self.crossings(self.lines().min(SEARCH_LINES), &direction, margins);
                 // Only rises count: they bound the failures that lie along the direction.
                 let is_rise = |root: &&RootBracket| root.mode == i && root.slope > 0.0;
                 let rising: Vec<&RootBracket> = brackets.iter().filter(is_rise).collect();
@@ -156,8 +154,7 @@ impl LineSampling {
                     break;
                 }
                 let point = |k: usize, j: usize| feet[(k, rising[j].line)] + rising[j].t * direction[k];
-                let points = Mat::from_fn(d, rising.len(), point);
-                let slopes = gradients(points.as_ref(), 0.05, margins);
+                let slopes = gradients(Mat::from_fn(d, rising.len(), point).as_ref(), 0.05, margins);
                 let mut mean = vec![0.0; d];
                 for (j, root) in rising.iter().enumerate() {
                     let weight = (-0.5 * (root.t.powi(2) - nearest)).exp();

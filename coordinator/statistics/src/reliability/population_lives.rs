@@ -78,8 +78,7 @@ impl<'a> PreparedMode<'a> {
         room.predicted.extend(self.scale[checkpoints..].iter().map(|scale| scale * std));
         let errors = ResponseErrors { numerical: &room.numerical, predicted: &room.predicted };
         let first = self.mode.first_failure[j] as usize;
-        let track = Track { times, values, start };
-        mode_lives(&track, &errors, self.mode.threshold, first, &mut room.shifted)
+        mode_lives(&Track { times, values, start }, &errors, self.mode.threshold, first, &mut room.shifted)
     }
 }
 

@@ -117,8 +117,7 @@ impl SubsetSimulation {
         let mut scale = FIRST_SCALE;
         let seeds = (SHARE * n as f64).round() as usize;
         while levels.len() < most_levels {
-            let failed = samples.y.iter().filter(|y| **y >= 0.0).count();
-            if failed >= seeds {
+            if samples.y.iter().filter(|y| **y >= 0.0).count() >= seeds {
                 break;
             }
             let (level, from) = next_level(&samples.y, seeds);
@@ -201,8 +200,7 @@ fn no_longer_rise(levels: &[f64], level: f64, most: usize) -> bool {
 fn level_variation(y: &[f64], origin: &[usize], gamma: f64) -> f64 {
     let any = y.iter().any(|y| *y >= 0.0);
     let mut descendants = vec![0.0; y.len()];
-    let counted = origin.iter().zip(y).filter(|(_, y)| !any || **y >= 0.0);
-    counted.for_each(|(j, _)| descendants[*j] += 1.0);
+    origin.iter().zip(y).filter(|(_, y)| !any || **y >= 0.0).for_each(|(j, _)| descendants[*j] += 1.0);
     let sum: f64 = descendants.iter().sum();
     let all = descendants.iter().map(|s| (s / sum).powi(2)).sum::<f64>();
     let (share, n) = (sum / y.len() as f64, y.len() as f64);

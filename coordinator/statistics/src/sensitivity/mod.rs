@@ -175,7 +175,7 @@ pub fn sensitivities(
         })
     };
     let derivatives: Vec<[Vec<Derivative>; 2]> =
-        population.variables().par_iter().enumerate().map(of_variable).collect();
+        population.inputs().variables().par_iter().enumerate().map(of_variable).collect();
     let mut rows = Vec::new();
     for checkpoint in checkpoints {
         for (curve, first) in first_failures.iter().enumerate() {
@@ -218,11 +218,11 @@ fn scores(population: &Population, own: &dyn Fn(f64) -> [f64; 2], j: usize, k: u
         return own;
     }
     let normal = |i: usize| {
-        let u = population.variables()[i].to_standard_normal(population.physical_value(j, i));
+        let u = population.inputs().variables()[i].to_standard_normal(population.physical_value(j, i));
         u.clamp(-LARGEST_NORMAL, LARGEST_NORMAL)
     };
     let slope = copula.score(k, normal) / standard_normal_pdf(normal(k));
-    let moved = population.variables()[k].cdf_derivatives(x);
+    let moved = population.inputs().variables()[k].cdf_derivatives(x);
     [0, 1].map(|p| own[p] + slope * moved[p])
 }
 

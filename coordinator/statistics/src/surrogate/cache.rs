@@ -174,8 +174,7 @@ impl Block {
             if self.w.last().is_none_or(|part| part.capacity() < part.len() + b) {
                 self.w.push(Vec::with_capacity(b * ROOM));
             }
-            let part = self.w.last_mut().expect("a part with room was added");
-            part.extend(column.iter());
+            self.w.last_mut().expect("a part with room was added").extend(column.iter());
         }
         self.add_rows(model, rows.transpose(), n);
     }

@@ -50,6 +50,9 @@ pub struct Chosen {
     pub cross_validation: Option<CrossValidation>,
     /// Number of repairs: starts without a usable point, forms that could not be conditioned, nuggets raised.
     pub repairs: usize,
+    form: Form,
+    /// Log densities with one point left out at fixed lengths `(n,)`, for fits without cross-validation.
+    left_out: Vec<f64>,
 }
 
 impl Kriging {
@@ -75,13 +78,13 @@ pub fn fit_surrogate(
     let standing = incumbent.map(Incumbent::form).filter(|form| forms.contains(form)).unwrap_or(forms[0]);
     let previous = incumbent.map(|incumbent| &incumbent.correlation);
     let mut first = conditioned(training, standing, previous, effort)?;
-    let mut repairs = first.repairs();
+    let mut repairs = first.repairs;
     let warm = effort == Effort::Warm && incumbent.is_some();
     if !warm {
         first.cross_validate(training);
     }
     if warm || forms.len() == 1 {
-        return Ok(first.chosen(repairs));
+        return Ok(first);
     }
 
     // The other forms start from the incumbent's optimum, because a length has a similar meaning for all
@@ -93,7 +96,7 @@ pub fn fit_surrogate(
     for form in forms.iter().filter(|form| **form != standing) {
         match conditioned(training, *form, Some(&from), effort) {
             Ok(mut other) => {
-                repairs += other.repairs();
+                repairs += other.repairs;
                 other.cross_validate(training);
                 // Cross-validated forms are not compared with forms that could not be cross-validated.
                 if other.cross_validation.is_some() == compared[0].cross_validation.is_some() {
@@ -103,18 +106,7 @@ pub fn fit_surrogate(
             Err(_) => repairs += 1,
         }
     }
-    let best = challenger(&compared).unwrap_or(0);
-    Ok(compared.swap_remove(best).chosen(repairs))
-}
-
-/// One form, fitted and conditioned.
-struct FittedForm {
-    form: Form,
-    fitted: Fitted,
-    model: Kriging,
-    /// Log densities with one point left out at fixed lengths `(n,)`, for fits without cross-validation.
-    left_out: Vec<f64>,
-    cross_validation: Option<CrossValidation>,
+    Ok(Chosen { repairs, ..compared.swap_remove(challenger(&compared).unwrap_or(0)) })
 }
 
 /// Fits and conditions a surrogate of one form.
@@ -123,16 +115,17 @@ fn conditioned(
     form: Form,
     previous: Option<&Correlation>,
     effort: Effort,
-) -> Result<FittedForm, SurrogateError> {
+) -> Result<Chosen, SurrogateError> {
     let fitted = fit_correlation(training, form, previous, effort);
     let TrainingSet { points, values, .. } = training;
     let model =
         Kriging::condition_noisy(points, values, &fitted.correlation, form.trend, training.weights())?;
     let left_out = model.log_densities(values);
-    Ok(FittedForm { form, fitted, model, left_out, cross_validation: None })
+    let repairs = fitted.failed_starts + model.raised();
+    Ok(Chosen { model, fitted, cross_validation: None, repairs, form, left_out })
 }
 
-impl FittedForm {
+impl Chosen {
     fn cross_validate(&mut self, training: TrainingSet<'_>) {
         self.cross_validation = cross_validate(training, self.form, &self.fitted.correlation);
     }
@@ -144,19 +137,10 @@ impl FittedForm {
     fn log_density(&self) -> f64 {
         self.densities().iter().sum::<f64>() / self.densities().len() as f64
     }
-
-    fn repairs(&self) -> usize {
-        self.fitted.failed_starts + self.model.raised()
-    }
-
-    fn chosen(self, repairs: usize) -> Chosen {
-        let Self { model, fitted, cross_validation, .. } = self;
-        Chosen { model, fitted, cross_validation, repairs }
-    }
 }
 
 /// Index of the form that replaces the first, if any does.
-fn challenger(compared: &[FittedForm]) -> Option<usize> {
+fn challenger(compared: &[Chosen]) -> Option<usize> {
     let standing = &compared[0];
     let clearly =
         |i: &usize| Gain::between(standing.densities(), compared[*i].densities()).exceeds(LEAST_GAIN);

@@ -129,8 +129,7 @@ pub(crate) fn cross_of_scaled_into(
     b: MatRef<'_, f64>,
 ) {
     matmul(r.as_mut(), Accum::Replace, a.transpose(), b, 2.0, Par::Seq);
-    let b_norms = squared_norms(b);
-    for (j, b_norm) in b_norms.into_iter().enumerate() {
+    for (j, b_norm) in squared_norms(b).into_iter().enumerate() {
         let column = as_slice(r.rb_mut().col_mut(j));
         subtract_from_norms(column, a_norms, b_norm);
         kernel.correlate(column);

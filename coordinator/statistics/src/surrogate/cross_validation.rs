@@ -108,8 +108,7 @@ fn predict_fold(
     fitted: &Correlation,
     out: impl Fn(&usize) -> bool,
 ) -> Option<FoldErrors> {
-    let n = training.points.ncols();
-    let (places, kept): (Vec<usize>, Vec<usize>) = (0..n).partition(out);
+    let (places, kept): (Vec<usize>, Vec<usize>) = (0..training.points.ncols()).partition(out);
     let (points, values) = (columns(training.points, &kept), rows(training.values, &kept));
     let noise = training.noise.map(|noise| noise.subset(&kept));
     let (points, values) = (points.as_ref(), values.as_ref());

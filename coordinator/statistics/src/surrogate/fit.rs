@@ -115,9 +115,8 @@ pub fn fit_correlation(
     let fixed = || fixed_starts(kernel, &likelihood);
     match effort {
         Effort::TwoStarts(number) => starts.extend(fixed().iter().skip(number).take(1).map(to_free)),
-        Effort::MultiStart => starts.extend(fixed().iter().map(to_free)),
-        Effort::Keep | Effort::Warm if starts.is_empty() => starts.extend(fixed().iter().map(to_free)),
-        Effort::Keep | Effort::Warm => {}
+        Effort::Keep | Effort::Warm if !starts.is_empty() => {}
+        _ => starts.extend(fixed().iter().map(to_free)),
     }
     if starts.len() == 1 {
         let outcome = descend(&likelihood, bounds, starts.swap_remove(0), LAST);

@@ -28,7 +28,7 @@
 
 use super::bounds::NUGGET;
 use super::correlation::{correlation_below, cross_of_scaled_into, squared_norms};
-use super::factor::{cholesky, solve_lower};
+use super::factor::{Indefinite, cholesky, solve_lower, solve_lower_transposed};
 use super::trend::Whitened;
 use super::{Correlation, SurrogateError, Trend};
 use faer::linalg::matmul::matmul;
@@ -117,12 +117,9 @@ impl Kriging {
                     correlation.nugget = (10.0 * correlation.nugget).clamp(NUGGET.0, NUGGET.1);
                     raised += 1;
                 }
-                Err(failed) => {
-                    return Err(SurrogateError::NotPositiveDefinite {
-                        points: n,
-                        pivot: failed.pivot,
-                        nugget: correlation.nugget,
-                    });
+                Err(Indefinite { pivot }) => {
+                    let nugget = correlation.nugget;
+                    return Err(SurrogateError::NotPositiveDefinite { points: n, pivot, nugget });
                 }
             }
         };
@@ -167,20 +164,18 @@ impl Kriging {
     /// Replaces the outputs by other outputs with values `(n, m)` at the same points; the correlation and its
     /// factor stay.
     pub fn set_values(&mut self, values: MatRef<'_, f64>) {
-        self.sided = false;
-        self.take_values(values);
+        self.take_values(values, false);
     }
 
     /// Replaces the outputs by the two sides `(n, 2 m)` of m responses, each of which is the larger of its two; all of the first
     /// side come first.
     pub fn set_sides(&mut self, sides: MatRef<'_, f64>) {
-        self.sided = true;
-        self.take_values(sides);
+        self.take_values(sides, true);
     }
 
-    fn take_values(&mut self, values: MatRef<'_, f64>) {
-        let n = values.nrows();
-        self.shift = values.col_iter().map(|c| c.iter().sum::<f64>() / n as f64).collect();
+    fn take_values(&mut self, values: MatRef<'_, f64>, sided: bool) {
+        self.sided = sided;
+        self.shift = values.col_iter().map(|c| c.iter().sum::<f64>() / values.nrows() as f64).collect();
         self.z = values.to_owned();
         for (o, shift) in self.shift.iter().enumerate() {
             self.z.col_as_slice_mut(o).iter_mut().for_each(|y| *y -= shift);
@@ -268,8 +263,7 @@ impl Kriging {
     /// Means and variance factors at standardised points `(d, b)`.
     pub fn predict(&self, points: MatRef<'_, f64>) -> Prediction {
         let w = self.whitened(points);
-        let m = self.shift.len();
-        let mean = self.means(points, self.residual.as_ref(), w.as_ref(), 0..m);
+        let mean = self.means(points, self.residual.as_ref(), w.as_ref(), 0..self.shift.len());
         let mean = if self.sided { larger_means(&mean) } else { mean };
         let v = self.trend.extrapolation(points, w.as_ref());
         let factor =
@@ -311,7 +305,7 @@ impl Kriging {
     /// Dual coefficients L'^-1 (z_o - Q c_o) `(n, m)` for [`Kriging::predict_means`].
     pub fn dual(&self) -> Mat<f64> {
         let mut dual = self.residual.clone();
-        super::factor::solve_lower_transposed(self.l.as_ref(), dual.as_mut());
+        solve_lower_transposed(self.l.as_ref(), dual.as_mut());
         dual
     }
 }

@@ -45,19 +45,10 @@ impl Trend {
         if self == Self::Linear && 2 * (d + 1) < n { Self::Linear } else { Self::Constant }
     }
 
-    /// Number of basis functions p in `d` variables.
-    pub fn functions(self, d: usize) -> usize {
-        match self {
-            Self::Constant => 1,
-            Self::Linear => d + 1,
-        }
-    }
-
     /// Values of the basis functions `(p, b)` at standardised points `(d, b)`.
     pub(crate) fn basis(self, points: MatRef<'_, f64>) -> Mat<f64> {
-        Mat::from_fn(self.functions(points.nrows()), points.ncols(), |k, i| {
-            if k == 0 { 1.0 } else { points[(k - 1, i)] }
-        })
+        let functions = if self == Self::Linear { points.nrows() + 1 } else { 1 };
+        Mat::from_fn(functions, points.ncols(), |k, i| if k == 0 { 1.0 } else { points[(k - 1, i)] })
     }
 }
 

@@ -98,8 +98,7 @@ impl ParameterSpace {
             None => known,
         };
         let moments = |variable: &UncertainVariable| {
-            let mean = take(&variable.mean, variable.law.parent_mean());
-            [mean, take(&variable.std, variable.law.given_std())]
+            [take(&variable.mean, variable.law.parent_mean()), take(&variable.std, variable.law.given_std())]
         };
         self.variables.iter().map(moments).collect()
     }
