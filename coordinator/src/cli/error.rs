@@ -1,7 +1,7 @@
 //! Errors of commands: one message and an exit code each.
 
 use common::failure::SimulationFailure;
-use common::scene::{FaultKind, Faults, Motion, Scene};
+use common::scene::{Body, FaultKind, Faults, Motion, Scene};
 use coordinator::analyses::budget::BudgetError;
 use coordinator::analyses::error::AnalysisError;
 use coordinator::farm::dispatch::{ClientError, DispatchError};
@@ -85,6 +85,9 @@ pub enum CommandError {
     #[error("standard output: {0}")]
     Output(#[source] std::io::Error),
 }
+
+/// Result of a command, or of a part of one.
+pub type Done<T = ()> = Result<T, CommandError>;
 
 impl From<AnalysisError> for CommandError {
     fn from(error: AnalysisError) -> Self {
@@ -214,14 +217,11 @@ fn option_of(key: &str) -> String {
 
 /// Angles of the driven bodies at a time [s], e.g. `crank angle 123.4 deg`.
 fn drive_at(scene: &Scene, time: f64) -> String {
-    let angles: Vec<String> = scene
-        .bodies
-        .iter()
-        .filter_map(|body| {
-            let motion = Prescribed::from_body(body).filter(|_| body.motion != Motion::Fixed)?;
-            let turned = motion.angle(time).to_degrees().rem_euclid(360.0);
-            Some(format!("{} angle {turned:.1} deg", body.name))
-        })
-        .collect();
+    let angle = |body: &Body| {
+        let motion = Prescribed::from_body(body).filter(|_| body.motion != Motion::Fixed)?;
+        let turned = motion.angle(time).to_degrees().rem_euclid(360.0);
+        Some(format!("{} angle {turned:.1} deg", body.name))
+    };
+    let angles: Vec<String> = scene.bodies.iter().filter_map(angle).collect();
     if angles.is_empty() { format!("t = {time} s") } else { angles.join(", ") }
 }

@@ -62,23 +62,25 @@ impl MeasuredFinding {
     /// The lines about the variable.
     pub fn lines(&self) -> String {
         let Self { variable, values, range, .. } = self;
-        let tests = |tests: &mut dyn Iterator<Item = &FamilyTest>| {
-            tests.map(|test| format!("{} p = {:.3}", test.family, test.p)).collect::<Vec<_>>().join(", ")
+        let tests = |but: &str| {
+            let others = self.families.iter().filter(|test| test.family != but);
+            others.map(|test| format!("{} p = {:.3}", test.family, test.p)).collect::<Vec<_>>().join(", ")
         };
         match self.family {
             None => format!(
                 "{variable}: empirical distribution of {values} measured values from {range}; no value beyond them occurs, so failures rarer \
                  than about 1 in {values} need a fit\n  fit = ... (Anderson-Darling): {}\n",
-                tests(&mut self.families.iter())
+                tests("")
             ),
             Some(family) => {
                 let own = self.families.iter().find(|test| test.family == family);
-                let own =
-                    own.map(|test| format!("A^2 = {:.3}, p = {:.3}", test.a2, test.p)).unwrap_or_default();
+                let own = own
+                    .map(|FamilyTest { a2, p, .. }| format!("A^2 = {a2:.3}, p = {p:.3}"))
+                    .unwrap_or_default();
                 format!(
                     "{variable}: {family} fitted to {values} measured values from {range}; Anderson-Darling {own} (parameters estimated: \
                      {REPLICATIONS} samples, fitted anew each)\n  others: {}\n",
-                    tests(&mut self.families.iter().filter(|test| test.family != family))
+                    tests(family)
                 )
             }
         }

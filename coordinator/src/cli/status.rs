@@ -1,7 +1,7 @@
 //! `coordinator status`: the progress of a running study.
 
 use super::stored_study::END_DOCUMENT;
-use super::{CommandError, count, print, to_json};
+use super::{Done, count, print, to_json};
 use clap::Args;
 use common::wire::{Phase, Status};
 use coordinator::farm::dispatch::{ClientError, ClientSession};
@@ -48,8 +48,8 @@ pub struct StatusArguments {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CommandError::Client`] if the coordinator does not answer.
-pub fn status(arguments: &StatusArguments, as_json: bool) -> Result<(), CommandError> {
+/// [`super::CommandError::Client`] if the coordinator does not answer.
+pub fn status(arguments: &StatusArguments, as_json: bool) -> Done {
     let dir = Path::new(&arguments.endpoint);
     if dir.is_dir() {
         return stored_status(dir, as_json);
@@ -82,7 +82,7 @@ pub fn status(arguments: &StatusArguments, as_json: bool) -> Result<(), CommandE
     }
 }
 
-fn text(status: &Status, as_json: bool) -> Result<String, CommandError> {
+fn text(status: &Status, as_json: bool) -> Done<String> {
     if as_json { to_json(status) } else { Ok(status_text(status)) }
 }
 
@@ -99,8 +99,8 @@ pub fn explained(error: ClientError, since: Instant) -> ClientError {
 /// Prints the state of the study in a folder.
 ///
 /// # Errors
-/// [`CommandError::Store`].
-fn stored_status(dir: &Path, as_json: bool) -> Result<(), CommandError> {
+/// [`super::CommandError::Store`].
+fn stored_status(dir: &Path, as_json: bool) -> Done {
     let campaign = CampaignFile::look(dir)?;
     let reason: Option<String> = campaign.document(END_DOCUMENT)?;
     let is_finished = campaign.document::<serde_json::Value>(SUMMARY_DOCUMENT)?.is_some();

@@ -102,12 +102,9 @@ impl Campaign {
     pub fn finish(mut self) -> Option<CampaignResult> {
         let stop = self.progress.stop?;
         // Failures that the budget left no repetition for.
-        let retries = self.requests.retries.drain(..).map(|(pending, cause)| Failed {
-            z: pending.z,
-            cause,
-            expected: false,
-        });
-        self.data.failed.extend(retries);
+        let retries = self.requests.retries.drain(..);
+        let failed = retries.map(|(pending, cause)| Failed { z: pending.z, cause, expected: false });
+        self.data.failed.extend(failed);
         Some(CampaignResult {
             shares: self.interim()?,
             assessment: self.progress.assessment?,

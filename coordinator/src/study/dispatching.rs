@@ -2,10 +2,10 @@
 //! file and otherwise evaluated; outcomes are checked and returned in the order of the requests.
 
 use super::correction::Correction;
+use super::error::{check, recalled};
 use super::interim::InterimResult;
 use super::learner::{Learner, LearnerStep, run_learner};
 use super::observations::{Observed, ObservedOutcome};
-use super::outcome_check::{check, recalled};
 use super::plan::ResponseLayout;
 use super::result;
 use super::run_times::RunTimes;
@@ -97,21 +97,17 @@ impl<'a> Dispatcher<'a> {
         Self { evaluator, record }
     }
 
-    /// Numbers the requests from `first` on, after evaluations that exist.
-    pub fn numbered_from(mut self, first: u64) -> Self {
+    /// Numbers the requests from `first` on, after evaluations that exist, and corrects all outcomes at the working accuracy by the
+    /// difference of the levels, if one is known.
+    pub fn going_on(mut self, first: u64, correction: Option<&'a Correction>) -> Self {
         (self.record.next_id, self.record.done) = (first, first as usize);
+        self.record.correction = correction;
         self
     }
 
     /// Evaluates requests of level k >= 1 at the accuracy `finer[k - 1]`.
     pub fn with_finer(mut self, finer: Vec<Accuracy>) -> Self {
         self.record.finer = finer;
-        self
-    }
-
-    /// Corrects all outcomes at the working accuracy by the difference of the levels, if one is known.
-    pub fn corrected_by(mut self, correction: Option<&'a Correction>) -> Self {
-        self.record.correction = correction;
         self
     }
 
@@ -262,8 +258,7 @@ impl RequestSource for StudyRequests<'_, '_> {
         if self.requests.is_empty() {
             self.record.times.idle += since.elapsed();
         }
-        let next = self.take_steps();
-        next.map_err(|error| self.fail(error))
+        self.take_steps().map_err(|error| self.fail(error))
     }
 
     fn record(&mut self, finished: Finished) -> Result<(), EvaluateError> {
@@ -365,19 +360,13 @@ impl StudyRequests<'_, '_> {
         self.chunks.push_back(Chunk { first, samples, outcomes: vec![None; size] });
         let mut missing = Vec::new();
         for (id, wanted) in (first..).zip(wanted) {
-            let accuracy = match usize::from(wanted.level) {
-                0 => self.record.stricter.filter(|_| wanted.stricter),
+            let SampleRequest { sample, stricter, level, not_by } = wanted;
+            let accuracy = match usize::from(level) {
+                0 => self.record.stricter.filter(|_| stricter),
                 level => self.record.finer.get(level - 1).copied(),
             };
-            let with_first_cycle = id == 0 || (id == 1 && wanted.stricter); // The nominal point, or its repetition.
-            let request = Request {
-                id,
-                sample: wanted.sample,
-                with_first_cycle,
-                accuracy,
-                level: wanted.level,
-                not_by: wanted.not_by,
-            };
+            let with_first_cycle = id == 0 || (id == 1 && stricter); // The nominal point, or its repetition.
+            let request = Request { id, sample, with_first_cycle, accuracy, level, not_by };
             match recalled(self.record.journal, &request, &self.record.shape)? {
                 Some(finished) => {
                     self.record.note_evaluated(&finished, true);

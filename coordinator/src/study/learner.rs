@@ -1,7 +1,6 @@
 //! The part of a study that decides what is simulated. It runs in a thread of its own, where surrogates are fitted and the
 //! population is classified, so that the study goes on recording results and serving workers meanwhile.
 
-use super::campaign::Campaign;
 use super::interim::InterimResult;
 use super::observations::ObservedOutcome;
 use super::step::{CampaignError, Step};
@@ -28,37 +27,6 @@ pub(super) trait Learner: Send {
     /// Indices of the limit states whose outputs were the same in every simulation so far.
     fn constant_limit_states(&self) -> Vec<usize> {
         vec![]
-    }
-}
-
-impl Learner for Campaign {
-    fn next_step(&mut self) -> Result<Step, CampaignError> {
-        Campaign::next_step(self)
-    }
-
-    fn record(&mut self, outcomes: Vec<ObservedOutcome>) -> Result<(), CampaignError> {
-        Campaign::record(self, outcomes)
-    }
-
-    fn rounds(&self) -> &[Round] {
-        Campaign::rounds(self)
-    }
-
-    fn purpose(&self) -> String {
-        match self.rounds().len() {
-            0 if self.evaluations() == 0 => "nominal point".to_owned(),
-            0 => "initial design".to_owned(),
-            round => format!("round {round}"),
-        }
-    }
-
-    fn interim(&self) -> Option<InterimResult> {
-        Campaign::interim(self)
-    }
-
-    fn constant_limit_states(&self) -> Vec<usize> {
-        let constant = |mode: &usize| self.data.observations.is_constant(self.problem.modes[*mode].output);
-        (0..self.problem.modes.len()).filter(constant).collect()
     }
 }
 

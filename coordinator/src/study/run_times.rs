@@ -34,9 +34,7 @@ impl RunTimes {
 
     /// Counts a worker that simulated in this run.
     pub fn add_worker(&mut self, name: &str) {
-        if !self.workers.contains(name) {
-            self.workers.insert(name.to_owned());
-        }
+        self.workers.insert(name.to_owned());
     }
 
     /// Times of this run alone; `simulation` [s] is that of all evaluations.

@@ -60,19 +60,6 @@ pub struct StudyAccuracy {
     pub max_error: Option<f64>,
 }
 
-impl StudyAccuracy {
-    /// Restores the last bits of an accuracy that was read from JSON: its name defines it exactly. If the name stands
-    /// for other parameters by now, those of the file are kept.
-    fn exact(self) -> Self {
-        let as_read = |named: &NamedAccuracy| {
-            serde_json::to_string(named).and_then(|text| serde_json::from_str::<NamedAccuracy>(&text))
-        };
-        let named = self.setting.name.parse().ok();
-        let same = named.filter(|named| as_read(named).is_ok_and(|read| read == self.setting));
-        StudyAccuracy { setting: same.unwrap_or(self.setting), ..self }
-    }
-}
-
 /// Settings of one study; each of them may change its result. The fields are the keys of the campaign file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
@@ -91,21 +78,16 @@ pub struct Settings {
     pub max_evaluations: usize,
     /// Seed of every random draw.
     pub seed: u64,
-    /// Use of the numerical errors that evaluations state. Campaign files written before this setting existed
-    /// ignored them.
-    #[serde(default = "ignored")]
+    /// Use of the numerical errors that evaluations state.
     pub stated_errors: StatedErrors,
     /// Learning function of active learning.
-    #[serde(default)]
     pub learning: LearningFunction,
     /// Kernel and trend of the surrogates, as far as they are fixed.
     #[serde(flatten)]
     pub forms: FormSettings,
     /// Share of failed evaluations above which the study ends [1].
-    #[serde(default = "max_failed")]
     pub max_failed: f64,
     /// Half width of the whole 95 % interval of every R(n) at which a study may stop [1]; `None` for [`StoppingTargets::default`].
-    #[serde(default)]
     pub target_error: Option<f64>,
     /// Memory for the population and its cached predictions [MB]. Predictions that do not fit are computed anew in every
     /// round, which changes their last bits.
@@ -118,14 +100,6 @@ pub struct Settings {
     /// Levels of accuracy finer than the working one (active learning). Campaign files written before this setting existed have none.
     #[serde(default, skip_serializing_if = "FinerLevels::is_none")]
     pub levels: FinerLevels,
-}
-
-fn ignored() -> StatedErrors {
-    StatedErrors::Ignored
-}
-
-fn max_failed() -> f64 {
-    MAX_FAILED
 }
 
 fn memory() -> usize {
@@ -197,13 +171,12 @@ pub struct SettingError {
 }
 
 impl Settings {
-    /// The settings stored in a campaign file, with the exact parameters of the accuracy.
+    /// The settings stored in a campaign file.
     ///
     /// # Errors
     /// The error of a missing key or an unknown value.
     pub fn from_stored(stored: &serde_json::Value) -> serde_json::Result<Self> {
-        let settings = Self::deserialize(stored)?;
-        Ok(Self { accuracy: settings.accuracy.exact(), ..settings })
+        Self::deserialize(stored)
     }
 
     /// Settings of a scene of `variables` random variables without a section `[study]`.
@@ -254,47 +227,42 @@ impl Settings {
     /// # Errors
     /// The first [`SettingError`].
     pub fn check(&self, scene: &Scene) -> Result<(), SettingError> {
-        let refuse =
-            |key, value: String, allowed: &str| Err(SettingError { key, value, allowed: allowed.to_owned() });
+        let refuse = |key, value: &dyn ToString, allowed: String| {
+            Err(SettingError { key, value: value.to_string(), allowed })
+        };
         if scene.limit_states.is_empty() || scene.variables.is_empty() {
             let value = format!("{} and {}", scene.limit_states.len(), scene.variables.len());
-            let allowed = "a study needs at least one limit state and one random variable";
-            return refuse("limit_states and variables", value, allowed);
+            let allowed = "a study needs at least one limit state and one random variable".to_owned();
+            return refuse("limit_states and variables", &value, allowed);
         }
         for (key, count) in [("variables", scene.variables.len()), ("outputs", scene.outputs.len())] {
             if count > MOST_COLUMNS {
-                let allowed = format!("a campaign file holds at most {MOST_COLUMNS}");
-                return refuse(key, count.to_string(), &allowed);
+                return refuse(key, &count, format!("a campaign file holds at most {MOST_COLUMNS}"));
             }
         }
         if self.samples == 0 {
-            return refuse("samples", "0".to_owned(), "at least 1");
+            return refuse("samples", &0, "at least 1".to_owned());
         }
         if !self.method.learns() {
             return Ok(());
         }
         if self.initial < SMALLEST_DESIGN {
-            return refuse("initial", self.initial.to_string(), &format!("at least {SMALLEST_DESIGN}"));
+            return refuse("initial", &self.initial, format!("at least {SMALLEST_DESIGN}"));
         }
-        let design = format!("at least the initial design, initial = {}", self.initial);
         for (key, value) in [("samples", self.samples), ("max_evaluations", self.max_evaluations)] {
             if value < self.initial {
-                return refuse(key, value.to_string(), &design);
+                let allowed = format!("at least the initial design, initial = {}", self.initial);
+                return refuse(key, &value, allowed);
             }
         }
         if self.population() > LARGEST_POPULATION {
-            return refuse(
-                "samples",
-                self.population().to_string(),
-                &format!("at most {LARGEST_POPULATION}"),
-            );
+            return refuse("samples", &self.population(), format!("at most {LARGEST_POPULATION}"));
         }
         if self.method == Method::AkMcs && self.learning == LearningFunction::Gain {
-            let allowed = "u or coupled with method ak-mcs";
-            return refuse("learning", self.learning.name().to_owned(), allowed);
+            return refuse("learning", &self.learning, "u or coupled with method ak-mcs".to_owned());
         }
         if self.batch == 0 {
-            return refuse("batch", "0".to_owned(), "at least 1");
+            return refuse("batch", &0, "at least 1".to_owned());
         }
         Ok(())
     }
@@ -326,7 +294,6 @@ mod tests {
 
     #[test]
     fn stored_settings_are_read_to_the_last_bit() {
-        // JSON returns the tolerance of this accuracy with another last bit.
         let settings = settings();
         let stored = serde_json::to_string(&settings).unwrap();
         assert_eq!(read(&stored), settings);
@@ -336,20 +303,11 @@ mod tests {
     }
 
     #[test]
-    fn the_stored_form_does_not_change_and_that_of_early_files_is_read() {
+    fn the_stored_form_does_not_change() {
         let settings = settings();
         let accuracy = serde_json::to_string(&settings.accuracy).unwrap();
         let stored = STORED.replace("ACCURACY", &accuracy);
         assert_eq!(serde_json::to_string(&settings).unwrap(), stored);
-        let (before, _) = stored.split_once(",\"stated_errors\"").unwrap();
-        let early = read(&format!("{before}}}"));
-        let expected = Settings {
-            stated_errors: StatedErrors::Ignored,
-            forms: FormSettings::default(),
-            levels: FinerLevels::None,
-            ..settings
-        };
-        assert_eq!(early, expected);
     }
 
     #[test]

@@ -31,7 +31,6 @@ const NO_LAW: [(&str, &str); 11] = [
     ("worker/src/integrate/lane_stepper.rs", "loop over the steps of `rosenbrock.rs`"),
     ("worker/src/quasi_static/unsuitable.rs", "reasons as an enumeration"),
     ("worker/src/wear/mod.rs", "list of modules"),
-    ("coordinator/statistics/src/design/points.rs", "selection of points"),
     ("coordinator/statistics/src/surrogate/form.rs", "names of kernel and trend"),
 ];
 

@@ -3,7 +3,7 @@
 use super::space::proposal;
 use crate::analyses::update::Prior;
 use crate::statistics::design::{InputModel, Stream, open_stream};
-use crate::statistics::updating::{ConfidentReliability, CurveDraws, PointPlaces, Reweighting, fitted_draws};
+use crate::statistics::updating::{ConfidentReliability, CurveDraws, Reweighting, fitted_draws};
 use crate::study::{LEVELS, LifeModel};
 use common::random::Distribution;
 use common::scene::{MeasuredVariable, Scene};
@@ -32,7 +32,7 @@ pub struct WeightedPopulation<'a> {
     /// Weights under changed distributions.
     pub reweighting: Reweighting,
     /// The points as places in their tables.
-    pub points: PointPlaces,
+    pub points: Vec<f64>,
     /// Life of each point by any limit state `(N,)` [cycles].
     pub lives: Vec<f64>,
 }

@@ -128,7 +128,7 @@ fn table(row: &mut Section, unit: Option<&ShownUnit>, grades: &[Grade], cost_uni
     let read: Vec<Option<(f64, f64)>> = rows.iter().enumerate().map(read).collect();
     let mut points: Vec<(f64, f64)> = read.into_iter().collect::<Option<_>>()?;
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    CostTable::new(&points).map_err(|error| row.inconsistent("points", error.to_string())).ok()
+    CostTable::new(&points).map_err(|error| row.inconsistent("points", error)).ok()
 }
 
 /// Width of the tolerance zone of a grade at a nominal size [m], from the tables of ISO 286-1. IT12 is ten times IT7, as

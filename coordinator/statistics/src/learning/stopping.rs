@@ -171,14 +171,10 @@ pub struct Stopping {
 }
 
 impl Stopping {
-    /// Records a round with `points` results; returns true once a rule has held over `rounds` rounds and
-    /// `needed` results, half as many for a population that only grew.
-    pub fn record_round(
-        &mut self,
-        met: Option<Rule>,
-        points: usize,
-        (rounds, needed): (usize, usize),
-    ) -> bool {
+    /// Records a round with `points` results; returns true once a rule has held over the rounds and results
+    /// `needed`, half as many results for a population that only grew.
+    pub fn record_round(&mut self, met: Option<Rule>, points: usize, needed: (usize, usize)) -> bool {
+        let (rounds, needed) = needed;
         if met.is_none() {
             self.held = 0;
             return false;

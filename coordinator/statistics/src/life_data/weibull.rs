@@ -223,8 +223,7 @@ impl WeibullFit {
     /// The life at which the reliability has fallen to `r` [cycles]; that of exp(-1) is the scale.
     pub fn life(&self, r: f64, confidence: f64) -> FitBounds {
         let w = (-r.ln()).ln();
-        let slope = [1.0, -w / self.law.shape];
-        self.bounds(slope, confidence, |x, v| [x - w * (-v).exp(), v])
+        self.bounds([1.0, -w / self.law.shape], confidence, |x, v| [x - w * (-v).exp(), v])
     }
 
     /// Fisher bounds of R at a life [1]: those of ln(-ln R).

@@ -145,8 +145,7 @@ impl LifeCurve {
     /// The curve with failure probabilities up to `possible` [1], a function of the time [cycles], within its intervals.
     #[must_use]
     pub fn with_possible(mut self, possible: impl Fn(f64) -> f64) -> Self {
-        let lower = self.lower.iter_mut().zip(&self.cycles);
-        lower.for_each(|(r, time)| *r = r.min(1.0 - possible(*time)));
+        self.lower.iter_mut().zip(&self.cycles).for_each(|(r, time)| *r = r.min(1.0 - possible(*time)));
         self
     }
 

@@ -19,7 +19,7 @@ const WORTH: f64 = 0.05;
 /// Comparison of a shared correlation with separate ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sharing {
-    /// Mean log density with one correlation for all outputs, see [`super::Candidate::log_density`] [1].
+    /// Mean log density with one correlation for all outputs, over points and outputs left out, these in units of their standard deviations [1].
     pub shared: f64,
     /// Mean log density with one correlation for the early and one for the late outputs [1].
     pub separate: f64,

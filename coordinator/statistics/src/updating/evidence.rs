@@ -71,8 +71,7 @@ impl Evidence {
             }
             Self::Survived(life) => possible(phi == 0.0 || particles.predictions.life(i) > phi * life),
             Self::Failed { life, by } => {
-                let fails = particles.predictions.life(i) <= life / phi && is_by(particles, i, by);
-                possible(phi == 0.0 || fails)
+                possible(phi == 0.0 || particles.predictions.life(i) <= life / phi && is_by(particles, i, by))
             }
             Self::Life { .. } if phi == 0.0 => 0.0,
             Self::Life { life, std, by } => {
