@@ -72,11 +72,8 @@ pub fn of_parameters(file: &InputFile, targets: &CalibrationTargets, Faults(faul
 
 /// The table `[published]` of the reference file that a file of targets may name.
 fn published(file: &mut Section, folder: &Path) -> Table {
-    let Some(name) =
-        file.get("reference").and_then(|_| file.text("reference", "a file with a table [published]"))
-    else {
-        return Table::new();
-    };
+    let name = file.get("reference").and_then(|_| file.text("reference", "a file with a table [published]"));
+    let Some(name) = name else { return Table::new() };
     let read = InputFile::load(&folder.join(name)).map_err(|Faults(faults)| faults[0].to_string());
     let table = read.and_then(|read| match read.document().get("published") {
         Some(Value::Table(published)) => Ok(published.clone()),

@@ -58,11 +58,7 @@ pub(super) fn grades(row: &mut Section, word: Option<&str>, unit: Option<&ShownU
 }
 
 /// The cost of a quantity and the unit of the quantity in it [SI]. `unit` is that of the quantity, as far as it is known.
-pub(super) fn cost(
-    row: &mut Section,
-    unit: Option<&ShownUnit>,
-    grades: &[Grade],
-) -> Option<(CostModel, f64)> {
+pub fn cost(row: &mut Section, unit: Option<&ShownUnit>, grades: &[Grade]) -> Option<(CostModel, f64)> {
     let mut row = row.section("cost", "a table { model, ... }")?;
     let text = row.text_or("unit", "a unit", "").filter(|text| !text.is_empty());
     let read = text.map(|text| read_unit(text).map_err(|error| error.to_string()));
