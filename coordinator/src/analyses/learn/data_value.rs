@@ -182,8 +182,7 @@ impl DataSource<'_> {
             }
         };
         let near: Vec<(usize, f64)> = agreement.into_iter().enumerate().filter(|(_, a)| *a > 1e-8).collect();
-        let of_set =
-            |(points, sum): &(Vec<f64>, f64)| near.iter().map(|(j, a)| a * points[*j]).sum::<f64>() / sum;
-        self.points.iter().map(of_set).collect()
+        let points = self.points.iter();
+        points.map(|(points, sum)| near.iter().map(|(j, a)| a * points[*j]).sum::<f64>() / sum).collect()
     }
 }

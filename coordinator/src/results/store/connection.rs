@@ -69,20 +69,15 @@ impl Drop for LeftFiles {
 /// [`StoreError::NotACampaign`], or what the file system or SQLite report.
 pub fn connect_read_only(path: &Path) -> Result<ReadConnection, StoreError> {
     let is_in_use = log_of(path).exists();
-    match shared(path) {
+    // Beside other connections, and read from once.
+    let opened = connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY);
+    match opened.and_then(|connection| probe(path, &connection).map(|()| connection)) {
         Ok(connection) if is_in_use => Ok((connection, Held::Nothing)),
         Ok(connection) => Ok((connection, Held::Left(LeftFiles(path.to_path_buf())))),
         Err(error) if !needs_index(&error) => Err(named(path, error)),
-        Err(_) if has_log(path) => from_copy(path),
+        Err(_) if std::fs::metadata(log_of(path)).is_ok_and(|log| log.len() > 0) => from_copy(path),
         Err(_) => unchanging(path),
     }
-}
-
-/// Opens the file beside other connections, and reads from it once.
-fn shared(path: &Path) -> Result<Connection, StoreError> {
-    let connection = connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
-    probe(path, &connection)?;
-    Ok(connection)
 }
 
 /// Opens a file that no process changes.
@@ -130,10 +125,6 @@ pub fn named(path: &Path, error: StoreError) -> StoreError {
         }
         error => error,
     }
-}
-
-fn has_log(path: &Path) -> bool {
-    std::fs::metadata(log_of(path)).is_ok_and(|log| log.len() > 0)
 }
 
 fn log_of(path: &Path) -> PathBuf {
