@@ -9,7 +9,7 @@
 use super::setting::{Allowed, Place, Setting, parse_all};
 use common::random::{Correlation, Distribution, RandomVariable};
 use common::scene::expression::read_unit;
-use common::scene::{DEFAULT_LAW, Fault, Faults, LAWS, MeasuredVariable, Scene, SceneSource};
+use common::scene::{DEFAULT_LAW, Fault, Faults, LAWS, Scene, SceneSource};
 use toml::{Table, Value};
 
 /// Keys of a tolerance fit that gives a variable its moments.
@@ -97,7 +97,8 @@ fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Fau
             let set = of_variable(k);
             let Some(row) = row(document, &variable.name).filter(|_| !set.is_empty()) else { continue };
             if moved.contains(&k) {
-                let samples = source.measured().iter().find(|measured| measured.name == variable.name);
+                let measured = source.measured().iter().find(|measured| measured.name == variable.name);
+                let samples = measured.map(|measured| measured.samples.as_slice());
                 move_values(row, variable, samples, &targets.variables()[k].distribution);
             } else {
                 change_variable(row, variable, &set);
@@ -249,18 +250,13 @@ fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Val
 }
 
 /// Moves the samples of a variable, or the bounds and the mode of a triangular one, to the mean and the standard deviation of `target`.
-fn move_values(
-    row: &mut Table,
-    variable: &RandomVariable,
-    samples: Option<&MeasuredVariable>,
-    target: &Distribution,
-) {
+fn move_values(row: &mut Table, variable: &RandomVariable, samples: Option<&[f64]>, target: &Distribution) {
     let law = &variable.distribution;
     let (mean, (lower, upper)) = (law.parent_mean(), law.support());
     let stretch = target.given_std() / law.given_std();
     let moved = |x: f64| target.parent_mean() + (x - mean) * stretch;
-    if let Some(measured) = samples {
-        let values = measured.samples.iter().map(|x| written_value(moved(*x), &variable.unit)).collect();
+    if let Some(samples) = samples {
+        let values = samples.iter().map(|x| written_value(moved(*x), &variable.unit)).collect();
         row.insert("samples".to_owned(), Value::Array(values));
     } else {
         let values = [("lower", lower), ("mode", 3.0 * mean - lower - upper), ("upper", upper)];

@@ -2,6 +2,7 @@
 //! `VARIABLE.KEY=VALUE`, `LIMIT_STATE.threshold=VALUE` (or `.lower`, `.upper`), `correlation(A,B)=VALUE` or
 //! `rank_correlation(A,B)=VALUE`, with the keys and values of a scene file.
 
+use common::random::RandomVariable;
 use common::scene::{Fault, FaultKind, Faults, SceneSource};
 use toml::{Table, Value};
 
@@ -135,13 +136,9 @@ fn read_value(text: &str) -> Value {
 fn quantity(source: &SceneSource, setting: &str, key: &str) -> Result<Place, FaultKind> {
     source.parse_setting(setting).map_err(|Faults(mut faults)| faults.remove(0).kind)?;
     let owner = source.variables().iter().find(|variable| variable.changes.iter().any(|own| own == key));
-    match owner {
-        None => Ok(Place::Quantity(key.to_owned())),
-        Some(owner) => refuse(&format!(
-            "the random variable \"{name}\" changes this key in every simulation; set {name} or {name}.mean instead",
-            name = owner.name
-        )),
-    }
+    let Some(RandomVariable { name, .. }) = owner else { return Ok(Place::Quantity(key.to_owned())) };
+    let what = format!("the random variable \"{name}\" changes this key in every simulation");
+    refuse(&format!("{what}; set {name} or {name}.mean instead"))
 }
 
 /// A key of a random variable or a threshold.
@@ -158,34 +155,26 @@ fn distribution(source: &SceneSource, key: &str) -> Result<Place, FaultKind> {
     let state = states.iter().find(|state| state.name == name);
     let is_bound = ["lower", "upper"].contains(&last);
     if let Some(state) = state.filter(|_| last == "threshold" || (is_bound && variable.is_none())) {
-        let keys = if state.middle().is_some() { "lower and upper" } else { "a threshold" };
-        return if state.middle().is_some() == is_bound {
-            Ok(Place::Threshold(format!("limit_states.{name}.{last}")))
-        } else {
-            refuse(&format!("limit state \"{name}\" has {keys}, no \"{last}\""))
-        };
+        if state.middle().is_some() == is_bound {
+            return Ok(Place::Threshold(format!("limit_states.{name}.{last}")));
+        }
+        let keys = if is_bound { "a threshold" } else { "lower and upper" };
+        return refuse(&format!("limit state \"{name}\" has {keys}, no \"{last}\""));
     }
     if last == "threshold" {
         let known = states.iter().map(|state| state.name.as_str());
         return Err(FaultKind::unknown_reference("limit state", name, known));
     }
+    let allowed = VARIABLE_KEYS.join(", ");
     match (variable, VARIABLE_KEYS.into_iter().find(|known| *known == last)) {
         (Some(k), Some(key)) => Ok(Place::Variable(k, key)),
-        (Some(_), None) => refuse(&format!(
-            "\"{last}\" is no key of a random variable; allowed: {}",
-            VARIABLE_KEYS.join(", ")
-        )),
+        (Some(_), None) => refuse(&format!("\"{last}\" is no key of a random variable; allowed: {allowed}")),
         (None, Some(_)) => Err(source.unknown_setting(name)),
         (None, None) => refuse(&usage()),
     }
 }
 
-fn correlation(
-    source: &SceneSource,
-    names: &str,
-    key: &'static str,
-    value: Value,
-) -> Result<Setting, FaultKind> {
+fn correlation(source: &SceneSource, names: &str, key: &str, value: Value) -> Result<Setting, FaultKind> {
     let names: Vec<&str> = names.split(',').map(str::trim).collect();
     let [first, second] = names[..] else {
         return refuse("expected two random variables, e.g. correlation(rod_length,friction)=0.5");

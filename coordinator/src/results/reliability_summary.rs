@@ -33,13 +33,10 @@ impl ReliabilityRow {
     /// 95 % interval of the reliability `key`, every error that is known included.
     pub fn interval_of(&self, key: &str) -> Option<ReliabilityRange> {
         let r = *self.reliability.get(key)?;
-        let own = match self.interval.get(key) {
-            Some(interval) => *interval,
-            None => {
-                let reach = REACH * *self.standard_error.get(key)?;
-                ReliabilityRange { lower: (r - reach).max(0.0), upper: (r + reach).min(1.0) }
-            }
-        };
+        let within =
+            |reach: f64| ReliabilityRange { lower: (r - reach).max(0.0), upper: (r + reach).min(1.0) };
+        let by_error = || self.standard_error.get(key).map(|error| within(REACH * error));
+        let own = self.interval.get(key).copied().or_else(by_error)?;
         Some(self.numerical.get(key).map_or(own, |range| own.widened(r, *range)))
     }
 

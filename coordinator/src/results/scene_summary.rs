@@ -106,14 +106,9 @@ pub fn limit_rows(scene: &Scene) -> Vec<LimitRow> {
             Fails::Below => ("below", None),
             Fails::Outside { lower } => ("outside", Some(unit.to_file(lower))),
         };
-        LimitRow {
-            name: limit.name.clone(),
-            output: output.name.clone(),
-            threshold: unit.to_file(limit.threshold),
-            lower,
-            unit: unit.suffix().to_owned(),
-            fails: fails.to_owned(),
-        }
+        let (threshold, fails) = (unit.to_file(limit.threshold), fails.to_owned());
+        let (name, output, unit) = (limit.name.clone(), output.name.clone(), unit.suffix().to_owned());
+        LimitRow { name, output, threshold, lower, unit, fails }
     };
     scene.limit_states.iter().map(row).collect()
 }

@@ -118,10 +118,8 @@ pub struct StudySummary {
 impl StudySummary {
     /// Largest number of workers that simulated in one run of the study.
     pub fn workers_in_a_run(&self) -> usize {
-        match self.timing_s.workers {
-            0 => self.workers.len(),
-            workers => workers as usize,
-        }
+        let most = self.timing_s.workers as usize;
+        if most == 0 { self.workers.len() } else { most }
     }
 
     /// Sets what identifies the study: its scene, the text of the scene, and the time when the study began.

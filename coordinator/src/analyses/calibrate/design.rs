@@ -6,7 +6,7 @@ use super::responses::{CalibrationPoint, POPULATION, ResponseSurrogates};
 use super::space::{ParameterKind, Space};
 use super::targets::CalibrationTargets;
 use crate::analyses::error::AnalysisError;
-use crate::farm::evaluate::{EvaluateError, Evaluator, Request};
+use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use crate::statistics::design::{InputModel, Population};
 use common::accuracy::Accuracy;
 use common::random::Distribution;
@@ -41,9 +41,8 @@ pub fn calibrate(
     space: &Space,
     progress: &mut dyn FnMut(String),
 ) -> Result<CalibrationResult, AnalysisError> {
-    let targets: Vec<_> =
-        targets.targets.iter().map(|target| target.clone().counted_over(POPULATION)).collect();
-    let targets = targets.as_slice();
+    let targets = targets.targets.iter().map(|target| target.clone().counted_over(POPULATION));
+    let targets = &targets.collect::<Vec<_>>()[..];
     let dimension = space.dimension();
     let first = if settings.simulations == 0 { (4 * dimension).max(40) } else { settings.simulations };
     let least = dimension / 2 + 10;
@@ -146,8 +145,8 @@ fn simulate(
         progress(done, requests.len());
     });
     end?;
-    let simulated = points.into_iter().zip(outcomes).filter_map(|(point, finished)| {
-        Some(CalibrationPoint { features: point.features, evaluation: finished?.outcome.ok()? })
-    });
-    Ok(simulated.collect())
+    let simulated = |(DesignPoint { features, .. }, finished): (DesignPoint, Option<Finished>)| {
+        Some(CalibrationPoint { features, evaluation: finished?.outcome.ok()? })
+    };
+    Ok(points.into_iter().zip(outcomes).filter_map(simulated).collect())
 }

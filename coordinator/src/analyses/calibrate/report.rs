@@ -188,35 +188,23 @@ pub fn answer(found: &CalibrationResult, scene: &str) -> Answer {
 
 fn parameters_table(parameters: &[FittedParameter]) -> Table {
     let row = |p: &FittedParameter| {
-        let remark = match (p.determined, p.on_bound) {
-            (false, _) => "not determined by these targets",
-            (true, true) => "at a bound",
-            (true, false) => "",
-        };
-        let unit = &p.unit;
+        let place = if p.on_bound { "at a bound" } else { "" };
+        let remark = if p.determined { place } else { "not determined by these targets" };
         let [value, lower, upper] = [p.value, p.lower, p.upper].map(|x| significant(x, 5));
-        vec![
-            p.name.clone(),
-            format!("{value} {unit}"),
-            format!("{} {unit}", significant(p.uncertainty, 2)),
-            format!("{lower} to {upper} {unit}"),
-            remark.to_owned(),
-        ]
+        let texts = [value, significant(p.uncertainty, 2), format!("{lower} to {upper}")];
+        let [value, uncertainty, bounds] = texts.map(|text| format!("{text} {}", p.unit));
+        vec![p.name.clone(), value, uncertainty, bounds, remark.to_owned()]
     };
     Table::new("", ["parameter", "value", "uncertainty", "bounds", ""], parameters.iter().map(row))
 }
 
 fn targets_table(targets: &[FittedTarget]) -> Table {
     let row = |t: &FittedTarget| {
-        let shown = |si: f64, digits: usize| format!("{} {}", significant(si / t.unit_si, digits), t.unit);
-        vec![
-            t.name.clone(),
-            shown(t.target, 4),
-            shown(t.tolerance, 2),
-            shown(t.fitted, 4),
-            format!("{:+.1}", t.residual),
-            format!("{:.4}", t.q2),
-        ]
+        let shown =
+            |(si, digits): (f64, usize)| format!("{} {}", significant(si / t.unit_si, digits), t.unit);
+        let [target, tolerance, fitted] = [(t.target, 4), (t.tolerance, 2), (t.fitted, 4)].map(shown);
+        let (residual, q2) = (format!("{:+.1}", t.residual), format!("{:.4}", t.q2));
+        vec![t.name.clone(), target, tolerance, fitted, residual, q2]
     };
     let head = ["target", "value", "tolerance", "fitted", "residual", "surrogate's Q2"];
     Table::new("", head, targets.iter().map(row))

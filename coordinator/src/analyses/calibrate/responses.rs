@@ -158,9 +158,8 @@ fn needed(quantity: &TargetQuantity, limits: &[LimitState]) -> Vec<(Group, Colum
     match quantity {
         TargetQuantity::Output { output, n, .. } => vec![(Group::Value(*output), Column::Checkpoint(*n))],
         TargetQuantity::Reliability { limit_state, n } => {
-            let chosen =
-                limits.iter().enumerate().filter(|(s, _)| limit_state.is_none_or(|chosen| chosen == *s));
-            chosen.map(|(s, _)| (Group::Largest(s), Column::Checkpoint(*n))).collect()
+            let chosen = (0..limits.len()).filter(|s| limit_state.is_none_or(|chosen| chosen == *s));
+            chosen.map(|s| (Group::Largest(s), Column::Checkpoint(*n))).collect()
         }
         TargetQuantity::PeakForce { joint } => vec![(Group::Forces, Column::Joint(*joint))],
         TargetQuantity::Depth { joint, angle } => vec![(Group::Bore(*joint), Column::Angle(*angle))],

@@ -18,23 +18,8 @@ const KEYS: [[&str; 5]; 2] = [
     ["angle", "cycles", "value", "profile", "tolerance"],
 ];
 
-/// The words of `statistic`.
-#[derive(Clone, Copy, PartialEq)]
-enum Statistic {
-    Output(OutputStatistic, &'static str),
-    Reliability,
-    PeakForce,
-    Depth,
-}
-
-const STATISTICS: [(&str, Statistic); 6] = [
-    ("mean", Statistic::Output(OutputStatistic::Mean, "mean")),
-    ("std", Statistic::Output(OutputStatistic::Std, "std")),
-    ("nominal", Statistic::Output(OutputStatistic::Nominal, "nominal")),
-    ("reliability", Statistic::Reliability),
-    ("peak-force", Statistic::PeakForce),
-    ("depth", Statistic::Depth),
-];
+/// The words of `statistic`: three of outputs, and others.
+const STATISTICS: [&str; 6] = ["mean", "std", "nominal", "reliability", "peak-force", "depth"];
 
 /// Reads a file of targets for a scene; paths in it are relative to its folder.
 ///
@@ -72,11 +57,8 @@ pub fn of_parameters(file: &InputFile, targets: &CalibrationTargets, Faults(faul
 
 /// The table `[published]` of the reference file that a file of targets may name.
 fn published(file: &mut Section, folder: &Path) -> Table {
-    let Some(name) =
-        file.get("reference").and_then(|_| file.text("reference", "a file with a table [published]"))
-    else {
-        return Table::new();
-    };
+    let name = file.get("reference").and_then(|_| file.text("reference", "a file with a table [published]"));
+    let Some(name) = name else { return Table::new() };
     let read = InputFile::load(&folder.join(name)).map_err(|Faults(faults)| faults[0].to_string());
     let table = read.and_then(|read| match read.document().get("published") {
         Some(Value::Table(published)) => Ok(published.clone()),
@@ -189,32 +171,37 @@ impl TargetReader<'_> {
 
     /// Quantity, kind of unit, and default name of a row without profile.
     fn quantity(&self, row: &mut Section) -> Option<(TargetQuantity, Kind, String)> {
-        let statistic = if row.get("limit_state").is_some() {
-            row.word_or("statistic", &STATISTICS, Statistic::Reliability)
-        } else {
-            row.word("statistic", &STATISTICS)
+        let words = STATISTICS.map(|word| (word, word));
+        let statistic = match row.get("limit_state") {
+            Some(_) => row.word_or("statistic", &words, "reliability"),
+            None => row.word("statistic", &words),
         };
         let Scene { joints, outputs, life, .. } = self.scene;
         // After a fault it is read on with any checkpoint.
         let at = |row: &mut Section| checkpoint(row, life, None).map_or(0, |(n, _)| n);
         Some(match statistic? {
-            Statistic::Reliability => {
+            "reliability" => {
                 let (limit, n) = (limit_state(row, self.scene), at(row));
                 let (name, limit_state) = limit?;
                 (TargetQuantity::Reliability { limit_state, n }, NUMBER, format!("R {name}"))
             }
-            Statistic::PeakForce => {
+            "peak-force" => {
                 let joint = self.joint(row)?;
                 let label = format!("peak force in joint {}", joints[joint].name);
                 (TargetQuantity::PeakForce { joint }, FORCE, label)
             }
-            Statistic::Depth => {
+            "depth" => {
                 let (joint, angle) = (self.bore(row), row.quantity("angle", ANGLE, Range::Any));
                 let (joint, angle) = (joint?, angle?);
                 let label = format!("depth of bore {} at {:.0} deg", joints[joint].name, angle.to_degrees());
                 (TargetQuantity::Depth { joint, angle }, LENGTH, label)
             }
-            Statistic::Output(statistic, word) => {
+            word => {
+                let statistic = match word {
+                    "mean" => OutputStatistic::Mean,
+                    "std" => OutputStatistic::Std,
+                    _ => OutputStatistic::Nominal,
+                };
                 let name = row.text("output", "the name of an output");
                 let names = outputs.iter().map(|output| output.name.as_str());
                 let output = name.and_then(|name| row.meant("output", "output", name, names));

@@ -47,13 +47,12 @@ impl DesignSpace {
     /// # Errors
     /// Its faults: a design variable whose range leads to a scene that is not valid together with the bounds of the others.
     pub fn augmented(&self) -> Result<SceneSource, Faults> {
-        let corners: Vec<Scene> =
-            self.corners().iter().map(|values| self.scene_at(values)).collect::<Result<_, _>>()?;
+        let corners = self.corners();
+        let corners = corners.iter().map(|values| self.scene_at(values)).collect::<Result<Vec<_>, _>>()?;
         let middle = self.scene_at(&self.middle())?;
         let ends = self.ends()?;
         let variables = self.base.variables();
-        let envelopes: Vec<Envelope> =
-            (0..variables.len()).map(|k| envelope(k, &corners, &middle, &ends)).collect();
+        let envelopes: Vec<_> = (0..variables.len()).map(|k| envelope(k, &corners, &middle, &ends)).collect();
         let correlations = self.correlations(&envelopes, &middle);
         self.base.edited("--design", |document| {
             for (variable, envelope) in variables.iter().zip(&envelopes).filter(|(_, e)| !e.is_fixed) {
@@ -114,10 +113,8 @@ fn envelope(k: usize, corners: &[Scene], middle: &Scene, ends: &[[Scene; 2]]) ->
     let law = |scene: &Scene| scene.variables[k].distribution.clone();
     let mean = |scene: &Scene| law(scene).parent_mean();
     let all: Vec<_> = corners.iter().chain([middle]).chain(ends.iter().flatten()).map(law).collect();
-    let bounds = all
-        .iter()
-        .map(|law| law.limits())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| (low.min(l), high.max(h)));
+    let wider = |(low, high): (f64, f64), (l, h): (f64, f64)| (low.min(l), high.max(h));
+    let bounds = all.iter().map(|law| law.limits()).fold((f64::INFINITY, f64::NEG_INFINITY), wider);
     Envelope {
         slopes: ends.iter().map(|[lower, upper]| 0.5 * (mean(upper) - mean(lower))).collect(),
         mean: mean(middle),

@@ -2,7 +2,7 @@
 
 use super::answer::DesignAnswer;
 use super::best::Best;
-use super::space::DesignSpace;
+use super::space::{DesignSpace, DesignVariable};
 use crate::analyses::paired_results::spread;
 use crate::presentation::report::format::shortest;
 use crate::presentation::report::life::{LEVELS, LifeAt, end_of_life, life_at};
@@ -95,20 +95,19 @@ fn family(space: &DesignSpace, answers: &[DesignAnswer], best: usize, level: f64
         let points: Vec<Limited> = of_value.filter_map(|answer| life(answer, level)).collect();
         curve(&format!("{} = {}", second.key, second.with_unit(value)), k, &points)
     });
-    let third = space.variables().get(2).map_or(String::new(), |third| {
-        format!(" {} = {}.", third.key, third.with_unit(answers[best].values[2]))
-    });
+    let held =
+        |third: &DesignVariable| format!(" {} = {}.", third.key, third.with_unit(answers[best].values[2]));
+    let third = space.variables().get(2).map_or(String::new(), held);
     let name = format!("design-life-{}", level.to_string().replace('.', "-"));
-    let (title, caption) =
-        (format!("Life at R = {level} against the design"), format!("Bands: 95 % interval.{third}"));
-    plot(space, &name, (&title, &caption), ("life [cycles]", range_of_lives(answers)), curves)
+    let words = (format!("Life at R = {level} against the design"), format!("Bands: 95 % interval.{third}"));
+    plot(space, &name, (&words.0, &words.1), ("life [cycles]", range_of_lives(answers)), curves)
 }
 
 /// From the shortest to the longest life of any design, with a margin.
 fn range_of_lives(answers: &[DesignAnswer]) -> (f64, f64) {
     let all = answers.iter().flat_map(|answer| LEVELS.iter().filter_map(|level| life(answer, *level)));
-    let (low, high) = all
-        .fold((f64::INFINITY, 0.0f64), |(low, high), (_, _, lower, upper)| (low.min(lower), high.max(upper)));
+    let wider = |(low, high): (f64, f64), (_, _, lower, upper): Limited| (low.min(lower), high.max(upper));
+    let (low, high) = all.fold((f64::INFINITY, 0.0), wider);
     if low < high { (low - 0.05 * (high - low), high + 0.05 * (high - low)) } else { (0.0, 1.0) }
 }
 

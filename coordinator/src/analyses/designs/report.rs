@@ -65,13 +65,11 @@ pub fn json(report: &DesignReport<'_>) -> Value {
         })
     };
     let first = &report.answers[0].summary;
-    let best = report.best.as_ref().map(|best| {
+    let best = report.best.as_ref().map(|Best { index, objective, value, is_bound, equal }| {
+        let equal: Vec<Value> = equal.iter().map(|i| report.design(*i)).collect();
         json!({
-            "design": report.design(best.index),
-            "objective": best.objective,
-            "value": best.value,
-            "is_lower_bound": best.is_bound,
-            "equal_within_errors": best.equal.iter().map(|i| report.design(*i)).collect::<Vec<_>>(),
+            "design": report.design(*index), "objective": objective, "value": value, "is_lower_bound": is_bound,
+            "equal_within_errors": equal,
         })
     });
     json!({

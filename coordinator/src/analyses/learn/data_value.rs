@@ -6,7 +6,7 @@
 
 use super::population::WeightedPopulation;
 use super::result::{DataValue, LearnSettings};
-use crate::analyses::update::{FleetData, Observable, ObservedUnit, Quantity};
+use crate::analyses::update::{FleetData, Observable, Observation, ObservedUnit, Quantity};
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::updating::{CurveDraws, ParameterSpace};
 use common::random::Distribution;
@@ -120,12 +120,11 @@ pub fn values_of(
 
 /// The least error with which an output was measured.
 fn stated_error(units: &[ObservedUnit], output: usize) -> Option<f64> {
-    let all = units.iter().flat_map(|unit| &unit.observations);
-    let errors = all.filter_map(|o| match o.quantity {
+    let error = |o: &Observation| match o.quantity {
         Quantity::Measured { of: Observable::Output(own), error, .. } if own == output => Some(error),
         _ => None,
-    });
-    errors.min_by(f64::total_cmp)
+    };
+    units.iter().flat_map(|unit| &unit.observations).filter_map(error).min_by(f64::total_cmp)
 }
 
 /// Index chosen with probabilities in proportion to `weights`.
@@ -183,8 +182,7 @@ impl DataSource<'_> {
             }
         };
         let near: Vec<(usize, f64)> = agreement.into_iter().enumerate().filter(|(_, a)| *a > 1e-8).collect();
-        let of_set =
-            |(points, sum): &(Vec<f64>, f64)| near.iter().map(|(j, a)| a * points[*j]).sum::<f64>() / sum;
-        self.points.iter().map(of_set).collect()
+        let points = self.points.iter();
+        points.map(|(points, sum)| near.iter().map(|(j, a)| a * points[*j]).sum::<f64>() / sum).collect()
     }
 }

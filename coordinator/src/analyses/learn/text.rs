@@ -46,12 +46,11 @@ pub fn answer(report: &LearnReport) -> Answer {
     if !report.checks.is_empty() {
         parts.push(AnswerPart::Notes("To be checked", checks.collect()));
     }
+    let subject = "Reliability with what differs between units and what is not known of them";
     Answer {
         name: "learn".to_owned(),
         title: format!("What {} of {} say of their population", counted_units(report.units), report.scene),
-        subtitle: format!(
-            "Reliability with what differs between units and what is not known of them apart; {added}"
-        ),
+        subtitle: format!("{subject} apart; {added}"),
         parts,
         files: vec![("reliability.csv".to_owned(), reliability_csv(confident))],
         ..stated
@@ -172,10 +171,8 @@ pub fn confident_figure(confident: &ConfidentReliability, study: &[ReliabilityRo
         Series::new(format!("at least, C = {c}"), Ink::Series(1), Shape::Line(line(|row| row.at_least))),
     ];
     let x = Axis::linear("life [cycles]", (0.0, end));
-    Plot::of_reliability("confident-reliability", x, &series).figure(
-        "Reliability at a confidence",
-        "Curve: what differs between units. Band: what is not known of their population.",
-    )
+    let caption = "Curve: what differs between units. Band: what is not known of their population.";
+    Plot::of_reliability("confident-reliability", x, &series).figure("Reliability at a confidence", caption)
 }
 
 /// R at the checkpoints: `cycles, median, mean, at_least, lower, upper`.

@@ -51,10 +51,9 @@ impl<'a> Context<'a> {
     /// Reliability over designs with the surrogates of a campaign at the design y, its lines placed for it.
     pub fn reliability<'r>(&'r self, learned: &'r CampaignResult, y: &[f64]) -> DesignReliability<'r> {
         let modes = learned.assessment.modes.iter().zip(&learned.assessment.surrogates);
-        let surrogates = modes.map(|(mode, Surrogate { model, .. })| ModeSurrogate {
-            dual: model.dual(),
-            threshold: mode.threshold,
-            model,
+        let surrogates = modes.map(|(mode, Surrogate { model, .. })| {
+            let (threshold, dual) = (mode.threshold, model.dual());
+            ModeSurrogate { model, threshold, dual }
         });
         let (surrogates, constraints) = (surrogates.collect(), self.constraints.clone());
         DesignReliability::new(self.problem, &self.reference, surrogates, constraints, self.seed, y)

@@ -7,7 +7,7 @@
 use super::campaign::{StudyBasis, TargetCampaign};
 use super::context::{Context, index_of};
 use super::problem::DesignProblem;
-use super::reliability::{Constraint, TargetValue};
+use super::reliability::Constraint;
 use super::result::{
     FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations, TargetState,
 };
@@ -62,16 +62,13 @@ pub fn optimise(
         };
         let added = campaign.simulations() - before;
         let met = if solved.feasible { "" } else { ", none within the trust region meets the targets" };
-        let cost = solved.cost;
-        progress(format!(
-            "round {round}: cost {cost:.5} on the present surrogates{met}; {added} simulations added"
-        ));
+        let cost = format!("cost {:.5} on the present surrogates", solved.cost);
+        progress(format!("round {round}: {cost}{met}; {added} simulations added"));
         known = vec![solved.y.clone()];
         let pf = solved.least_probability(problem);
         let inputs = context.inputs(&problem.values(&solved.y))?;
-        let near = last.as_ref().is_some_and(|(at, _)| context.are_near(&inputs, at));
-        let ended = last.as_ref().is_some_and(|(_, ended)| *ended);
-        if near && ended {
+        let near = last.as_ref().filter(|(at, _)| context.are_near(&inputs, at));
+        if near.is_some_and(|(_, ended)| *ended) {
             // The surrogates of the last campaign, assessed at the optimum itself.
             learned = campaign.learn(&inputs, 0, pf, simulate)?;
             let solved = context.assessed(&solved, &learned);
@@ -98,14 +95,12 @@ pub fn optimise(
             let reason = if left == 0 { spent } else { format!("{MOST_ROUNDS} rounds have passed") };
             break (solved, region, bounds, Some(reason));
         }
-        learned = if near {
-            campaign.learn(&inputs, left, pf, simulate)?
-        } else {
-            visited = true;
-            campaign.learn(&trust::of_visit(problem, &inputs), visit.min(left), pf, simulate)?
+        visited |= near.is_none();
+        learned = match near {
+            Some(_) => campaign.learn(&inputs, left, pf, simulate)?,
+            None => campaign.learn(&trust::of_visit(problem, &inputs), visit.min(left), pf, simulate)?,
         };
-        let ended = learned.stop != StopReason::Budget;
-        last = Some((inputs, ended));
+        last = Some((inputs, learned.stop != StopReason::Budget));
         centre.clone_from(&solved.y);
     };
     let added = campaign.simulations() - before;
@@ -118,10 +113,9 @@ pub fn optimise(
 impl Solved {
     /// The least failure probability that matters to a target: the one it allows, or that of the design if it is larger.
     fn least_probability(&self, problem: &DesignProblem) -> f64 {
-        let of = |(value, target): (&TargetValue, &super::ReliabilityTarget)| {
-            value.estimate.probability.max(1.0 - target.reliability)
-        };
-        self.values.iter().zip(&problem.targets).map(of).fold(1.0, f64::min)
+        let both = self.values.iter().zip(&problem.targets);
+        both.map(|(value, target)| value.estimate.probability.max(1.0 - target.reliability))
+            .fold(1.0, f64::min)
     }
 }
 

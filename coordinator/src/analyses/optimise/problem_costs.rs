@@ -13,20 +13,7 @@ use toml::Value;
 const GRADES: std::ops::RangeInclusive<u8> = 5..=12;
 
 /// The words of `model`.
-#[derive(Clone, Copy)]
-enum CostWord {
-    ReciprocalPower,
-    Exponential,
-    Linear,
-    Table,
-}
-
-const MODELS: [(&str, CostWord); 4] = [
-    ("reciprocal-power", CostWord::ReciprocalPower),
-    ("exponential", CostWord::Exponential),
-    ("linear", CostWord::Linear),
-    ("table", CostWord::Table),
-];
+const MODELS: [&str; 4] = ["reciprocal-power", "exponential", "linear", "table"];
 
 /// The grades of a quantity by ascending width; none if it has none. `word` is its parameter, as far as it is known.
 pub(super) fn grades(row: &mut Section, word: Option<&str>, unit: Option<&ShownUnit>) -> Vec<Grade> {
@@ -58,11 +45,7 @@ pub(super) fn grades(row: &mut Section, word: Option<&str>, unit: Option<&ShownU
 }
 
 /// The cost of a quantity and the unit of the quantity in it [SI]. `unit` is that of the quantity, as far as it is known.
-pub(super) fn cost(
-    row: &mut Section,
-    unit: Option<&ShownUnit>,
-    grades: &[Grade],
-) -> Option<(CostModel, f64)> {
+pub fn cost(row: &mut Section, unit: Option<&ShownUnit>, grades: &[Grade]) -> Option<(CostModel, f64)> {
     let mut row = row.section("cost", "a table { model, ... }")?;
     let text = row.text_or("unit", "a unit", "").filter(|text| !text.is_empty());
     let read = text.map(|text| read_unit(text).map_err(|error| error.to_string()));
@@ -77,22 +60,22 @@ pub(super) fn cost(
             1.0
         }
     };
-    let model = match row.word("model", &MODELS)? {
-        CostWord::Table => table(&mut row, unit, grades, cost_unit).map(CostModel::Table),
-        CostWord::Linear => {
+    let model = match row.word("model", &MODELS.map(|word| (word, word)))? {
+        "table" => table(&mut row, unit, grades, cost_unit).map(CostModel::Table),
+        "linear" => {
             let (c0, c1) = coefficients(&mut row, Range::Any);
             c0.zip(c1).map(|(c0, c1)| CostModel::Linear { c0, c1 })
         }
         // A wider tolerance costs less.
-        CostWord::ReciprocalPower => {
-            let (c0, c1) = coefficients(&mut row, Range::Positive);
-            let k = row.quantity_or("k", NUMBER, Range::Positive, 1.0);
-            c0.zip(c1).zip(k).map(|((c0, c1), k)| CostModel::ReciprocalPower { c0, c1, k })
-        }
-        CostWord::Exponential => {
+        "exponential" => {
             let (c0, c1) = coefficients(&mut row, Range::Positive);
             let k = row.quantity("k", NUMBER, Range::Positive);
             c0.zip(c1).zip(k).map(|((c0, c1), k)| CostModel::Exponential { c0, c1, k })
+        }
+        _ => {
+            let (c0, c1) = coefficients(&mut row, Range::Positive);
+            let k = row.quantity_or("k", NUMBER, Range::Positive, 1.0);
+            c0.zip(c1).zip(k).map(|((c0, c1), k)| CostModel::ReciprocalPower { c0, c1, k })
         }
     };
     row.finish();

@@ -35,11 +35,9 @@ fn verdict(result: &OptimisationResult) -> String {
     };
     let work = format!("{added} to the {} that the study had.", result.evaluations.study);
     let limits = limits(result);
-    let confirmation = if result.confirmed {
-        "Simulations at this design agree with the surrogates within the stated errors.".to_owned()
-    } else {
-        format!("This design is not confirmed by simulations: {}.", result.stopped_because)
-    };
+    let confirmed = "Simulations at this design agree with the surrogates within the stated errors.";
+    let unconfirmed = format!("This design is not confirmed by simulations: {}.", result.stopped_because);
+    let confirmation = if result.confirmed { confirmed } else { &unconfirmed };
     if !result.feasible {
         let missed = |target: &OptimisedTarget| {
             let found = promise(target).unwrap_or_else(|| interval(target));
@@ -50,11 +48,10 @@ fn verdict(result: &OptimisationResult) -> String {
         if missed.is_empty() {
             "a target is missed by less than its error".clone_into(&mut missed);
         }
-        let head = if result.supports_all() {
-            "**No design within the bounds was found that meets every target.**".to_owned()
-        } else {
-            format!("**Within what the simulations support, no design meets every target.** {limits}")
-        };
+        let of_all = "**No design within the bounds was found that meets every target.**";
+        let of_region =
+            format!("**Within what the simulations support, no design meets every target.** {limits}");
+        let head = if result.supports_all() { of_all } else { &of_region };
         return format!("{head} The design below comes nearest: {missed}. {confirmation} {work}");
     }
     let [before, cost] = [result.cost_before, result.cost].map(number);
@@ -113,11 +110,8 @@ fn states(result: &OptimisationResult) -> String {
 
 /// Tables of quantities, reliabilities and the front.
 fn tables(result: &OptimisationResult) -> Vec<Table> {
-    let found = match (result.feasible, result.is_held()) {
-        (false, _) => "nearest",
-        (true, true) => "cheapest supported",
-        (true, false) => "optimum",
-    };
+    let cheapest = if result.is_held() { "cheapest supported" } else { "optimum" };
+    let found = if result.feasible { cheapest } else { "nearest" };
     let (cost, counted) = (format!("cost, {found}"), format!("{found}, counted"));
     let OptimisationResult { quantities, targets, front, .. } = result;
     let of_design = ["quantity", "study", found, "allowed", "unit", "change", "cost, study", &cost];
@@ -177,12 +171,10 @@ fn front_row(point: &FrontPoint) -> Vec<String> {
 
 /// Sentences on errors and prices.
 fn notes(result: &OptimisationResult) -> Vec<String> {
-    let mut notes = vec![
-        "Reliabilities have 95 % intervals. That of the optimum is integrated along lines over the surrogates; its interval \
-         contains the surrogate error and the numerical error of the simulations. The counted one is that of a population \
-         that the surrogates classify at the optimum, without numerical errors."
-            .to_owned(),
-    ];
+    let intervals = "Reliabilities have 95 % intervals. That of the optimum is integrated along lines over the surrogates; its interval \
+                     contains the surrogate error and the numerical error of the simulations. The counted one is that of a population \
+                     that the surrogates classify at the optimum, without numerical errors.";
+    let mut notes = vec![intervals.to_owned()];
     if let Some(Grades { examined, proved, relaxed_cost }) = result.grades {
         let proof = "on the surrogates no other combination of the allowed grades is cheaper";
         let proof = if proved { proof } else { "not all were examined, so a cheaper one may exist" };
@@ -264,12 +256,9 @@ fn front_figure(result: &OptimisationResult) -> Option<Figure> {
     let mut front: Vec<(f64, f64)> = result.front.iter().filter_map(known).collect();
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
     let [first, .., last] = &front[..] else { return None };
-    let x = Axis {
-        label: "failure probability allowed, times that of the targets",
-        range: (first.0, last.0),
-        text: |exponent| shortest(10f64.powf(exponent), 3),
-        scale: Scale::Logarithm,
-    };
+    let (label, range) = ("failure probability allowed, times that of the targets", (first.0, last.0));
+    let text = |exponent: f64| shortest(10f64.powf(exponent), 3);
+    let x = Axis { label, range, text, scale: Scale::Logarithm };
     let costs = front.iter().map(|(_, cost)| *cost).chain([result.cost]);
     let (low, high) = costs.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
     let margin = 0.05 * (high - low).max(0.01 * high.abs());

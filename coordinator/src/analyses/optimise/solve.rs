@@ -79,12 +79,7 @@ fn from_start(reliability: &mut DesignReliability<'_>, start: &[f64]) -> Solved 
     finished(reliability, y, multipliers, feasible)
 }
 
-fn finished(
-    reliability: &DesignReliability<'_>,
-    y: Vec<f64>,
-    multipliers: Vec<f64>,
-    feasible: bool,
-) -> Solved {
+fn finished(reliability: &DesignReliability, y: Vec<f64>, multipliers: Vec<f64>, feasible: bool) -> Solved {
     let cost = reliability.cost(&y);
     let values = reliability.targets(&y).unwrap_or_default();
     Solved { cost, values, multipliers, feasible, relaxed_cost: cost, grades: None, y }

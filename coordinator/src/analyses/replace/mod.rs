@@ -151,8 +151,8 @@ pub fn check_costs(costs: &ReplacementCosts) -> Result<(), RefusedQuestion> {
     let fault = format!(
         "allowed: above --planned-cost {planned}; a failure that is no dearer than a planned replacement never pays for one"
     );
-    let refused = || RefusedQuestion::new(format!("--failure-cost {failure}"), fault);
-    (failure > planned).then_some(()).ok_or_else(refused)
+    let refused = RefusedQuestion::new(format!("--failure-cost {failure}"), fault);
+    if failure > planned { Ok(()) } else { Err(refused) }
 }
 
 /// A curve `[cycles, R, lower limit, upper limit]` `(4)(g,)` with a constant hazard from age 0 to a checkpoint, R(t) = R(first)^(t /

@@ -4,6 +4,7 @@ use super::{DemandedAge, InspectionRow, RateRow, ReplacementReport, Stated};
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::{percent, short_percent};
 use crate::results::life_summary::{CyclesRange, LifeRow};
+use crate::statistics::replacement::PolicyOutcome;
 use common::scene::Scene;
 
 /// Rows of the table of rates on a terminal.
@@ -163,26 +164,22 @@ fn inspections(report: &ReplacementReport, scene: &Scene) -> Vec<AnswerPart> {
         let shown =
             |level: f64| unit.as_ref().map(|unit| unit.after(&format!("{:.4}", unit.to_shown(level))));
         let levels: Vec<String> = row.lower_level.into_iter().chain(row.level).filter_map(shown).collect();
-        vec![
-            row.every.map_or("given".to_owned(), |every| every.to_string()),
-            if levels.is_empty() { "the age only".to_owned() } else { levels.join(", ") },
-            life(row.age, report.end),
-            format!("{:.4e} ({:.4e} to {:.4e})", outcome.cost_rate, outcome.lower, outcome.upper),
-            short_percent(outcome.failed),
-            format!("{:.1} %", 100.0 * outcome.by_level),
-            life(outcome.mean_life, report.end),
-            format!("{:.1}", outcome.inspections),
-        ]
+        let PolicyOutcome {
+            cost_rate: value, lower, upper, failed, by_level, mean_life, inspections, ..
+        } = outcome;
+        let every = row.every.map_or("given".to_owned(), |every| every.to_string());
+        let levels = if levels.is_empty() { "the age only".to_owned() } else { levels.join(", ") };
+        let [age, mean_life] = [row.age, mean_life].map(|cycles| life(cycles, report.end));
+        let cost = Stated { value, lower, upper }.shown(|x| format!("{x:.4e}"));
+        let (by_level, inspections) = (format!("{:.1} %", 100.0 * by_level), format!("{inspections:.1}"));
+        vec![every, levels, age, cost, short_percent(failed), by_level, mean_life, inspections]
     };
     let table = Table::new("", head, report.inspections.iter().map(row)).with_left(&[]);
     let least = report.inspections.iter().map(|row| row.outcome.cost_rate).fold(f64::INFINITY, f64::min);
     let saved = 100.0 * (1.0 - least / report.cost_rate.value);
-    let best = format!(
-        "{} costs {:.1} % {} than age replacement without inspections.",
-        if report.inspections.len() > 1 { "The best of these" } else { "This" },
-        saved.abs(),
-        if saved >= 0.0 { "less" } else { "more" }
-    );
+    let which = if report.inspections.len() > 1 { "The best of these" } else { "This" };
+    let (saved, less) = (saved.abs(), if saved >= 0.0 { "less" } else { "more" });
+    let best = format!("{which} costs {saved:.1} % {less} than age replacement without inspections.");
     vec![AnswerPart::Text(meaning), AnswerPart::Table(table), AnswerPart::Text(best)]
 }
 

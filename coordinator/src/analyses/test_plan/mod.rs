@@ -154,14 +154,9 @@ pub fn plan(
         let [lower, upper] = row.limits().map(|limit| of(limit).at(at));
         let r = best.at(at);
         let law = BetaPrior::containing(r, [lower, upper], question.prior_units);
-        let row = PriorRow {
-            scene: summary.scene.clone(),
-            reliability: [r, lower, upper],
-            survived: law.survived,
-            failed: law.failed,
-            confidence: 1.0 - law.below(reliability),
-        };
-        prior = Some((law, row));
+        let (scene, confidence) = (summary.scene.clone(), 1.0 - law.below(reliability));
+        let (survived, failed) = (law.survived, law.failed);
+        prior = Some((law, PriorRow { scene, reliability: [r, lower, upper], survived, failed, confidence }));
     }
     let fault = "needs the Weibull shape of the lives, which relates them to --at; give --shape, or a study with lives at R = 0.99 \
                  and 0.5";

@@ -114,8 +114,8 @@ fn row(
     };
     let cases: Vec<Vec<StatedValue>> = (0..scene.outputs.len()).map(|k| cases(k, &pairs)).collect();
     let outputs = cases.iter().enumerate().map(|(k, cases)| output_error(scene, k, &pairs, cases));
-    let random: Vec<_> =
-        pairs.iter().filter(|pair| pair.point > 0).map(|pair| (pair.found, pair.reference)).collect();
+    let random = pairs.iter().filter(|pair| pair.point > 0);
+    let random: Vec<_> = random.map(|pair| (pair.found, pair.reference)).collect();
     SettingComparison {
         setting: setting.clone(),
         seconds: mean(&|pair| pair.measured.wall),
@@ -148,9 +148,8 @@ fn output_error(scene: &Scene, k: usize, pairs: &[ComparedPoint], cases: &[State
         let (found_history, true_history) = (&found.histories[k], &reference.histories[k]);
         let reached = true_history.iter().position(|y| limits.iter().any(|limit| limit.is_reached(*y)));
         let seen = reached.map_or(true_history.len(), |n| n + 1);
-        let differences =
-            found_history.iter().zip(true_history).take(seen).map(|(x, truth)| (x - truth).abs());
-        until_limit = differences.fold(until_limit, |a, off| a.max(off / scale));
+        let differences = found_history.iter().zip(true_history).take(seen);
+        until_limit = differences.fold(until_limit, |a, (x, truth)| a.max((x - truth).abs() / scale));
         let [first, true_first] = [found_history, true_history].map(|history| {
             limits.iter().filter_map(|limit| crossing(&found.cycles, history, limit)).reduce(f64::min)
         });

@@ -27,17 +27,16 @@ pub fn answer(
          change is not in these errors.",
         100.0 * REQUIRED_SHARE
     );
-    let mut parts = vec![AnswerPart::Text(text), AnswerPart::Table(table(scene, &sorted, reference))];
+    let table = AnswerPart::Table(table(scene, &sorted, reference));
     let failed = rows.iter().chain([reference]).filter(|row| row.failures > 0);
     let failed: Vec<String> = failed.map(|row| format!("{} at {}", row.setting.name, row.failures)).collect();
-    if !failed.is_empty() {
-        let text = format!("Without a result, and excluded there: {} of {points} points.", failed.join(", "));
-        parts.push(AnswerPart::Text(text));
-    }
+    let names = failed.join(", ");
+    let failed = format!("Without a result, and excluded there: {names} of {points} points.");
+    let failed = (!names.is_empty()).then_some(AnswerPart::Text(failed));
     Answer {
         name: "tradeoff".to_owned(),
         title: format!("Accuracy settings of `{}`, against `reference`, at {points} points", scene.name),
-        parts,
+        parts: [AnswerPart::Text(text), table].into_iter().chain(failed).collect(),
         files: vec![("tradeoff.csv".to_owned(), settings_csv(scene, rows))],
         prints_markdown: true,
         ..Answer::default()

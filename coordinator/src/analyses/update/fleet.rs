@@ -36,12 +36,8 @@ pub struct FleetSettings {
 impl FleetSettings {
     /// Defaults for a study with this seed.
     pub fn new(seed: u64) -> Self {
-        Self {
-            population: 20_000,
-            monte_carlo: SequentialMonteCarlo { particles: 2000, least: 500.0 },
-            numerical_errors: true,
-            seed,
-        }
+        let monte_carlo = SequentialMonteCarlo { particles: 2000, least: 500.0 };
+        Self { population: 20_000, monte_carlo, numerical_errors: true, seed }
     }
 }
 
@@ -171,11 +167,8 @@ fn unresolved(posterior: &UnitPosterior) -> Option<String> {
 pub(in crate::analyses) fn warning(observations: &[ObservationRow]) -> Option<String> {
     let least = observations.iter().min_by(|a, b| a.probability.total_cmp(&b.probability))?;
     let ObservationRow { quantity, cycles, line, probability, resolution } = least;
-    let found = if probability < resolution {
-        format!("below {resolution:.1e}, which the number of points does not resolve")
-    } else {
-        format!("{probability:.1e}")
-    };
+    let unresolved = format!("below {resolution:.1e}, which the number of points does not resolve");
+    let found = if probability < resolution { unresolved } else { format!("{probability:.1e}") };
     (probability * observations.len() as f64 <= IMPROBABLE).then(|| {
         format!(
             "{quantity} at {cycles} cycles (line {line}) is improbable under the model: probability {found}; check the measurement, or \

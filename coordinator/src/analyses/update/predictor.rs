@@ -68,13 +68,8 @@ impl UnitPredictor<'_> {
         let rows = states.chunks_exact(d + model.deviations()).enumerate();
         let all = rows.flat_map(|row| self.measured.iter().map(move |measured| predicted(row, measured)));
         let (values, errors) = all.unzip();
-        Predictions {
-            values_of_state: self.measured.len(),
-            limit_states: model.limit_states(),
-            values,
-            errors,
-            lives: responses.lives.clone(),
-        }
+        let (values_of_state, limit_states) = (self.measured.len(), model.limit_states());
+        Predictions { values_of_state, limit_states, values, errors, lives: responses.lives.clone() }
     }
 }
 

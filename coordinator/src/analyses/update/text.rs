@@ -31,9 +31,8 @@ pub fn answer(report: &FleetReport) -> Answer {
     if units.len() <= DETAILED {
         parts.extend(units.iter().filter(|unit| !unit.variables.is_empty()).map(variables));
     }
-    let warning =
-        |unit: &UnitReport| Some(format!("warning: unit {}: {}", unit.unit, unit.warning.as_ref()?));
-    let warnings: Vec<String> = units.iter().filter_map(warning).collect();
+    let warned = units.iter().filter_map(|unit| Some((&unit.unit, unit.warning.as_ref()?)));
+    let warnings: Vec<_> = warned.map(|(unit, warning)| format!("warning: unit {unit}: {warning}")).collect();
     if !warnings.is_empty() {
         parts.push(AnswerPart::Notes("To be checked", warnings));
     }

@@ -107,19 +107,19 @@ impl UnitReader<'_> {
         (row.fault_count() == before).then_some((unit?.to_owned(), observation))
     }
 
-    /// Names of outputs, random variables and `words`.
-    fn names<'s>(&'s self, words: &[&'s str]) -> Vec<&'s str> {
-        let outputs = self.scene.outputs.iter().map(|output| output.name.as_str());
-        let variables = self.scene.variables.iter().map(|variable| variable.name.as_str());
-        outputs.chain(variables).chain(words.iter().copied()).collect()
-    }
-
-    /// The output or the variable at a place of these names; `None` for a word.
-    fn observable(&self, place: usize) -> Option<Observable> {
-        let Some(k) = place.checked_sub(self.scene.outputs.len()) else {
-            return Some(Observable::Output(place));
-        };
-        (k < self.scene.variables.len()).then_some(Observable::Variable(k))
+    /// The output, the random variable (`None` for one of `words`) that a row names, as it is written in the scene.
+    fn named<'s>(
+        &'s self,
+        row: &Section,
+        name: &str,
+        words: &[&'s str],
+    ) -> Option<(&'s str, Option<Observable>)> {
+        let Scene { outputs, variables, .. } = self.scene;
+        let outputs = outputs.iter().zip(0..).map(|(o, k)| (o.name.as_str(), Some(Observable::Output(k))));
+        let variables =
+            variables.iter().zip(0..).map(|(v, k)| (v.name.as_str(), Some(Observable::Variable(k))));
+        let all: Vec<_> = outputs.chain(variables).chain(words.iter().map(|word| (*word, None))).collect();
+        row.meant("quantity", "quantity", name, all.iter().map(|(name, _)| *name)).map(|place| all[place])
     }
 
     /// The price of one observation of a kind.
@@ -130,17 +130,14 @@ impl UnitReader<'_> {
             }
         }
         let name = row.text("quantity", "failed, an output or a random variable")?;
-        let place = row.meant("quantity", "quantity", name, self.names(&["failed"]).into_iter())?;
+        let (_, of) = self.named(row, name, &["failed"])?;
         let text = row.text_or("value", "a price", "")?;
-        let price = positive(row, "value", text, "a number above 0");
-        Some((self.observable(place), price?))
+        Some((of, positive(row, "value", text, "a number above 0")?))
     }
 
     fn quantity(&self, name: &str, row: &mut Section) -> Option<Quantity> {
-        let all = self.names(&["survived", "failed"]);
-        let place = row.meant("quantity", "quantity", name, all.iter().copied())?;
-        let word = all[place];
-        let Some(of) = self.observable(place) else {
+        let (word, of) = self.named(row, name, &["survived", "failed"])?;
+        let Some(of) = of else {
             if word == "failed" {
                 return self.failure(row);
             }
@@ -151,7 +148,6 @@ impl UnitReader<'_> {
             }
             return Some(Quantity::Survived);
         };
-        let output = self.scene.outputs.get(place);
         if let Observable::Variable(k) = of
             && self.scene.variables[k].distribution.is_constant()
         {
@@ -160,9 +156,10 @@ impl UnitReader<'_> {
         }
         let [value, error] = ["value", "error"].map(|column| {
             let text = row.text_or(column, "a quantity", "").unwrap_or_default();
-            let read = match output {
-                Some(output) => output_quantity(output, text),
-                None => read_quantity(text, self.source.kind_of(word)?).map_err(|fault| fault.to_string()),
+            let read = if let Observable::Output(k) = of {
+                output_quantity(&self.scene.outputs[k], text)
+            } else {
+                read_quantity(text, self.source.kind_of(word)?).map_err(|fault| fault.to_string())
             };
             read.map_err(|what| row.inconsistent(column, what)).ok()
         });
@@ -200,12 +197,9 @@ impl UnitReader<'_> {
             ("mean", false) | ("", true) => Moment::Mean,
             ("std", false) => Moment::Std,
             _ => {
-                let what = if is_design {
-                    format!("{variable} is a design variable: its row is {variable}")
-                } else {
-                    format!("allowed: {variable}.mean or {variable}.std")
-                };
-                row.inconsistent("quantity", what);
+                let of_design = format!("{variable} is a design variable: its row is {variable}");
+                let of_law = format!("allowed: {variable}.mean or {variable}.std");
+                row.inconsistent("quantity", if is_design { of_design } else { of_law });
                 return None;
             }
         };

@@ -105,14 +105,9 @@ fn variant(name: &str, row: &mut Section, base: &SceneSource) -> Option<ModelVar
     let changes = keys.iter().map(|(key, value)| format!("{key} = {value}"));
     let of_accuracy = (!text.is_empty()).then(|| format!("accuracy = {text}"));
     let changes = changes.chain(of_accuracy).collect();
-    (row.fault_count() == before).then_some(ModelVariant {
-        name: name.to_owned(),
-        changes,
-        scene: source.text().to_owned(),
-        accuracy: accuracy.ok()?,
-        level: 0,
-        is_asked: true,
-    })
+    let (name, scene, accuracy) = (name.to_owned(), source.text().to_owned(), accuracy.ok()?);
+    let variant = ModelVariant { name, changes, scene, accuracy, level: 0, is_asked: true };
+    (row.fault_count() == before).then_some(variant)
 }
 
 /// What two scenes differ in that makes them different studies.

@@ -23,18 +23,17 @@ pub fn answer(report: &WeibullReport) -> Answer {
         let [from, to] = bounds.fisher.map(digits);
         vec![name, digits(bounds.value), format!("{from} to {to}"), format!("{low} to {high}")]
     });
-    let not_stated = if failures == lives.len() {
-        "not stated, it needs five exact lives at least."
-    } else {
-        "not stated, it is for complete data without suspensions and intervals."
-    };
+    let (few, incomplete) =
+        ("needs five exact lives at least", "is for complete data without suspensions and intervals");
+    let why = if failures == lives.len() { few } else { incomplete };
     let goodness = goodness.map(|GoodnessOfFit { statistic, p, .. }| {
         let p = three_digits(p);
         format!(
             "A^2 = {statistic:.3}, p = {p}; below 0.05 the lives are not those of a Weibull distribution."
         )
     });
-    let mut notes = vec![format!("Anderson-Darling: {}", goodness.unwrap_or(not_stated.to_owned()))];
+    let goodness = goodness.unwrap_or_else(|| format!("not stated, it {why}."));
+    let mut notes = vec![format!("Anderson-Darling: {goodness}")];
     if failures < 20 {
         notes.push("With fewer than 20 failures the likelihood-ratio bounds are the better ones.".to_owned());
     }

@@ -47,14 +47,9 @@ pub struct LawParameters {
 impl LawParameters {
     fn of(distribution: &Distribution) -> Self {
         let (lower, upper) = distribution.support();
-        let finite = |bound: f64| bound.is_finite().then_some(bound);
-        Self {
-            distribution: distribution.name().to_owned(),
-            mean: distribution.parent_mean(),
-            std: distribution.given_std(),
-            lower: finite(lower),
-            upper: finite(upper),
-        }
+        let [lower, upper] = [lower, upper].map(|bound| bound.is_finite().then_some(bound));
+        let (mean, std) = (distribution.parent_mean(), distribution.given_std());
+        Self { distribution: distribution.name().to_owned(), mean, std, lower, upper }
     }
 }
 

@@ -200,30 +200,25 @@ fn sentences(answer: &WhatIf, added: usize, command: &str) -> Vec<String> {
     ];
     let differs = |agreement: &&Agreement| agreement.stated > 0.0 || agreement.largest_difference > 0.0;
     if let Some(agreement) = answer.agreement.as_ref().filter(differs) {
+        let Agreement { largest_difference, limit_state, cycles, stated } = agreement;
+        let [difference, stated] = [*largest_difference, *stated].map(three_digits);
         all.push(format!(
-            "Without the changes, R differs from that of the study's own summary by {} at most ({} at {} cycles, where the study states ± {}).",
-            three_digits(agreement.largest_difference),
-            agreement.limit_state,
-            count(agreement.cycles.into()),
-            three_digits(agreement.stated)
+            "Without the changes, R differs from that of the study's own summary by {difference} at most ({limit_state} at {} cycles, \
+             where the study states ± {stated}).",
+            count((*cycles).into())
         ));
     }
-    if answer.is_rare {
-        all.push(
-            "Failures of the study are rare: its own result comes from samples near the limit, this answer from a plain count, \
-             which bounds small failure probabilities only."
-                .to_owned(),
-        );
-    }
+    let rare = "Failures of the study are rare: its own result comes from samples near the limit, this answer from a plain count, \
+                which bounds small failure probabilities only.";
+    all.extend(answer.is_rare.then(|| rare.to_owned()));
     all.push(region(answer));
-    if answer.surrogate_error > answer.target_error {
-        all.push(format!(
-            "The estimated surrogate error of R after the change is up to {} (a study stops at {}); more simulations where it \
-             arises reduce it: {command} --refine 20",
-            three_digits(answer.surrogate_error),
-            three_digits(answer.target_error)
-        ));
-    }
+    let [error, target] = [answer.surrogate_error, answer.target_error].map(three_digits);
+    all.extend((answer.surrogate_error > answer.target_error).then(|| {
+        format!(
+            "The estimated surrogate error of R after the change is up to {error} (a study stops at {target}); more simulations where it \
+             arises reduce it: {command} --refine 20"
+        )
+    }));
     all.extend(unresolved_fall(&answer.after).map(|note| format!("Caution: {note}")));
     all
 }
@@ -231,13 +226,12 @@ fn sentences(answer: &WhatIf, added: usize, command: &str) -> Vec<String> {
 /// Where the changed population leaves the simulated region.
 fn region(answer: &WhatIf) -> String {
     let region = &answer.region;
+    let caution = if region.is_left() { "Caution: " } else { "" };
+    let shares = [region.outside_after, region.outside_before, region.uncertain_after];
+    let [after, before, uncertain] = shares.map(percent);
     let mut text = format!(
-        "{}{} of the changed population lie outside the range of the simulated values in at least one variable ({} of the \
-         studied population); in {} the surrogates are less certain than for 99 % of the studied population.",
-        if region.is_left() { "Caution: " } else { "" },
-        percent(region.outside_after),
-        percent(region.outside_before),
-        percent(region.uncertain_after)
+        "{caution}{after} of the changed population lie outside the range of the simulated values in at least one variable ({before} of \
+         the studied population); in {uncertain} the surrogates are less certain than for 99 % of the studied population."
     );
     let most =
         region.variables.iter().filter(|v| v.is_left()).take(3).map(|v| {

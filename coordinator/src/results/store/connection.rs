@@ -10,6 +10,7 @@
 
 use super::error::StoreError;
 use rusqlite::{Connection, ErrorCode, OpenFlags};
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::TempDir;
@@ -31,18 +32,20 @@ pub fn connect(path: &Path, flags: OpenFlags) -> Result<Connection, StoreError> 
     Ok(connection)
 }
 
-/// The connection to the campaign file or to its copy, and what is removed after it has ended.
-pub type ReadConnection = (Connection, AfterReading);
+/// The connection to the campaign file or to its copy, and what is held until it has ended.
+pub type ReadConnection = (Connection, Held);
 
-/// What is removed after a file has been read.
+/// What an open campaign file holds besides its connection.
 #[derive(Debug)]
 #[allow(dead_code)] // kept for their Drop
-pub enum AfterReading {
-    /// Nothing that this connection made.
+pub enum Held {
+    /// The lock of the folder: the file is open for writing.
+    Lock(File),
+    /// Nothing: the file is read beside a study that is running, or does not change.
     Nothing,
-    /// Folder of the copy.
+    /// Folder of the copy that is read.
     Copy(TempDir),
-    /// Index and log that the connection created.
+    /// Index and log that the connection created to read.
     Left(LeftFiles),
 }
 
@@ -66,20 +69,15 @@ impl Drop for LeftFiles {
 /// [`StoreError::NotACampaign`], or what the file system or SQLite report.
 pub fn connect_read_only(path: &Path) -> Result<ReadConnection, StoreError> {
     let is_in_use = log_of(path).exists();
-    match shared(path) {
-        Ok(connection) if is_in_use => Ok((connection, AfterReading::Nothing)),
-        Ok(connection) => Ok((connection, AfterReading::Left(LeftFiles(path.to_path_buf())))),
+    // Beside other connections, and read from once.
+    let opened = connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY);
+    match opened.and_then(|connection| probe(path, &connection).map(|()| connection)) {
+        Ok(connection) if is_in_use => Ok((connection, Held::Nothing)),
+        Ok(connection) => Ok((connection, Held::Left(LeftFiles(path.to_path_buf())))),
         Err(error) if !needs_index(&error) => Err(named(path, error)),
-        Err(_) if has_log(path) => from_copy(path),
+        Err(_) if std::fs::metadata(log_of(path)).is_ok_and(|log| log.len() > 0) => from_copy(path),
         Err(_) => unchanging(path),
     }
-}
-
-/// Opens the file beside other connections, and reads from it once.
-fn shared(path: &Path) -> Result<Connection, StoreError> {
-    let connection = connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
-    probe(path, &connection)?;
-    Ok(connection)
 }
 
 /// Opens a file that no process changes.
@@ -89,7 +87,7 @@ pub(super) fn unchanging(path: &Path) -> Result<ReadConnection, StoreError> {
     let uri = format!("file:{}?immutable=1", escaped(path));
     let connection = Connection::open_with_flags(uri, flags).map_err(StoreError::of(path))?;
     probe(path, &connection).map_err(|error| named(path, error))?;
-    Ok((connection, AfterReading::Nothing))
+    Ok((connection, Held::Nothing))
 }
 
 /// Copies the file with its log into a temporary folder and opens the copy.
@@ -102,7 +100,7 @@ pub(super) fn from_copy(path: &Path) -> Result<ReadConnection, StoreError> {
     }
     let connection = connect(&target, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
     probe(path, &connection).map_err(|error| named(path, error))?;
-    Ok((connection, AfterReading::Copy(copy)))
+    Ok((connection, Held::Copy(copy)))
 }
 
 fn probe(path: &Path, connection: &Connection) -> Result<(), StoreError> {
@@ -127,10 +125,6 @@ pub fn named(path: &Path, error: StoreError) -> StoreError {
         }
         error => error,
     }
-}
-
-fn has_log(path: &Path) -> bool {
-    std::fs::metadata(log_of(path)).is_ok_and(|log| log.len() > 0)
 }
 
 fn log_of(path: &Path) -> PathBuf {

@@ -75,7 +75,7 @@ impl CampaignFile {
         match self.find(request) {
             Err(StoreError::AnotherStudy { .. }) | Ok(None) if request.id > 0 => {
                 let sample = exact::sample_to_bytes(&request.sample);
-                self.move_to(to_key(request.id), &sample, (request.is_stricter(), request.level))?;
+                self.move_to(to_key(request.id), &sample, request)?;
                 self.find(request)
             }
             found => found,

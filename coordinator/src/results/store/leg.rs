@@ -6,6 +6,7 @@
 
 use super::schema::insert_leg;
 use super::{CampaignFile, StoreError};
+use crate::farm::evaluate::Request;
 use rusqlite::{Connection, OptionalExtension, Transaction, params};
 use serde_json::Value;
 
@@ -126,12 +127,8 @@ impl CampaignFile {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub(super) fn move_to(
-        &mut self,
-        id: i64,
-        sample: &[u8],
-        (is_stricter, level): (bool, u8),
-    ) -> Result<(), StoreError> {
+    pub(super) fn move_to(&mut self, id: i64, sample: &[u8], request: &Request) -> Result<(), StoreError> {
+        let (is_stricter, level) = (request.is_stricter(), request.level);
         self.transact(|transaction| {
             let found: Option<i64> = transaction
                 .prepare_cached(

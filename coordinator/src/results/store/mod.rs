@@ -33,7 +33,7 @@ pub use read::StoredEvaluation;
 
 use crate::farm::evaluate::EvaluationResult;
 use common::scene::Scene;
-use connection::{AfterReading, connect, connect_read_only, named};
+use connection::{Held, connect, connect_read_only, named};
 use rusqlite::{Connection, OpenFlags};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
@@ -73,16 +73,6 @@ pub struct CampaignFile {
     log_written: Option<Instant>,
     /// What is held until the file is closed.
     _held: Held,
-}
-
-/// What an open campaign file holds besides its connection.
-#[derive(Debug)]
-#[allow(dead_code)] // kept for its Drop
-enum Held {
-    /// The lock of the folder: the file is open for writing.
-    Lock(File),
-    /// What reading leaves behind.
-    Reader(AfterReading),
 }
 
 impl CampaignFile {
@@ -128,7 +118,7 @@ impl CampaignFile {
     /// Those of [`CampaignFile::open`], but for a file in use.
     pub fn look(dir: &Path) -> Result<Self, StoreError> {
         let path = campaign_path(dir)?;
-        let (connection, after) = connect_read_only(&path)?;
+        let (connection, held) = connect_read_only(&path)?;
         if has_no_table(&path, &connection)? {
             return Err(StoreError::NoCampaign(dir.into()));
         }
@@ -139,7 +129,7 @@ impl CampaignFile {
             schema::DOCUMENT
         );
         connection.execute_batch(&own).map_err(StoreError::of(&path))?;
-        Self::read(dir, connection, Held::Reader(after))
+        Self::read(dir, connection, held)
     }
 
     fn from_connection(dir: &Path, mut connection: Connection, lock: File) -> Result<Self, StoreError> {
