@@ -45,12 +45,9 @@ impl CycleSlot {
     /// Starts a program that keeps running.
     ///
     /// # Errors
-    /// [`SimulatorError::Start`].
+    /// [`SimulatorError`].
     pub fn start(&mut self) -> Result<(), SimulatorError> {
-        match self {
-            CycleSlot::Program(slot) => slot.start(),
-            CycleSlot::Model(slot) => slot.start(),
-        }
+        if let CycleSlot::Program(slot) = self { slot.start() } else { Ok(()) }
     }
 
     /// Name of the slot in results.
@@ -95,7 +92,7 @@ impl CyclesOfLife<'_> {
     /// The reply to a request, from the journal or from the program.
     ///
     /// # Errors
-    /// As [`Slot::evaluate`]; a reply that does not fit the scene is [`SimulatorError::Protocol`].
+    /// As [`Slot::evaluate`]; a reply that does not fit the scene is a [`SimulatorError`].
     pub fn ask(
         &mut self,
         request: &CycleRequest,
@@ -164,7 +161,7 @@ impl CyclesOfLife<'_> {
 
 /// The error of a journal in `folder` that cannot be read or written.
 fn no_journal(folder: &str, reason: &io::Error) -> SimulatorError {
-    SimulatorError::Unfit { key: "journal", fault: format!("{folder}: {reason}") }
+    SimulatorError::of_key("journal", format!("{folder}: {reason}"))
 }
 
 /// The journal of one life.

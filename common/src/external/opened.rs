@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// can be read.
 ///
 /// # Errors
-/// [`SimulatorError::Start`].
+/// [`SimulatorError`].
 pub fn check(simulator: &ExternalSimulator, scene: &Scene) -> Result<(), SimulatorError> {
     match &simulator.kind {
         SimulatorKind::Program(program) => check_program_file(program, scene),

@@ -12,7 +12,7 @@ use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::results_file::{self, of_object};
 use super::slot::{SampleResult, SimulatorError, Slot, SlotError, SlotRequest, StopSignal};
 use super::working_folder::{self, check_file};
-use crate::failure::SimulationFailure;
+use crate::failure::{SimulationFailure, last_words};
 use crate::outputs::Evaluation;
 use crate::scene::{Exchange, Program, Scene};
 use serde::{Serialize, Serializer};
@@ -100,7 +100,7 @@ impl Setup {
 
     /// The error of a reply that breaks the protocol.
     pub(super) fn broken(&self, id: u64, fault: String) -> SimulatorError {
-        SimulatorError::Protocol { simulator: format!("\"{}\"", key_and_name(&self.program).1), id, fault }
+        SimulatorError::of_reply(&format!("\"{}\"", key_and_name(&self.program).1), id, &fault)
     }
 
     /// Result of a reply line, or of the text of a results file.
@@ -138,7 +138,7 @@ impl Serialize for SampleByName<'_> {
 /// its templates filled.
 ///
 /// # Errors
-/// [`SimulatorError::Start`].
+/// [`SimulatorError`].
 pub fn check_program_file(program: &Program, scene: &Scene) -> Result<(), SimulatorError> {
     let folder = Path::new(&program.folder);
     let found = check_executable(&program.command, folder);
@@ -156,7 +156,8 @@ fn key_and_name(program: &Program) -> (&'static str, String) {
 
 fn start_error(program: &Program, reason: std::io::Error) -> SimulatorError {
     let (key, name) = key_and_name(program);
-    SimulatorError::Start { key, program: name, folder: program.folder.clone(), reason }
+    let fault = format!("\"{name}\" cannot be started in {}: {reason}", program.folder);
+    SimulatorError::of_key(key, fault)
 }
 
 /// A slot with at most one running process.
@@ -219,7 +220,7 @@ impl ProgramSlot {
     /// inputs. If it exits there too, the program is at fault.
     ///
     /// # Errors
-    /// [`SimulatorError::Dead`].
+    /// [`SimulatorError`].
     fn check_program(&mut self, request: Request, stop: &StopSignal) -> Result<(), SlotError> {
         if self.setup.answered.load(Ordering::Relaxed) {
             return Ok(());
@@ -227,8 +228,10 @@ impl ProgramSlot {
         let nominal = self.setup.nominal.clone();
         match self.attempt(request, &nominal, stop)? {
             Err(LineError::Ended { status, stderr }) => {
-                let (key, program) = key_and_name(&self.setup.program);
-                return Err(SimulatorError::Dead { key, program, status, stderr }.into());
+                let (key, name) = key_and_name(&self.setup.program);
+                let said = last_words(&stderr);
+                let fault = format!("\"{name}\" ended with {status} instead of answering{said}");
+                return Err(SimulatorError::of_key(key, fault).into());
             }
             Err(LineError::Stopped) => return Err(SlotError::Stopped),
             Err(LineError::TimedOut) => {}

@@ -1,8 +1,9 @@
 //! A slot evaluates one sample at a time with an external simulator, and polls a stop signal while it waits. Errors of external
 //! simulators: programs that do not start or reply, servers whose model does not fit the scene.
 
-use crate::failure::{SimulationFailure, last_words};
+use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
+use std::fmt::Display;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -72,51 +73,22 @@ pub enum WaitError {
     Stopped,
 }
 
-/// Reasons why a simulator cannot be used. A failure it reports for a single sample is a failed simulation instead.
+/// Why a simulator cannot be used, in words: a program that cannot be started or ends without a reply, a reply that breaks the protocol, a
+/// server or a model that does not fit the scene. A failure it reports for a single sample is a failed simulation instead.
 #[derive(Debug, Error)]
-pub enum SimulatorError {
-    /// The program cannot be started.
-    #[error("simulator.{key}: \"{program}\" cannot be started in {folder}: {reason}")]
-    Start {
-        /// The key of the scene that states it.
-        key: &'static str,
-        /// The program with its arguments, or the FMU.
-        program: String,
-        /// Working folder of the program.
-        folder: String,
-        /// Error of the operating system.
-        reason: std::io::Error,
-    },
-    /// The program exits without a reply, also at the means of the inputs.
-    #[error("simulator.{key}: \"{program}\" ended with {status} instead of answering{}", last_words(stderr))]
-    Dead {
-        /// The key of the scene that states it.
-        key: &'static str,
-        /// The program with its arguments, or the FMU.
-        program: String,
-        /// Exit status of the program.
-        status: String,
-        /// The last lines of its standard error.
-        stderr: String,
-    },
-    /// A reply breaks the protocol.
-    #[error("simulator: invalid reply of {simulator} to evaluation {id}: {fault}")]
-    Protocol {
-        /// The program, or address and model.
-        simulator: String,
-        /// Number of the evaluation.
-        id: u64,
-        /// What is wrong with the reply.
-        fault: String,
-    },
-    /// The server or its model does not fit the scene, or the journal of a life cannot be read or written.
-    #[error("simulator.{key}: {fault}")]
-    Unfit {
-        /// The key of the scene that states it.
-        key: &'static str,
-        /// What is wrong, in words.
-        fault: String,
-    },
+#[error("simulator{0}")]
+pub struct SimulatorError(String);
+
+impl SimulatorError {
+    /// The error of what the scene states at this key.
+    pub(super) fn of_key(key: &str, fault: impl Display) -> Self {
+        Self(format!(".{key}: {fault}"))
+    }
+
+    /// The error of a reply that breaks the protocol.
+    pub(super) fn of_reply(simulator: &str, id: u64, fault: &str) -> Self {
+        Self(format!(": invalid reply of {simulator} to evaluation {id}: {fault}"))
+    }
 }
 
 /// Reasons for a slot to return no result: nothing is known about the sample.
@@ -152,7 +124,7 @@ pub trait Slot: Send {
     /// Starts what the slot needs before its first sample, so that a simulator that cannot start is reported at once.
     ///
     /// # Errors
-    /// [`SimulatorError::Start`].
+    /// [`SimulatorError`].
     fn start(&mut self) -> Result<(), SimulatorError> {
         Ok(())
     }

@@ -41,7 +41,7 @@ const REFUSALS: [&str; 4] = [
 
 /// The error of a model that does not fit the scene.
 fn unfit(fault: String) -> SimulatorError {
-    SimulatorError::Unfit { key: "model", fault }
+    SimulatorError::of_key("model", fault)
 }
 
 /// Client of a server whose model fits the scene.
@@ -62,7 +62,7 @@ pub struct UmBridgeClient {
 
 /// The error of an address that cannot be reached, or whose reply is no UM-Bridge reply, for this reason.
 fn unanswered(url: &str, reason: String) -> SimulatorError {
-    SimulatorError::Unfit { key: "umbridge", fault: format!("{url}: {reason}") }
+    SimulatorError::of_key("umbridge", format!("{url}: {reason}"))
 }
 
 /// Status and body of an HTTP reply.
@@ -104,7 +104,7 @@ impl UmBridgeClient {
         let (found, expected) = (info.protocol_version, protocol::PROTOCOL_VERSION);
         if found != expected {
             let fault = format!("{url} uses version {found} of the protocol, expected {expected}");
-            return Err(SimulatorError::Unfit { key: "umbridge", fault });
+            return Err(SimulatorError::of_key("umbridge", fault));
         }
         if !info.models.contains(name) {
             let known = info.models.join(", ");
@@ -301,14 +301,14 @@ impl ModelSlot {
     /// The error of a reply that breaks the protocol.
     pub(super) fn broken(&self, id: u64, fault: String) -> SimulatorError {
         let UmBridgeModel { model, url, .. } = &self.client.model;
-        SimulatorError::Protocol { simulator: format!("model \"{model}\" of {url}"), id, fault }
+        SimulatorError::of_reply(&format!("model \"{model}\" of {url}"), id, &fault)
     }
 
     /// The cycle that `read` makes of a reply, and the reply as an object of JSON, for the values of the inputs and the surfaces of
     /// a request. Its keys other than `sample` and `joints` are added to the configuration.
     ///
     /// # Errors
-    /// As [`Slot::evaluate`]; [`SimulatorError::Unfit`] for surfaces of other numbers of control points than the model takes.
+    /// As [`Slot::evaluate`]; [`SimulatorError`] for surfaces of other numbers of control points than the model takes.
     pub(super) fn ask_cycle<T>(
         &self,
         (id, request): (u64, &CycleLine),

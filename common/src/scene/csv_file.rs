@@ -102,13 +102,8 @@ impl<'t> CsvFile<'t> {
         }
         let first = self.head.first().zip(self.head.last());
         let head = first.map_or("", |(first, last)| &self.text[first.span.start..last.span.end]);
-        let is_comma_file = separator(head) == ',' && found > expected;
-        let advice = match is_comma_file {
-            true => {
-                "; if these are decimal commas, write decimal points: 0.5; if they separate thousands, leave them out: 9000"
-            }
-            false => "",
-        };
+        const COMMAS: &str = "; if these are decimal commas, write decimal points: 0.5; if they separate thousands, leave them out: 9000";
+        let advice = if separator(head) == ',' && found > expected { COMMAS } else { "" };
         let message = format!("has {found} values, the head has {expected} columns{advice}");
         let span = row.first().map_or(0, |cell| cell.span.start)..row.last().map_or(0, |cell| cell.span.end);
         Some(self.fault(span, key, message))

@@ -2,7 +2,7 @@
 
 use super::body_row::{BodyRow, MotionWord};
 use super::context::Range;
-use super::drive::{Curve, Drive, Over};
+use super::drive::{Curve, Drive, Over, Table};
 use super::elements::OutputRow;
 use super::faults::{FaultKind, in_first_unit};
 use super::joint::JointKind;
@@ -113,9 +113,7 @@ fn period_of_drive(life: &Section, bodies: &[BodyRow], strokes: &[(&str, &Drive)
         return None;
     }
     let driven: Vec<_> = bodies.iter().filter(|body| body.word == Some(MotionWord::Driven)).collect();
-    if let ([], [(_, Drive::Angle(table))]) = (&driven[..], strokes)
-        && table.repeat
-    {
+    if let ([], [(_, Drive::Angle(table @ Table { repeat: true, .. }))]) = (&driven[..], strokes) {
         return Some(span(table));
     }
     let expected = match driven[..] {
