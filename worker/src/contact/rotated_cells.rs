@@ -30,7 +30,7 @@ const SIZES: usize = 5;
 /// Bores with worn journals and the cells met last, one per lane.
 #[derive(Debug, Clone)]
 pub struct RotatedCells<R> {
-    cells: Cells<R, 3>,
+    pub(super) cells: Cells<R, 3>,
     contents: RotatedContents<R>,
     /// Spacing s of the tables [rad].
     spacing: R,
@@ -65,12 +65,6 @@ impl<R: Real> RotatedCells<R> {
         };
         (0..R::LANES).for_each(|lane| all.set(lane, arc));
         all
-    }
-
-    /// True if a lane has too many intervals to look at.
-    #[cfg(test)]
-    pub(super) fn is_overfull(&self) -> bool {
-        self.cells.overfull
     }
 
     /// Forgets the cells of a lane, whose bore is `arc` from now on and whose journal is another one.

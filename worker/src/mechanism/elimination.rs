@@ -50,7 +50,7 @@ pub struct Elimination<R = f64> {
     /// Derivatives of G a + h `(m, n)`.
     c: Vec<R>,
     /// Friction of the joints.
-    pub(super) friction: JointFriction<R>,
+    pub(crate) friction: JointFriction<R>,
 }
 
 /// Whether the reactions of the ideal joints exist, one or zero.

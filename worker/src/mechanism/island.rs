@@ -95,11 +95,6 @@ impl Island {
         Band::new(n, 3 * frames.map(reach).max().unwrap_or(0) + 2)
     }
 
-    /// True if an ideal joint has friction.
-    pub(crate) fn has_friction(&self) -> bool {
-        self.ideal.friction.count() > 0
-    }
-
     /// True if every step is explicit, since the ideal joints are many: the island has no derivatives and is never in lanes.
     pub(crate) fn is_large(&self) -> bool {
         self.passage.as_ref().is_some_and(|passage| passage.is_large)

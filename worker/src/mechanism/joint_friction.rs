@@ -82,7 +82,7 @@ impl<R: Real> JointFriction<R> {
 
     /// Number of joints with friction.
     #[inline(always)]
-    pub(super) fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.constraints.len()
     }
 

@@ -6,8 +6,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `motion_output.rs` | the outputs |
-//! | `angle_difference.rs`, `deviation.rs`, `backlash.rs` | values of single outputs |
-//! | `deviation.rs` | wanted functions of time or of an angle |
+//! | `angle_difference.rs`, `deviation.rs`, `backlash.rs` | values of single outputs, and wanted functions of time or of an angle |
 //! | `recording_request.rs`, `recorder.rs`, `peaks.rs` | what to record of an island, and the recording |
 //! | `contact_lanes.rs`, `motion_rows.rs` | contacts and motion of islands in lanes |
 //! | `recorded_cycle.rs` | the recordings of all islands of a cycle, as outputs read them |

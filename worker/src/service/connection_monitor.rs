@@ -229,9 +229,7 @@ mod licence_contact_tests {
     fn only_evaluations_under_licences_end_without_contact() {
         let start = Instant::now();
         let later = start + LICENCE_CONTACT;
-        let mut contact = LicenceContact::default();
-        contact.answered = Some(start);
-        contact.licensed = false;
+        let mut contact = LicenceContact { answered: Some(start), ..LicenceContact::default() };
         assert!(!contact.is_lost(later, 1) && contact.next_claim(1).is_none());
         contact.licensed = true;
         assert_eq!((contact.next_claim(0), contact.next_claim(2)), (None, Some(start + INTERVAL)));
@@ -264,9 +262,7 @@ mod licence_contact_tests {
     #[test]
     fn the_limit_of_the_simulator_follows_the_last_answered_claim() {
         let start = Instant::now();
-        let mut contact = LicenceContact::default();
-        contact.answered = Some(start);
-        contact.licensed = false;
+        let mut contact = LicenceContact { answered: Some(start), ..LicenceContact::default() };
         assert_eq!(contact.new_limit(1), None);
         contact.licensed = true;
         let limit = start + LICENCE_CONTACT + MARGIN;

@@ -17,20 +17,18 @@
 //! | `life_in_blocks.rs`, `partial_life.rs` | a life block by block; a life as far as it has been simulated |
 //! | `blocks.rs` | the ends of the blocks; the outputs over a life |
 //! | `life_in_blocks.rs`, `quasi_static.rs`, `quasi_static_island.rs` | lives without wear; wear by the quasi-static model |
-//! | `turn_period.rs` | several operating conditions on the same bores |
 //! | `longer_steps.rs`, `compared_islands.rs` | longer time steps while they make no difference, and which islands make one |
 //! | `probe.rs`, `motion_estimate.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
 //! | `partial_life.rs`, `probe.rs` | the motion on surfaces with more control points; the error that follows from it |
 //! | `settling.rs`, `repetition.rs` | further cycles until the motion repeats itself; how it does |
-//! | `turn_period.rs` | the period of a cycle that is one turn of a free body |
+//! | `turn_period.rs` | the period of a cycle that is one turn of a free body; several operating conditions on the same bores |
 //! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
 //! | `cycle_history.rs` | outputs and history of a cycle; the result |
 //! | `island_state.rs`, `worn_joints.rs` | an island with its state, stepper, recorder and wear; the wear of all joints, and their grooves |
 //! | `failures.rs` | what ends an evaluation |
 //! | `side_by_side/` | several evaluations in the SIMD lanes of one core |
 //! | `control_points.rs` | arcs of the contacts in the first cycle; the number of control points by them |
-//! | `program_cycles.rs` | a life whose cycles another program simulates |
-//! | `program_cycles.rs` | one cycle on given surfaces, for others that wear them |
+//! | `program_cycles.rs` | a life whose cycles another program simulates; one cycle on given surfaces, for others that wear them |
 //! | `first_look.rs` | model and cost of an evaluation beforehand |
 
 mod blocks;

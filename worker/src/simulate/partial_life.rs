@@ -268,13 +268,11 @@ impl Run<'_> {
             let histories = wear_histories(&self.mixed, &self.quasi_static, &state.recorder, index);
             let copies = if finest { &state.finest } else { &state.finer };
             let pairs = state.island.pairs().zip(copies).zip(histories);
-            pairs
-                .map(
-                    |((pair, copy), history)| {
-                        if pair.wears() { copy.depth_at_end(history) } else { Some(vec![]) }
-                    },
-                )
-                .collect()
+            let depths = pairs.map(|((pair, copy), history)| match pair.wears() {
+                true => copy.depth_at_end(history),
+                false => Some(vec![]),
+            });
+            depths.collect()
         });
         islands.collect()
     }

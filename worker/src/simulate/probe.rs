@@ -21,7 +21,7 @@
 use super::failures::wear_failure;
 use super::island_state::{CycleTools, IslandState};
 use super::{Run, Simulated};
-use crate::wear::{NoEquilibrium, WearLaw};
+use crate::wear::WearLaw;
 use common::accuracy::Accuracy;
 use common::outputs::PointsError;
 use common::scene::{Life, Output, Scene};
@@ -207,30 +207,18 @@ impl Run<'_> {
     /// Wear per cycle at every control point of every surface of every joint of the scene under the contact of the cycle recorded last;
     /// empty for a journal that does not wear, and for a joint that does not `(SURFACES joints, points)` [m per cycle].
     pub(crate) fn wear_rates(&mut self, cycle: u32) -> Simulated<Vec<Vec<f64>>> {
-        let joints = &self.scene.joints;
-        self.wear_rates_of(false).map_err(|(joint, failed)| wear_failure(&joints[joint], cycle, failed))
-    }
-
-    /// These rates under the cycle recorded last of the dynamics, or of the `quasi_static` model.
-    ///
-    /// # Errors
-    /// Index of the joint whose frozen force has no equilibrium.
-    pub(super) fn wear_rates_of(
-        &mut self,
-        quasi_static: bool,
-    ) -> Result<Vec<Vec<f64>>, (usize, NoEquilibrium)> {
         let mut all = vec![Vec::new(); SURFACES * self.scene.joints.len()];
-        for (index, IslandState { island, recorder, rates, depth, .. }) in self.islands.iter_mut().enumerate()
-        {
-            let recorder = if quasi_static { &self.quasi_static[index].recorder } else { recorder };
+        for IslandState { island, recorder, rates, depth, .. } in &mut self.islands {
             for (k, pair) in island.pairs().enumerate().filter(|(_, pair)| pair.wears()) {
                 let mut found = vec![0.0; depth[k].len()];
                 rates[k].freeze(&recorder.histories[k]);
-                let joint = pair.scene_joint();
-                rates[k].rate(&depth[k], &mut found).map_err(|unbalanced| (joint, unbalanced))?;
+                let joint = &self.scene.joints[pair.scene_joint()];
+                rates[k]
+                    .rate(&depth[k], &mut found)
+                    .map_err(|unbalanced| wear_failure(joint, cycle, unbalanced))?;
                 let second = found.split_off(pair.first_depths());
-                all[SURFACES * joint] = found;
-                all[SURFACES * joint + 1] = second;
+                all[SURFACES * pair.scene_joint()] = found;
+                all[SURFACES * pair.scene_joint() + 1] = second;
             }
         }
         Ok(all)

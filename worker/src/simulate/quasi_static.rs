@@ -14,6 +14,7 @@ use crate::contact::Contact;
 use crate::integrate::StepCounts;
 use crate::mechanism::ideal_cycle;
 use crate::quasi_static::{Unsuitable, ideal_motions, wear_rate_difference};
+use crate::wear::WearLaw;
 use common::accuracy::Tier;
 use common::scene::{Life, Output};
 use std::ops::Range;
@@ -183,9 +184,24 @@ impl Run<'_> {
     /// # Errors
     /// [`Unsuitable::Disagrees`] if the rates of an output differ by more than the tolerance of the wear.
     fn check_against_dynamics(&mut self) -> Result<(), Unsuitable> {
-        let unbalanced = |_| Unsuitable::Disagrees(f64::INFINITY);
-        let quasi_static = self.wear_rates_of(true).map_err(unbalanced)?;
-        let dynamic = self.wear_rates_of(false).map_err(unbalanced)?;
+        let none = || vec![vec![]; SURFACES * self.scene.joints.len()];
+        let (mut quasi_static, mut dynamic) = (none(), none());
+        for (state, island) in self.islands.iter_mut().zip(&self.quasi_static) {
+            for (k, pair) in state.island.pairs().enumerate() {
+                for (rates, recorder) in
+                    [(&mut quasi_static, &island.recorder), (&mut dynamic, &state.recorder)]
+                {
+                    let mut rate = vec![0.0; pair.depths()];
+                    state.rates[k].freeze(&recorder.histories[k]);
+                    state.rates[k]
+                        .rate(&state.depth[k], &mut rate)
+                        .map_err(|_| Unsuitable::Disagrees(f64::INFINITY))?;
+                    let second = rate.split_off(pair.first_depths());
+                    rates[SURFACES * pair.scene_joint()] = rate;
+                    rates[SURFACES * pair.scene_joint() + 1] = second;
+                }
+            }
+        }
         for (output, largest) in self.scene.outputs.iter().zip(&mut self.tier_difference) {
             if let Some((_, joints)) = output.kind.wear() {
                 let surfaces: Vec<usize> =

@@ -10,7 +10,7 @@
 
 use super::island_state::IslandState;
 use super::probe::{Probe, SURFACES};
-use super::repetition::{NOT_DECAYING, StateSequence, ToCome, size};
+use super::repetition::{NOT_DECAYING, ToCome, size, slowness, to_come};
 use super::{Run, Simulated};
 use crate::integrate::Stepped;
 use crate::outputs::{Recorder, is_extreme};
@@ -215,26 +215,26 @@ impl<'a> Run<'a> {
     async fn settle_further(&mut self) -> Simulated<Rest> {
         let period = self.scene.life.period;
         let tolerance = self.accuracy.step_tolerance;
-        let mut sequences: Vec<StateSequence> = self
+        let mut sequences: Vec<Vec<Vec<f64>>> = self
             .islands
             .iter()
             .map(|state| {
                 let start = state.scaled(state.cycle_start.state(), period);
                 let change = state.change_over_cycle(period);
                 let end = start.iter().zip(&change).map(|(start, change)| start + change).collect();
-                StateSequence { states: vec![start, end] }
+                vec![start, end]
             })
             .collect();
         let mut before = f64::INFINITY;
         let mut rest = Rest { cycles: 0, is_settled: false, slowness: f64::INFINITY };
         loop {
-            let to_come: Vec<Vec<f64>> = sequences.iter().map(StateSequence::to_come).collect();
+            let to_come: Vec<Vec<f64>> = sequences.iter().map(|states| to_come(states)).collect();
             let largest = to_come.iter().map(|x| size(x)).fold(0.0, f64::max);
-            let states = sequences[0].states.len();
+            let states = sequences[0].len();
             tracing::debug!("settling {}: {largest} still to come ({states} states)", rest.cycles);
             rest.is_settled = largest <= tolerance && states > 2;
             if states >= WINDOW && !rest.slowness.is_finite() {
-                rest.slowness = sequences.iter().map(StateSequence::slowness).fold(0.0, f64::max);
+                rest.slowness = sequences.iter().map(|states| slowness(states)).fold(0.0, f64::max);
             }
             if rest.is_settled || rest.cycles >= MOST_FURTHER {
                 break;
@@ -246,7 +246,7 @@ impl<'a> Run<'a> {
                 before = largest;
                 for ((state, sequence), step) in self.islands.iter_mut().zip(&mut sequences).zip(&to_come) {
                     state.shift(step);
-                    sequence.states = vec![state.scaled_state(period)];
+                    *sequence = vec![state.scaled_state(period)];
                 }
                 self.settle_once(&mut sequences).await?;
                 rest.cycles += 1;
@@ -255,21 +255,21 @@ impl<'a> Run<'a> {
             rest.cycles += 1;
         }
         if rest.is_settled && !rest.slowness.is_finite() {
-            rest.slowness = sequences.iter().map(StateSequence::slowness).fold(0.0, f64::max);
+            rest.slowness = sequences.iter().map(|states| slowness(states)).fold(0.0, f64::max);
         }
         Ok(rest)
     }
 
     /// Simulates a settling cycle and adds the states at its end.
-    async fn settle_once(&mut self, sequences: &mut [StateSequence]) -> Simulated<()> {
+    async fn settle_once(&mut self, sequences: &mut [Vec<Vec<f64>>]) -> Simulated<()> {
         let period = self.scene.life.period;
         self.integrate(-period..0.0, false).await?;
         self.simulated += 1;
         for (state, sequence) in self.islands.iter().zip(sequences) {
-            let last = &sequence.states[sequence.states.len() - 1];
+            let last = &sequence[sequence.len() - 1];
             let change = state.change(last, &state.scaled_state(period));
             let next = last.iter().zip(&change).map(|(last, change)| last + change).collect();
-            sequence.states.push(next);
+            sequence.push(next);
         }
         Ok(())
     }

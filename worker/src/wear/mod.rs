@@ -3,9 +3,9 @@
 //!
 //! Order of use: `interval` records contact samples; `archard` turns them into a wear rate on the present
 //! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `condense`, `conformal`,
-//! `equilibrium` and `nodal_loads`, for guides by `rail_history`, `rail_rate` and `rail_equilibrium`. `wear_law` is what these rates have in common, `wear_rate` any
-//! of them; `step` integrates that rate over a block; `finer_bore`
-//! shows what the spacing of the control points costs, `contact_arc` what it has to resolve, `amounts` what the depths come to.
+//! `equilibrium` and `nodal_loads`, for guides by `rail_history`, `rail_rate` and `rail_equilibrium`. `WearLaw` (`amounts`) is what these rates have in common, `WearRate` (`archard`)
+//! any of them; `step` integrates that rate over a block; `finer_bore`
+//! shows what the spacing of the control points costs, `mean_contact_arc` (`condense`) what it has to resolve, `amounts` what the depths come to.
 
 mod amounts;
 mod arc_ends;

@@ -158,7 +158,7 @@ impl<S: Simd> LaneGroup<S> {
                 match result {
                     Err(IntegrationError::Singular(time)) => pending.integrate_alone(time, progress.counts()),
                     // It may lock itself, which only one island by itself finds out.
-                    Err(IntegrationError::StepTooSmall { time, .. }) if island.has_friction() => {
+                    Err(IntegrationError::StepTooSmall { time, .. }) if island.ideal.friction.count() > 0 => {
                         pending.integrate_alone(time, progress.counts())
                     }
                     result => pending.complete(progress.counts(), result),
