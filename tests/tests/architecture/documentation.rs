@@ -21,7 +21,7 @@ const LAWS: [&str; 13] = [
 
 /// Files of these folders without a formula: what they hold instead. A new file belongs here only if it computes
 /// nothing that a reader would look up in a book.
-const NO_LAW: [(&str, &str); 11] = [
+const NO_LAW: [(&str, &str); 10] = [
     ("common/src/random/mod.rs", "list of modules"),
     ("common/src/random/distribution.rs", "dispatch to the distributions"),
     ("common/src/random/distribution/constant.rs", "one value with probability one"),

@@ -88,7 +88,8 @@ fn add(row: &mut Section, word: &'static str, question: &LifeQuestion<'_>, units
     let before = units.iter().position(|unit| unit.name == name);
     if before.is_some_and(|place| !is_observation || units[place].failed.is_some()) {
         let what = if is_observation { "has failed in a row before" } else { "has a row already" };
-        return row.inconsistent("unit", format!("unit {name} {what}"));
+        row.inconsistent("unit", format!("unit {name} {what}"));
+        return;
     }
     let place = before.unwrap_or(units.len());
     if place == units.len() {
