@@ -91,7 +91,7 @@ fn host_and_port(endpoint: &str) -> Result<(&str, u16), CommandError> {
     };
     parts().ok_or_else(|| {
         let reason = "not an endpoint of the kind PROTOCOL/HOST:PORT".to_owned();
-        ClientError::Endpoint { endpoint: endpoint.to_owned(), reason }.into()
+        ClientError::Endpoint(endpoint.to_owned(), reason).into()
     })
 }
 
@@ -165,7 +165,7 @@ fn claim(session: &ClientSession, worker: &WorkerId) -> Result<((), String), Str
             let took = begun.elapsed().as_secs_f64() * 1e3;
             Ok(((), format!("a coordinator of the same protocol version answers within {took:.1} ms")))
         }
-        Err(ClientError::Answer { fault: WireError::OtherVersion { theirs, ours }, .. }) => Err(format!(
+        Err(ClientError::Answer(_, WireError::OtherVersion { theirs, ours })) => Err(format!(
             "the coordinator speaks protocol version {theirs}, this program version {ours}: use the same version of the \
              program on both sides"
         )),

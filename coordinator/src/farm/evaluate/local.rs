@@ -145,7 +145,7 @@ fn collect(
         let requests = pending.drain(source)?;
         open += requests.len();
         queue.add(requests);
-        if open == 0 && pending.is_exhausted() {
+        if open == 0 && pending.exhausted {
             return Ok(());
         }
         if stop.is_set() {
