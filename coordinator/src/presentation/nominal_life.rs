@@ -1,6 +1,6 @@
 //! One mechanism against the limits of its scene: value at the end of life, limit, margin and expected life, per limit state.
 
-use crate::presentation::format::{count, whole, with_unit};
+use crate::presentation::format::{count, joined, whole, with_unit};
 use common::outputs::Evaluation;
 use common::scene::{LimitState, OutputUnit, Scene};
 use serde_json::{Value, json};
@@ -110,8 +110,7 @@ impl NominalLife<'_> {
 
     /// The threshold with its unit, or both, e.g. `20 N to 90 N`.
     pub fn thresholds(&self) -> String {
-        let each: Vec<String> = self.limit.thresholds().into_iter().map(|value| self.shown(value)).collect();
-        each.join(" to ")
+        joined(self.limit.thresholds().into_iter().map(|value| self.shown(value)), " to ")
     }
 
     /// Distance of the last value from failure over the size of the threshold, or over half the distance between two [1]; negative
