@@ -92,13 +92,11 @@ fn reached(cycles: &[u32], history: &[f64], unworn: Option<f64>, threshold: f64)
         start.into_iter().chain(cycles.iter().map(|n| f64::from(*n)).zip(history.iter().copied())).collect();
     let crossing =
         |[(from, low), (to, high)]: [(f64, f64); 2]| from + (to - from) * (threshold - low) / (high - low);
-    match points.iter().position(|(_, value)| *value >= threshold) {
-        Some(0) => Reached::After(points[0].0),
-        Some(k) => Reached::After(crossing([points[k - 1], points[k]])),
-        None => Reached::Beyond(match points.as_slice() {
-            [.., before, last] if last.1 > before.1 => Some(crossing([*before, *last])),
-            _ => None,
-        }),
+    match (points.iter().position(|(_, value)| *value >= threshold), points.as_slice()) {
+        (Some(0), _) => Reached::After(points[0].0),
+        (Some(k), _) => Reached::After(crossing([points[k - 1], points[k]])),
+        (None, [.., before, last]) if last.1 > before.1 => Reached::Beyond(Some(crossing([*before, *last]))),
+        (None, _) => Reached::Beyond(None),
     }
 }
 

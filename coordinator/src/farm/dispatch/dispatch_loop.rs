@@ -46,14 +46,8 @@ pub(super) enum Input {
     Close,
 }
 
-/// Output of the dispatch loop for the study.
-#[derive(Debug)]
-pub(super) enum Delivery {
-    /// An outcome to record.
-    Outcome(Box<Finished>),
-    /// The evaluation of this number was given up, with the reason for the user.
-    GivenUp(u64, String),
-}
+/// Output of the dispatch loop for the study: an outcome to record, or the number of an evaluation that was given up with the reason.
+pub(super) type Delivery = Result<Box<Finished>, (u64, String)>;
 
 /// A connected worker.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -193,9 +187,7 @@ impl DispatchLoop {
                 self.deliveries = Some(deliveries);
                 self.event(Event::Submit(requests));
             }
-            Input::Recorded(tasks) => {
-                tasks.into_iter().for_each(|task| self.event(Event::Recorded(task)));
-            }
+            Input::Recorded(tasks) => tasks.into_iter().for_each(|task| self.event(Event::Recorded(task))),
             Input::Cancel => {
                 self.deliveries = None;
                 self.event(Event::Cancel);
@@ -291,9 +283,9 @@ impl DispatchLoop {
         match action {
             Action::Deliver(finished) => {
                 self.throughput.count(self.started.elapsed(), &finished.worker);
-                self.deliver(Delivery::Outcome(finished));
+                self.deliver(Ok(finished));
             }
-            Action::GiveUp(task, reason) => self.deliver(Delivery::GivenUp(task, reason)),
+            Action::GiveUp(task, reason) => self.deliver(Err((task, reason))),
             Action::Reply(token, acknowledged, assignment) => {
                 let Some(query) = self.unanswered.remove(&token) else { return };
                 let next = match assignment {

@@ -1,7 +1,7 @@
 //! Evaluator that dispatches requests to workers over Zenoh.
 
 use super::backpressure::Backpressure;
-use super::dispatch_loop::{ConnectedWorker, ConnectedWorkers, Delivery, DispatchLoop, Input};
+use super::dispatch_loop::{ConnectedWorker, ConnectedWorkers, DispatchLoop, Input};
 use super::scheduler::{CrossCheck, LICENCE_HOLD, SchedulerSettings};
 use super::status_board::StatusBoard;
 use super::transport::{Listen, Transport};
@@ -211,25 +211,21 @@ impl ZenohEvaluator {
             }
             let stopping = self.interrupted.load(Ordering::Relaxed);
             // Outcomes that have arrived before the stop are still recorded.
+            let is_running = || self.dispatch_thread.as_ref().is_some_and(|thread| !thread.is_finished());
             let next = if stopping {
                 deliveries.try_recv().map_err(|_| EvaluateError::Interrupted)
             } else {
                 match deliveries.recv_timeout(POLL_INTERVAL) {
-                    Ok(delivery) => Ok(delivery),
-                    Err(RecvTimeoutError::Timeout)
-                        if self.dispatch_thread.as_ref().is_some_and(|d| !d.is_finished()) =>
-                    {
-                        continue;
-                    }
-                    Err(_) => Err(loop_ended()),
+                    Err(RecvTimeoutError::Timeout) if is_running() => continue,
+                    received => received.map_err(|_| loop_ended()),
                 }
             };
             // All outcomes received so far are recorded together: one disk flush serves them all.
             let mut arrived = Vec::new();
             for delivery in std::iter::once(next?).chain(deliveries.try_iter()).take(MOST_TOGETHER) {
                 match delivery {
-                    Delivery::Outcome(finished) => arrived.push(*finished),
-                    Delivery::GivenUp(task, reason) => {
+                    Ok(finished) => arrived.push(*finished),
+                    Err((task, reason)) => {
                         open.remove(&task);
                         given_up.get_or_insert(EvaluateError::GivenUp(task, reason));
                         // The run ends with this error, so no further request is started.
@@ -240,9 +236,7 @@ impl ZenohEvaluator {
             if !arrived.is_empty() {
                 let ids: Vec<u64> = arrived.iter().map(|finished| finished.id).collect();
                 source.record_all(arrived)?;
-                for id in &ids {
-                    open.remove(id);
-                }
+                ids.iter().for_each(|id| _ = open.remove(id));
                 self.send(Input::Recorded(ids))?;
             }
         }

@@ -21,10 +21,7 @@ impl Throughput {
     pub fn count(&mut self, now: Duration, slot: &str) {
         let name = slot.rsplit_once('/').map_or(slot, |(worker, _)| worker);
         self.all.count(now);
-        let (done, rate) = match self.workers.get_mut(name) {
-            Some(known) => known,
-            None => self.workers.entry(name.to_owned()).or_default(),
-        };
+        let (done, rate) = self.workers.entry(name.to_owned()).or_default();
         *done += 1;
         rate.count(now);
     }

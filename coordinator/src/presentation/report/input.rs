@@ -289,17 +289,14 @@ pub struct GroovedJoint {
 /// Adds the grooves of one evaluation to the counts of their joints.
 fn add_grooves(grooved: &mut Vec<GroovedJoint>, grooves: &[NarrowGroove]) {
     for groove in grooves {
-        match grooved.iter_mut().find(|joint| joint.widest.joint == groove.joint) {
-            Some(known) => {
-                known.evaluations += 1;
-                known.since = known.since.min(groove.since);
-                if groove.open > known.widest.open {
-                    known.widest.clone_from(groove);
-                }
-            }
-            None => {
-                grooved.push(GroovedJoint { evaluations: 1, since: groove.since, widest: groove.clone() })
-            }
+        let Some(known) = grooved.iter_mut().find(|joint| joint.widest.joint == groove.joint) else {
+            grooved.push(GroovedJoint { evaluations: 1, since: groove.since, widest: groove.clone() });
+            continue;
+        };
+        known.evaluations += 1;
+        known.since = known.since.min(groove.since);
+        if groove.open > known.widest.open {
+            known.widest.clone_from(groove);
         }
     }
 }

@@ -214,8 +214,8 @@ impl Scheduler {
         running.retain(|task| !returned.contains(task));
 
         // Outcomes first: they count whichever worker returns them.
-        let mut pending =
-            PendingReply { worker: id.clone(), credits, acknowledged: Vec::new(), waiting: BTreeSet::new() };
+        let (acknowledged, waiting) = Default::default();
+        let mut pending = PendingReply { worker: id.clone(), credits, acknowledged, waiting };
         for mut outcome in finished {
             if let (None, Offers::Scenes(build)) = (self.settings.build, &offers) {
                 outcome.worker = format!("{} (build {build})", outcome.worker);
@@ -351,11 +351,9 @@ impl Scheduler {
                 if tasks.len() < wanted && self.settings.licences.is_none() {
                     let SchedulerSettings { straggler_factor, straggler_least, .. } = self.settings;
                     let late = self.workers.stragglers(&id, self.now, straggler_factor, straggler_least);
-                    tasks.extend(
-                        late.filter(|task| !held.has(*task, &id))
-                            .filter_map(|task| self.tasks.copy(task, losses))
-                            .take(wanted - tasks.len()),
-                    );
+                    let late = late.filter(|task| !held.has(*task, &id));
+                    let copies = late.filter_map(|task| self.tasks.copy(task, losses));
+                    tasks.extend(copies.take(wanted - tasks.len()));
                 }
                 for task in &tasks {
                     self.workers.lease(&id, task.key.task, self.now);

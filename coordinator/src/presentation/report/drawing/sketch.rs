@@ -3,6 +3,7 @@
 use super::geometry::{DrawnDrive, DrawnMechanism, FIXED, LoadSymbol, SYMBOLS, middle_of};
 use super::labels::{Label, LetterSize, place_labels};
 use super::symbols::around;
+use crate::presentation::report::format::joined;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -121,7 +122,8 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
     }
     for joint in &drawn.joints {
         let [x, y] = place(joint.at_m);
-        let sign = sign_of(joint.kind);
+        let known = SYMBOLS.iter().find(|(known, ..)| *known == joint.kind);
+        let sign = known.and_then(|(_, _, sign, _)| *sign).unwrap_or('o');
         if joint.rail_m.is_some() {
             // As wide as a block, so that a hinge on it does not hide it.
             canvas.sign([x - 1.0, y], sign);
@@ -160,18 +162,10 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
     out
 }
 
-fn sign_of(kind: &str) -> char {
-    SYMBOLS.iter().find(|(known, ..)| *known == kind).and_then(|(_, _, sign, _)| *sign).unwrap_or('o')
-}
-
 /// The meaning of the signs that appear.
 fn legend(drawn: &DrawnMechanism) -> String {
     let shown = SYMBOLS.iter().filter(|(kind, ..)| drawn.has(kind));
-    let mut parts: Vec<String> =
-        shown.filter_map(|(_, _, sign, meaning)| Some(format!("{} {meaning}", (*sign)?))).collect();
-    if drawn.has_supports() {
-        parts.push("▲ frame".to_owned());
-    }
-    parts.push("[name] body".to_owned());
-    parts.join("   ")
+    let signs = shown.filter_map(|(_, _, sign, meaning)| Some(format!("{} {meaning}", (*sign)?)));
+    let frame = drawn.has_supports().then(|| "▲ frame".to_owned());
+    joined(signs.chain(frame).chain(["[name] body".to_owned()]), "   ")
 }
