@@ -102,19 +102,14 @@ impl Transport {
         let session = zenoh::open(settings.config)
             .wait()
             .map_err(|error| DispatchError::Endpoint(settings.endpoints.join(", "), reason(error)))?;
-        let queries = |key: &'static str, incoming: fn(IncomingQuery) -> Incoming| {
-            let on_incoming = Arc::clone(&on_incoming);
-            let pass_on = move |query| on_incoming(incoming(IncomingQuery(query, key)));
-            session.declare_queryable(key).complete(true).callback(pass_on).wait().map_err(messaging)
-        };
-        let queries = [queries(keys::CLAIM, Incoming::Claim)?, queries(keys::STATUS, Incoming::StatusQuery)?];
+        let changed = Arc::clone(&on_incoming);
         let liveliness = session
             .liveliness()
             .declare_subscriber(keys::ALIVE_ALL)
             .history(true)
             .callback(move |sample| {
                 if let Some(worker) = keys::worker_of(sample.key_expr().as_str()) {
-                    on_incoming(match sample.kind() {
+                    changed(match sample.kind() {
                         SampleKind::Put => Incoming::WorkerJoined(worker),
                         SampleKind::Delete => Incoming::WorkerLost(worker),
                     });
@@ -122,6 +117,12 @@ impl Transport {
             })
             .wait()
             .map_err(messaging)?;
+        let queries = |key: &'static str, incoming: fn(IncomingQuery) -> Incoming| {
+            let on_incoming = Arc::clone(&on_incoming);
+            let pass_on = move |query| on_incoming(incoming(IncomingQuery(query, key)));
+            session.declare_queryable(key).complete(true).callback(pass_on).wait().map_err(messaging)
+        };
+        let queries = [queries(keys::CLAIM, Incoming::Claim)?, queries(keys::STATUS, Incoming::StatusQuery)?];
         // For tools that list liveliness tokens.
         let token = session.liveliness().declare_token(keys::COORDINATOR).wait().map_err(messaging)?;
         let endpoints: Vec<String> =
