@@ -89,7 +89,7 @@ fn host_and_port(endpoint: &str) -> Done<(&str, u16)> {
     };
     parts().ok_or_else(|| {
         let reason = "not an endpoint of the kind PROTOCOL/HOST:PORT".to_owned();
-        ClientError::Endpoint { endpoint: endpoint.to_owned(), reason }.into()
+        ClientError::Endpoint(endpoint.to_owned(), reason).into()
     })
 }
 
@@ -158,7 +158,7 @@ fn claim(session: &ClientSession, worker: &WorkerId) -> Check<()> {
             let took = begun.elapsed().as_secs_f64() * 1e3;
             Ok(((), format!("a coordinator of the same protocol version answers within {took:.1} ms")))
         }
-        Err(ClientError::Answer { fault: WireError::OtherVersion { theirs, ours }, .. }) => Err(format!(
+        Err(ClientError::Answer(_, WireError::OtherVersion { theirs, ours })) => Err(format!(
             "the coordinator speaks protocol version {theirs}, this program version {ours}: use the same version of the \
              program on both sides"
         )),

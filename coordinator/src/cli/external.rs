@@ -74,7 +74,7 @@ pub fn simulate(source: &SceneSource, settings: &[(String, f64)]) -> Done<String
         Request { id: 0, sample, with_first_cycle: false, accuracy: None, level: 0, not_by: vec![] };
     let (mut found, end) = open_simulator(source, 1)?.outcomes(&[request], &mut |_| ());
     end.map_err(CommandError::Evaluate)?;
-    let lost = || CommandError::Evaluate(EvaluateError::NoOutcome { id: 0 });
+    let lost = || CommandError::Evaluate(EvaluateError::NoOutcome(0));
     let Finished { outcome, wall, .. } = found.pop().flatten().ok_or_else(lost)?;
     let evaluation = outcome.map_err(|failure| CommandError::failed_simulation(source.origin(), &failure))?;
     to_json(&of_outputs(scene, settings, &evaluation, wall))

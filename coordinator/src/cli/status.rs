@@ -57,10 +57,10 @@ pub fn status(arguments: &StatusArguments, as_json: bool) -> Done {
     let begun = Instant::now();
     let session = ClientSession::open(&arguments.endpoint, arguments.config.as_deref());
     let session = session.map_err(|error| match explained(error, begun) {
-        ClientError::Endpoint { endpoint, reason } => ClientError::Endpoint {
+        ClientError::Endpoint(endpoint, reason) => ClientError::Endpoint(
             endpoint,
-            reason: format!("there is no such folder, and as an address it is {reason}"),
-        },
+            format!("there is no such folder, and as an address it is {reason}"),
+        ),
         other => other,
     })?;
     let mut shown = session.status(PATIENCE)?;
@@ -76,7 +76,7 @@ pub fn status(arguments: &StatusArguments, as_json: bool) -> Done {
         match session.status(PATIENCE) {
             Ok(status) => shown = status,
             // The study was ending.
-            Err(ClientError::Silent { .. }) if shown.phase == Phase::Ending => return Ok(()),
+            Err(ClientError::Silent(..)) if shown.phase == Phase::Ending => return Ok(()),
             Err(error) => return Err(error.into()),
         }
     }
@@ -89,8 +89,8 @@ fn text(status: &Status, as_json: bool) -> Done<String> {
 /// Adds the likely cause to the error of a failed connection.
 pub fn explained(error: ClientError, since: Instant) -> ClientError {
     match error {
-        ClientError::Unreachable { endpoint, reason } => {
-            ClientError::Unreachable { endpoint, reason: refusal::explain(&reason, since) }
+        ClientError::Unreachable(endpoint, reason) => {
+            ClientError::Unreachable(endpoint, refusal::explain(&reason, since))
         }
         other => other,
     }

@@ -146,7 +146,7 @@ impl<'a> Dispatcher<'a> {
             }
             ended?;
             match requests.keys().next() {
-                Some(id) => Err(EvaluateError::NoOutcome { id: *id }.into()),
+                Some(id) => Err(EvaluateError::NoOutcome(*id).into()),
                 None => Ok(()),
             }
         })
@@ -269,7 +269,7 @@ impl RequestSource for StudyRequests<'_, '_> {
         let mut outcomes = Vec::with_capacity(finished.len());
         for finished in finished {
             let Some(request) = self.requests.remove(&finished.id) else {
-                return Err(EvaluateError::UnrequestedOutcome { id: finished.id });
+                return Err(EvaluateError::UnrequestedOutcome(finished.id));
             };
             outcomes.push((request, finished));
         }

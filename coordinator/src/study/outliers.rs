@@ -7,7 +7,7 @@
 //! values count as a property of the response.
 
 use super::observations::ObservedOutcome;
-use crate::farm::evaluate::agreement::agree;
+use crate::farm::evaluate::agree;
 use crate::results::outlier_summary::{OutlierEvaluation, OutlierRow};
 use common::failure::SimulationFailure;
 use common::scene::Scene;
