@@ -34,7 +34,6 @@ mod finer_levels;
 mod from_results;
 mod interim;
 mod learner;
-mod levels;
 mod life_model;
 mod lives;
 mod monte_carlo;

@@ -10,14 +10,11 @@
 //! Carlo simulation, Structural Safety 33(2).
 
 use super::campaign_data::{CampaignData, judge, largest_prediction_error};
-use super::classified_population::ClassifiedPopulation;
 use super::failures::{check_failures, check_results};
-use super::observations::ObservedOutcome;
-use super::plan::{Plan, Problem};
 use super::requests::{PendingSample, Requests};
 use super::round::{Assessment, RoundInput, assess};
-use super::step::{CampaignError, Step, StopReason};
 use super::surrogates::SurrogateState;
+use super::{CampaignError, ClassifiedPopulation, ObservedOutcome, Plan, Problem, Step, StopReason};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, choose_by_latin_hypercube, latin_hypercube};
 use crate::statistics::learning::{Rule, Stopping};
@@ -209,7 +206,7 @@ impl Campaign {
         // before, does not know.
         let Assessment { selection, modes, .. } = assessment;
         while chunk.len() < count {
-            let Some(j) = selection.choose(modes, 1).pop() else { break };
+            let Some(j) = selection.choose(modes) else { break };
             if !self.requests.requested[j] {
                 chunk.push(self.requests.take(&self.classified, j));
             }
@@ -237,27 +234,26 @@ impl Campaign {
                 return Ok(());
             }
             let failed = assessment.governing_failed();
-            self.add_round(&assessment, self.classified.coefficient_of_variation(failed));
+            self.add_round(&assessment);
             self.surrogates.previous_curves = Some(assessment.curves.clone());
-            if self.plan.is_as_published() {
-                if met.is_some() && self.classified.grow_if_needed(&self.plan, failed) {
-                    self.restart_on_new_population();
-                    continue;
-                }
-                self.progress.stop = met.map(StopReason::Rule);
-                self.progress.assessment = Some(assessment);
-                return Ok(());
+            let (classified, plan) = (&mut self.classified, &self.plan);
+            let (ends, replaced) = if plan.is_as_published() {
+                (met.is_some(), met.is_some() && classified.grow_if_needed(plan, failed))
+            } else {
+                let barred = assessment.feasibility.barred_share(classified.unconditional());
+                let rare = classified.is_rare(plan, failed, barred);
+                let points = plan.targets.points_to_hold(self.problem.inputs.dimension(), rare);
+                let needed = (plan.targets.hold, points);
+                let held = self.progress.stopping.record_round(met, self.data.results(), needed);
+                let ends = held && self.requests.under_way() == 0;
+                let surrogates = &assessment.surrogates;
+                (ends, ends && classified.replace_if_needed(plan, surrogates, failed, barred))
+            };
+            if replaced {
+                self.restart_on_new_population();
+                continue;
             }
-            let barred = assessment.feasibility.barred_share(self.classified.unconditional());
-            let rare = self.classified.is_rare(&self.plan, failed, barred);
-            let targets = &self.plan.targets;
-            let needed = (targets.hold, targets.points_to_hold(self.problem.inputs.dimension(), rare));
-            let held = self.progress.stopping.record_round(met, self.data.results(), needed);
-            if held && self.requests.under_way() == 0 {
-                if self.classified.replace_if_needed(&self.plan, &assessment.surrogates, failed, barred) {
-                    self.restart_on_new_population();
-                    continue;
-                }
+            if ends {
                 self.progress.stop = met.map(StopReason::Rule);
             }
             self.progress.assessment = Some(assessment);
@@ -278,12 +274,13 @@ impl Campaign {
         let (assessment, _) = self.assess_until_fresh()?;
         let failed = assessment.governing_failed();
         self.classified.add_change(before, failed);
-        self.add_round(&assessment, self.classified.coefficient_of_variation(failed));
+        self.add_round(&assessment);
         self.progress.assessment = Some(assessment);
         Ok(())
     }
 
-    pub(super) fn add_round(&mut self, assessment: &Assessment, cov_pf: f64) {
+    pub(super) fn add_round(&mut self, assessment: &Assessment) {
+        let cov_pf = self.classified.coefficient_of_variation(assessment.governing_failed());
         let mut row = assessment.row(self.classified.condition.probability, self.classified.population.len());
         (row.round, row.evaluations, row.cov_pf) =
             (self.progress.rounds.len(), self.requests.received, cov_pf);
@@ -294,11 +291,7 @@ impl Campaign {
     fn restart_on_new_population(&mut self) {
         self.requests.mark_known(&self.classified.population);
         self.surrogates.reset_population();
-        if self.classified.is_similar() {
-            self.progress.stopping.reset_for_larger_population();
-        } else {
-            self.progress.stopping.reset();
-        }
+        self.progress.stopping.reset(self.classified.similar);
     }
 
     /// Assesses the outcomes; if a stopping rule is met with lengths that are not fresh, assesses again after
@@ -316,7 +309,7 @@ impl Campaign {
                 effort = Effort::MultiStart;
             }
             if far_off || contradicted {
-                self.progress.stopping.reset();
+                self.progress.stopping.reset(false);
                 self.classified.require_another_draw();
             }
         }

@@ -9,10 +9,8 @@
 //! added to them: far from the limit a response may be so steep (`rp31` among the published problems, 256
 //! x^4) that no stationary correlation fits both it and the surroundings of the limit.
 
-use super::failures::Failed;
-use super::observations::{Observations, Observed};
-use super::outliers::Outlier;
 use super::surrogates::{ModeResults, Surrogate};
+use super::{Failed, Observations, Observed, Outlier};
 use crate::statistics::learning::Mode;
 use common::failure::SimulationFailure;
 use faer::{Mat, MatRef};

@@ -1,15 +1,11 @@
 //! The loop of an active-learning campaign whose simulations are made in place, for published problems, replays, designs and
 //! tests; and the result of a campaign.
 
-use super::campaign::Campaign;
-use super::classified_population::ClassifiedPopulation;
-use super::failures::Failed;
 use super::interim::InterimResult;
-use super::observations::{Observations, ObservedOutcome};
-use super::outliers::Outlier;
-use super::round::Assessment;
-use super::settings::Method;
-use super::step::{CampaignError, SampleRequest, Step, StopReason};
+use super::{
+    Assessment, Campaign, CampaignError, ClassifiedPopulation, Failed, Method, Observations, ObservedOutcome,
+    Outlier, SampleRequest, Step, StopReason,
+};
 use crate::results::summary::Round;
 use crate::statistics::reliability::CurvePoint;
 use std::collections::VecDeque;

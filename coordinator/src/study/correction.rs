@@ -6,8 +6,7 @@
 //!
 //! What the pairs of a study gave, for its summary.
 
-use super::Settings;
-use super::observations::{Observed, ObservedOutcome};
+use super::{Observed, ObservedOutcome, Settings};
 use crate::results::level_summary::{DifferenceRow, LevelsRow};
 use crate::results::summary::StudySummary;
 use crate::statistics::levels::{HistoryDifference, HistoryPair};

@@ -2,8 +2,7 @@
 //!
 //! Checks outcomes of evaluations before a study records or uses them.
 
-use super::settings::SettingError;
-use super::step::CampaignError;
+use super::{CampaignError, SettingError};
 use crate::farm::evaluate::{EvaluateError, Finished, Request};
 use crate::results::journal::Journal;
 use crate::statistics::surrogate::SurrogateError;

@@ -10,19 +10,16 @@
 //!
 //! Simulation of samples that no campaign of a study has requested: each is looked up in the journal first, and recorded there.
 
-use super::campaign::Campaign;
-use super::campaign_result::CampaignResult;
-use super::correction::{Correction, StoredOutcome};
 use super::dispatching::Dispatcher;
 use super::learner::Learner;
-use super::observations::ObservedOutcome;
 use super::outliers::decided;
 use super::pairs::PairedCampaign;
 use super::plan::{Plan, Problem, ResponseLayout};
 use super::result::curves_from_learning;
-use super::step::{CampaignError, SampleRequest, Step};
-use super::surrogates::Surrogate;
-use super::{Method, Settings, StudyError, StudyResult};
+use super::{
+    Campaign, CampaignError, CampaignResult, Correction, Method, ObservedOutcome, SampleRequest, Settings,
+    Step, StoredOutcome, StudyError, StudyResult, Surrogate,
+};
 use crate::farm::evaluate::Evaluator;
 use crate::results::journal::Journal;
 use crate::results::progress::{Observer, Silent};
@@ -123,7 +120,7 @@ impl Campaign {
         }
         self.surrogates.require_fit();
         let (assessment, _) = self.assess_until_fresh()?;
-        self.add_round(&assessment, self.classified.coefficient_of_variation(assessment.governing_failed()));
+        self.add_round(&assessment);
         self.progress.assessment = Some(assessment);
         Ok(())
     }

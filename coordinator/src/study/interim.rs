@@ -20,10 +20,7 @@
 //! Clopper, Pearson (1934), The use of confidence or fiducial limits illustrated in the case of the binomial, Biometrika 26(4). The
 //! share of a thousand is this project's own choice: a region beyond it has no part in three digits of P.
 
-use super::campaign::Campaign;
-use super::observations::Observations;
-use super::plan::Problem;
-use super::round::Assessment;
+use super::{Assessment, Campaign, Observations, Problem};
 use crate::results::reliability_summary::ErrorParts;
 use crate::results::summary::{PerLimitState, ReliabilityRange, ReliabilityRow, UntestedRow};
 use crate::statistics::learning::Mode;

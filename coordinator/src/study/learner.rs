@@ -2,8 +2,7 @@
 //! population is classified, so that the study goes on recording results and serving workers meanwhile.
 
 use super::interim::InterimResult;
-use super::observations::ObservedOutcome;
-use super::step::{CampaignError, Step};
+use super::{CampaignError, ObservedOutcome, Step};
 use crate::results::summary::Round;
 use std::sync::mpsc::{Receiver, Sender};
 use std::time::{Duration, Instant};
@@ -59,17 +58,17 @@ pub(super) fn run_learner(
     let mut reported = 0;
     loop {
         let started = Instant::now();
-        let next = learner.next_step().map(|step| LearnerStep {
-            step,
-            purpose: learner.purpose(),
-            rounds: learner.rounds()[reported..].to_vec(),
-            interim: if learner.rounds().len() > reported { learner.interim() } else { None },
-            constant: if reported == 0 && !learner.rounds().is_empty() {
-                learner.constant_limit_states()
-            } else {
-                vec![]
-            },
-            took: started.elapsed(),
+        let next = learner.next_step().map(|step| {
+            let rounds = learner.rounds()[reported..].to_vec();
+            let (has_news, is_first) = (!rounds.is_empty(), reported == 0);
+            LearnerStep {
+                step,
+                purpose: learner.purpose(),
+                rounds,
+                interim: if has_news { learner.interim() } else { None },
+                constant: if has_news && is_first { learner.constant_limit_states() } else { vec![] },
+                took: started.elapsed(),
+            }
         });
         reported = learner.rounds().len();
         let (ends, waits) = match &next {

@@ -2,8 +2,7 @@
 //! rows in the summary.
 
 use super::interim::InterimResult;
-use super::observations::Observed;
-use super::{CampaignResult, Method, Problem};
+use super::{CampaignResult, Method, Observed, Problem};
 use crate::results::life_summary::{CyclesRange, LifeCurveRow, LifeRow, UnresolvedFall};
 use crate::results::summary::StudySummary;
 use crate::statistics::learning::Mode;

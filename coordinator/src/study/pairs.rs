@@ -14,12 +14,10 @@
 //! Own; the pairs in the place of further levels of learning as in Chaudhuri, Marques, Willcox (2021), mfEGRA: Multifidelity efficient global
 //! reliability analysis through active learning for failure boundary location, Structural and Multidisciplinary Optimization 64.
 
-use super::CampaignResult;
-use super::campaign::Campaign;
 use super::correction::{Correction, LevelFigures, LevelPair, PairedModel, PairsResult};
 use super::interim::InterimResult;
 use super::learner::Learner;
-use super::observations::{Observed, ObservedOutcome};
+use super::{Campaign, CampaignResult, Observed, ObservedOutcome};
 
 use super::plan::ResponseLayout;
 use super::step::{CampaignError, SampleRequest, Step, StopReason};
@@ -260,12 +258,11 @@ impl<'a> PairedCampaign<'a> {
         data.observations.change(|z, one| responses.complete(corrected(z, one)));
         campaign.surrogates.reset_population();
         campaign.surrogates.require_fit();
-        campaign.progress.stopping.reset();
+        campaign.progress.stopping.reset(false);
         let (assessment, _) = campaign.assess_until_fresh()?;
         // The correction itself moves the curves; no round does.
         let met = campaign.plan.targets.met(&Figures { change: Some(0.0), ..assessment.figures });
-        let cov = campaign.classified.coefficient_of_variation(assessment.governing_failed());
-        campaign.add_round(&assessment, cov);
+        campaign.add_round(&assessment);
         campaign.progress.assessment = Some(assessment);
         if met.is_none() && matches!(campaign.progress.stop, Some(StopReason::Rule(_))) {
             campaign.progress.stop = None;

@@ -4,13 +4,10 @@
 //! largest; where failures are rare those of the rim that are farthest from all results. See
 //! [`crate::statistics::learning::widest_gap`] and [`crate::statistics::learning::explore`].
 
-use super::campaign::Campaign;
-use super::observations::ObservedOutcome;
 use super::outliers::{ENOUGH, Outlier, agreed, decided};
 use super::requests::PendingSample;
-use super::round::Assessment;
-use super::step::Step;
 use super::surrogates::SurrogateState;
+use super::{Assessment, Campaign, ObservedOutcome, Step};
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::learning::{Gap, draw_rim};
 use std::ops::Range;
@@ -95,7 +92,7 @@ impl Campaign {
             }
         }
         self.surrogates = SurrogateState::new(self.problem.modes.len());
-        self.progress.stopping.reset();
+        self.progress.stopping.reset(false);
         self.classified.require_another_draw();
     }
 }

@@ -1,8 +1,7 @@
 //! The simulations a campaign has requested: which are under way, which are repeated after a failure, and how
 //! many count against the budget.
 
-use super::classified_population::ClassifiedPopulation;
-use super::step::{SampleRequest, Step};
+use super::{ClassifiedPopulation, SampleRequest, Step};
 use crate::statistics::design::{InputModel, Population};
 use common::failure::SimulationFailure;
 use std::collections::{HashSet, VecDeque};

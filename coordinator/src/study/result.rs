@@ -2,11 +2,12 @@
 
 use super::interim::InterimResult;
 use super::lives::{add_lives, learned_lives};
-use super::outliers::Outlier;
 use super::plan::ResponseLayout;
 use super::stopped::{stop_in_words, targets_met};
 use super::surrogate_rows::{failure_points, predictions, simulations_beyond_a_limit, sobol};
-use super::{CampaignResult, ClassifiedPopulation, ExplicitModel, Failed, Settings, StopReason, Surrogate};
+use super::{
+    CampaignResult, ClassifiedPopulation, ExplicitModel, Failed, Outlier, Settings, StopReason, Surrogate,
+};
 use crate::results::scene_summary::{limit_rows, unit_rows, variable_rows};
 use crate::results::summary::{
     ConditionRow, Convergence, EvaluationCounts, FailureRow, Failures, FirstFailureRow, MomentsRow,
@@ -157,7 +158,7 @@ fn surrogate_row((limit, surrogate): (&LimitState, &Surrogate)) -> SurrogateRow 
         kernel: correlation.kernel.name().to_owned(),
         trend: surrogate.model.trend().name().to_owned(),
         different_values: surrogate.threshold.coarse,
-        separate_would_gain: surrogate.sharing.map(|sharing| sharing.separate_would_gain),
+        separate_would_gain: surrogate.separate_would_gain,
         share_of_stated_error: surrogate.share_of_stated,
         noise_share: Some(surrogate.noise_share),
         outlier: surrogate.outlier(),

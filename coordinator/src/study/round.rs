@@ -1,15 +1,12 @@
 //! One round of learning on the results so far: fit the surrogates, classify the population, estimate the
 //! errors of the curves, and prepare the selection of the next samples.
 
-use super::failures::{Failed, Feasibility};
-use super::observations::Observations;
-use super::plan::{Plan, Problem};
-use super::step::CampaignError;
 use super::surrogates::{GRID, Surrogate, fit_surrogates};
+use super::{CampaignError, Failed, Feasibility, Observations, Plan, Problem};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
-    Classification, ClassifiedMode, Coupled, CurveErrors, EARLY, Exploration, Figures, Gap, JointPool, Mode,
+    Classification, ClassifiedMode, Coupled, CurveErrors, EARLY, Figures, Gap, JointPool, Mode,
     SURROGATE_SAFETY, Selection, UNCERTAIN, choose_pool, classify_cached, coupled_criterion, curves,
     dominance, estimate_errors, explore, farthest, noise_shifts, sample_of_open, widest_gap, with_system,
 };
@@ -83,10 +80,9 @@ impl Assessment {
         known: &[Vec<f64>],
     ) -> Option<usize> {
         let models: Vec<&Kriging> = self.surrogates.iter().map(|surrogate| &surrogate.model).collect();
-        let closed = &closed(requested, &self.settled);
-        let exploration = Exploration { models: &models, modes: &self.modes, population, closed, known };
+        let closed = closed(requested, &self.settled);
         let feasible = |points: MatRef<'_, f64>| self.feasibility.probability(points);
-        let chosen = explore(&exploration, feasible, 1).pop()?;
+        let chosen = explore((&models, &self.modes), population, &closed, known, feasible)?;
         self.selection.believe_point(chosen);
         Some(chosen)
     }

@@ -1,14 +1,12 @@
 //! The surrogate of one limit state: fitted anew, or extended by the latest results; and the surrogates of a campaign between
 //! two rounds, with their cached predictions.
 
-use super::Settings;
 use super::observations::{Observations, Sides};
 use super::outliers::outliers;
-use super::plan::Plan;
-use super::step::CampaignError;
+use super::{CampaignError, Plan, Settings};
 use crate::statistics::learning::{LearnedThreshold, Mode, checkpoints_that_matter, learned_threshold};
 use crate::statistics::surrogate::{
-    CrossValidation, Effort, Form, Incumbent, Kriging, LeaveOneOut, NoiseShape, PredictionCache, Sharing,
+    CrossValidation, Effort, Form, Incumbent, Kriging, LeaveOneOut, NoiseShape, PredictionCache,
     SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
 };
 use faer::{Mat, MatRef};
@@ -76,9 +74,8 @@ pub struct Surrogate {
     /// Mean of squared errors over predicted variances in the cross-validation, at the results nearest to the
     /// threshold [1].
     variance_ratio: Option<f64>,
-    /// Comparison of one correlation for all checkpoints with separate ones, from the last fit from several
-    /// starts.
-    pub sharing: Option<Sharing>,
+    /// True if separate correlations would be clearly better than one for all checkpoints, by the last fit from several starts.
+    pub separate_would_gain: Option<bool>,
     /// Standard deviation of the noise in proportion to the stated errors, over the stated errors themselves
     /// (root mean squares over points and fitted checkpoints) [1]; `None` if the surrogate does not use them.
     pub share_of_stated: Option<f64>,
@@ -130,12 +127,13 @@ impl Surrogate {
         let mut cross_validation = found.cross_validation;
         let threshold = results.learned_threshold();
         let near = |crossed: &CrossValidation| crossed.variance_ratio_near(threshold.value, chosen.as_ref());
-        let (mut sharing, mut variance_ratio) = (None, cross_validation.as_ref().map(near));
+        let (mut separate_would_gain, mut variance_ratio) = (None, cross_validation.as_ref().map(near));
         if effort == Effort::MultiStart {
             let Incumbent { correlation, trend } = model.incumbent();
-            sharing = compare_sharing(training, Form { kernel: correlation.kernel, trend }, &correlation)?;
+            separate_would_gain =
+                compare_sharing(training, Form { kernel: correlation.kernel, trend }, &correlation)?;
         } else if let Some(before) = before {
-            sharing = before.sharing;
+            separate_would_gain = before.separate_would_gain;
             cross_validation = before.cross_validation.clone();
             variance_ratio = before.variance_ratio;
         }
@@ -152,7 +150,7 @@ impl Surrogate {
             leave_one_out: vec![],
             cross_validation,
             variance_ratio,
-            sharing,
+            separate_would_gain,
             share_of_stated: None,
             noise_share: 0.0,
             outliers: vec![],

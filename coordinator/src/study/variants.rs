@@ -4,11 +4,12 @@
 //! differences, a constant or a line over the value, shift all results, from which the variant is learned like the study itself. The
 //! correction of the study to finer levels is that of the variant, too. Spread and error of the differences are in its intervals.
 
-use super::correction::{Correction, StoredOutcome};
 use super::dispatching::Dispatcher;
-use super::from_results::{campaign_from_results, complete_outcomes, learn_from_results};
 use super::pairs::PairedCampaign;
-use super::{CampaignResult, Settings, StudyError};
+use super::{
+    CampaignResult, Correction, Settings, StoredOutcome, StudyError, campaign_from_results,
+    complete_outcomes, learn_from_results,
+};
 use crate::farm::evaluate::Evaluator;
 use crate::results::journal::Journal;
 use crate::results::progress::Silent;

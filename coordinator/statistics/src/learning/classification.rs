@@ -107,39 +107,20 @@ pub struct ClassifiedMode<'a> {
     pub by_mean: bool,
 }
 
-/// Classifies the population by a model whose m outputs are the checkpoints of one mode. The result does not
-/// depend on the number of threads: blocks are fixed and independent.
-pub fn classify(model: &Kriging, population: &Population, mode: &ClassifiedMode<'_>) -> Classification {
-    classify_blocks(population.len(), model, mode, |block| predict_block(model, population, block))
-}
-
-/// Classifies the population as [`classify`] does, through a cache of this mode's predictions, which is
-/// updated first. Blocks that the cache has no room for are predicted. If the model is that of the last call with more points at the same lengths
-/// ([`Kriging::extended`]), only the new points are computed.
+/// Classifies the population by a model whose m outputs are the checkpoints of one mode, through a cache of its predictions, which is
+/// updated first. Blocks that the cache has no room for are predicted. If the model is that of the last call with more points at the
+/// same lengths ([`Kriging::extended`]), only the new points are computed. The result does not depend on the number of threads:
+/// blocks are fixed and independent.
 pub fn classify_cached(
     cache: &mut PredictionCache,
     model: &Kriging,
     population: &Population,
-    mode: &ClassifiedMode<'_>,
+    classified: &ClassifiedMode<'_>,
 ) -> Classification {
     cache.update(model, population);
-    let predicted = |block| cache.block(block).unwrap_or_else(|| predict_block(model, population, block));
-    classify_blocks(population.len(), model, mode, predicted)
-}
-
-/// Prediction of the points of one block.
-fn predict_block(model: &Kriging, population: &Population, block: usize) -> Prediction {
-    let start = block * BLOCK;
-    model.predict(population.columns(start..population.len().min(start + BLOCK)))
-}
-
-/// Classifies `points` points from the prediction that `predict` returns for each block.
-fn classify_blocks(
-    points: usize,
-    model: &Kriging,
-    classified: &ClassifiedMode<'_>,
-    predict: impl Fn(usize) -> Prediction + Sync,
-) -> Classification {
+    let (cache, points) = (&*cache, population.len());
+    let anew = |start: usize| model.predict(population.columns(start..points.min(start + BLOCK)));
+    let predict = |block: usize| cache.block(block).unwrap_or_else(|| anew(block * BLOCK));
     let ClassifiedMode { index, threshold, grid, inflation, by_mean } = *classified;
     let deviations = if by_mean { 0.0 } else { 1.0 };
     let sigma: Vec<f64> = model.sigma2().iter().map(|sigma2| (sigma2 * inflation).sqrt()).collect();

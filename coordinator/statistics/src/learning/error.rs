@@ -3,7 +3,7 @@
 //! Joint realisations of the surrogates are drawn at the pool. The modes are independent; the checkpoints of
 //! one mode have the same deviation in units of their sigma, because neighbouring checkpoints err together.
 //! Each realisation r gives a failure share F_r of the uncertain points. The share that is stated has their mean,
-//! see [`super::classify`], and a scatter by the deviations of its a uncertain points, independent of each other.
+//! see [`super::classify_cached`], and a scatter by the deviations of its a uncertain points, independent of each other.
 //! It differs from the share F_mean of the means by as much as the predicted standard deviations say, which are
 //! known to about their half. So the error of a curve at a checkpoint is
 //!

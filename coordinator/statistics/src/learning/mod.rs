@@ -38,11 +38,11 @@ mod stopping;
 
 pub use checkpoints::{checkpoints_that_matter, is_settled};
 pub use classification::{
-    Classification, ClassifiedMode, Coupled, UNCERTAIN, classify, classify_cached, coupled_criterion, curves,
+    Classification, ClassifiedMode, Coupled, UNCERTAIN, classify_cached, coupled_criterion, curves,
     dominance, with_system,
 };
 pub use error::{CurveErrors, SURROGATE_SAFETY, estimate_errors, noise_shifts};
-pub use exploration::{Exploration, draw_rim, explore, farthest};
+pub use exploration::{draw_rim, explore, farthest};
 pub use gaps::{Gap, sample_of_open, widest_gap};
 pub use pool::{JointPool, Pool, choose_pool};
 pub use selection::{LearningFunction, Selection};

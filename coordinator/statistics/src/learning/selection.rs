@@ -73,17 +73,13 @@ impl Selection {
         }
     }
 
-    /// Chooses the next `count` members, as indices in the population in the order of choice; fewer if no
-    /// more are free. `modes` are the classifications the selection was made with.
-    pub fn choose(&mut self, modes: &[Classification], count: usize) -> Vec<usize> {
-        let mut chosen = Vec::with_capacity(count);
-        while chosen.len() < count {
-            let Some(place) = self.best(modes) else { break };
-            self.believe(place);
-            self.chosen += 1;
-            chosen.push(self.pool.members[place]);
-        }
-        chosen
+    /// Chooses the next member, as an index in the population; `None` if no more are free. `modes` are the classifications the
+    /// selection was made with.
+    pub fn choose(&mut self, modes: &[Classification]) -> Option<usize> {
+        let place = self.best(modes)?;
+        self.believe(place);
+        self.chosen += 1;
+        Some(self.pool.members[place])
     }
 
     /// Place in the pool of the free member with the best score.
@@ -250,15 +246,16 @@ mod tests {
         let n = places.len();
         let modes = [mode(&vec![1.1; n], &vec![1.3; n], 1.0)];
         for function in LearningFunction::ALL {
-            let chosen = selection(&places, &vec![1.0; n], 0..0, function).choose(&modes, 2);
+            let mut both = selection(&places, &vec![1.0; n], 0..0, function);
+            let chosen = [both.choose(&modes).unwrap(), both.choose(&modes).unwrap()];
             assert!(chosen[0] < 3 && chosen[1] >= 3, "{function:?} {chosen:?}");
             // The first cluster is being simulated already: the other one remains.
-            let chosen = selection(&places, &vec![1.0; n], 1..2, function).choose(&modes, 1);
-            assert!(chosen[0] >= 3, "{function:?} {chosen:?}");
+            let chosen = selection(&places, &vec![1.0; n], 1..2, function).choose(&modes);
+            assert!(chosen.unwrap() >= 3, "{function:?} {chosen:?}");
             // In the second no simulation gives a result.
             let feasible = [1.0, 1.0, 1.0, 0.0, 0.0];
-            let chosen = selection(&places, &feasible, 1..2, function).choose(&modes, 1);
-            assert!(chosen[0] < 3, "{function:?} {chosen:?}");
+            let chosen = selection(&places, &feasible, 1..2, function).choose(&modes);
+            assert!(chosen.unwrap() < 3, "{function:?} {chosen:?}");
         }
     }
 
@@ -269,8 +266,8 @@ mod tests {
         let modes =
             [Classification { mean: vec![1e9; 10], variance_factor: vec![1.0; 10], ..modes[0].clone() }];
         let mut selection = selection(&places, &[1.0; 2], 0..0, LearningFunction::Gain);
-        assert_eq!(selection.choose(&modes, 1), vec![1]);
+        assert_eq!(selection.choose(&modes), Some(1));
         // And then the other, and no more.
-        assert_eq!(selection.choose(&modes, 5), vec![0]);
+        assert_eq!((selection.choose(&modes), selection.choose(&modes)), (Some(0), None));
     }
 }

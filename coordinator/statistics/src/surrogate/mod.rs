@@ -77,7 +77,7 @@ pub use leave_one_out::{LeaveOneOut, LeftOut};
 pub use likelihood::{Likelihood, LikelihoodValue};
 pub use noise::{NoiseShape, StatedErrors};
 pub use posterior::Posterior;
-pub use sharing::{Sharing, compare_sharing};
+pub use sharing::compare_sharing;
 pub use trend::Trend;
 
 use thiserror::Error;

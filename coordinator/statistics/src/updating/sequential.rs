@@ -146,9 +146,8 @@ impl Run {
         for _ in 0..MOST_STAGES {
             let whole = self.reweighted(newest, phi, 1.0);
             let size = effective_size(&whole);
-            let least =
-                if self.stages == 0 { self.settings.least } else { 0.5 * self.settings.particles as f64 };
-            if size >= least {
+            let SequentialMonteCarlo { particles, least } = self.settings;
+            if size >= if self.stages == 0 { least } else { 0.5 * particles as f64 } {
                 self.particles.weights = whole;
                 return Some(());
             }
@@ -171,9 +170,8 @@ impl Run {
             if *w == 0.0 {
                 return f64::NEG_INFINITY;
             }
-            let gain = newest.log_likelihood(&self.particles, i, to)
-                - newest.log_likelihood(&self.particles, i, from);
-            w.ln() + gain
+            let [before, after] = [from, to].map(|phi| newest.log_likelihood(&self.particles, i, phi));
+            w.ln() + (after - before)
         };
         let logs: Vec<f64> = self.particles.weights.iter().enumerate().map(change).collect();
         let largest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -3,6 +3,13 @@ use crate::surrogate::{Correlation, Kernel};
 use common::random::{Distribution, standard_normal_cdf};
 use faer::Mat;
 
+/// The classification with all predictions made anew.
+pub fn classify(model: &Kriging, population: &Population, mode: &ClassifiedMode<'_>) -> Classification {
+    let mut cache = PredictionCache::default();
+    cache.set_limit(0);
+    classify_cached(&mut cache, model, population, mode)
+}
+
 #[test]
 fn curves_count_each_mode_and_the_first_of_them() {
     let (a, b) = ([0, 2, 3, 3], [3, 1, 3, 2]);
