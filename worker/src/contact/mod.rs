@@ -40,6 +40,7 @@ mod arc_cells;
 mod arc_cells_tests;
 mod arc_visitor;
 mod cells;
+mod damping;
 mod energy;
 mod foundation;
 mod foundation_slopes;
@@ -67,6 +68,8 @@ mod tests;
 
 pub(crate) use arc::Arc;
 pub(crate) use arc_visitor::ArcVisitor;
+pub use damping::Restitution;
+pub(crate) use damping::initial as initial_damping;
 pub use foundation::Foundation;
 pub(crate) use foundation::FoundationWithJournal;
 pub(crate) use foundation_slopes::FoundationLoad;
@@ -78,8 +81,8 @@ pub use local_hertz::{LocalHertz, PolarEccentricity, Walls};
 pub use pad::{GuideReaction, PADS};
 pub(crate) use pad::{PadForce, pad_force};
 pub(crate) use rotated_arc::SegmentParts;
-pub use surface::{Restitution, Surface, hertz_stiffness};
-pub(crate) use surface::{coulomb, equivalent_penetration, initial as initial_damping};
+pub use surface::{Surface, hertz_stiffness};
+pub(crate) use surface::{coulomb, equivalent_penetration};
 
 use crate::bore::Profile;
 use common::scene::{Clearance, ContactLaw};

@@ -13,7 +13,8 @@
 use super::constraint::{Constraint, first_rows};
 use super::coupling::JointInput;
 use super::extent::{ROUNDING, extent, farthest, gyration};
-use super::frame::{End, Frame, Prescribed};
+use super::frame::{End, Frame};
+use super::prescribed::Prescribed;
 use crate::extremum::largest;
 use common::scene::{Attachment, Body, Motion, Scene};
 use nalgebra::{DMatrix, DVector};

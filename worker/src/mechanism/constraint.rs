@@ -17,9 +17,11 @@
 //! Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems; Nikravesh (1988),
 //! Computer-Aided Analysis of Mechanical Systems.
 
-use super::coupling::{FrictionConstants, Geometry, NormalForce, Sliding, second_derivative};
-use super::frame::{End, Frame, Prescribed};
+use super::coupling::{Geometry, second_derivative};
+use super::frame::{End, Frame};
 use super::piecewise_cubic::Jet;
+use super::prescribed::Prescribed;
+use super::sliding::{FrictionConstants, NormalForce, Sliding};
 use crate::lanes::{Real, lanewise, same_in_lanes};
 use crate::plane::{dot, left};
 use common::scene::{GuideClearance, IdealFriction, JointKind, Mesh};

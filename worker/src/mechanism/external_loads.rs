@@ -1,7 +1,9 @@
 //! Loads between prescribed bodies alone: they act on no free body, but the drives carry them.
 
-use super::frame::{Frame, IslandFrames, Prescribed};
+use super::frame::Frame;
+use super::island_frames::IslandFrames;
 use super::load::IslandLoad;
+use super::prescribed::Prescribed;
 use common::scene::{Motion, Scene};
 
 /// Loads on one prescribed body that act on no free body.

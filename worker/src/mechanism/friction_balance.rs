@@ -19,7 +19,7 @@
 //! (1999), European Journal of Mechanics A/Solids 18, 653-677. Newton's method for functions with corners: Qi, Sun (1993),
 //! Mathematical Programming 58, 353-367.
 
-use super::coupling::NormalForce;
+use super::sliding::NormalForce;
 use crate::integrate::{Band, Layout, factor, solve};
 use crate::lanes::Real;
 

@@ -8,10 +8,10 @@
 //! constant x, dx = A^-1 dN/dlambda dlambda, and the force changes by -b_k c_k dx_k besides what changes at constant x.
 
 use super::constraint::Constraint;
-use super::coupling::Sliding;
 use super::frame::Placed;
 use super::friction_balance::{FrictionBalance, RubbingJoint};
 use super::orthonormal::OrthonormalRows;
+use super::sliding::Sliding;
 use crate::integrate::Linearised;
 use crate::lanes::Real;
 

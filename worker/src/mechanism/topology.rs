@@ -3,7 +3,7 @@
 use super::constraint::first_rows;
 use super::coupling::JointInput;
 use super::elimination::Elimination;
-use super::frame::IslandFrames;
+use super::island_frames::IslandFrames;
 use super::load::IslandLoad;
 use super::passage::Passage;
 use super::{Constraint, Island, WearingGuide, WearingJoint};

@@ -18,6 +18,7 @@ mod backlash;
 mod contact_lanes;
 mod deviation;
 mod displayed_motion;
+mod driving_torque;
 mod motion_output;
 mod motion_rows;
 mod peaks;

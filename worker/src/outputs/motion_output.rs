@@ -1,8 +1,9 @@
 //! The outputs that follow from the motion of a cycle: what each needs recorded, its value, and how it reads values between two time steps.
 
 use super::angle_difference::largest_difference;
-use super::backlash::{backlash, driving_torque};
+use super::backlash::backlash;
 use super::deviation::{angle_error, argument_body, position_error};
+use super::driving_torque::driving_torque;
 use super::{BodyTrack, RecordedCycle, RecordingRequest, SoughtBacklash};
 use common::scene::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
 

@@ -3,11 +3,12 @@
 //!
 //! There are three kinds of reply: work; "idle, claim again in T" (a notice ends the wait early); none, after which the worker backs off.
 
+use super::backoff::Backoff;
 use super::claim_event::{ClaimEvent, PendingClaim};
 use super::connection_monitor::{ConnectionMonitor, LicenceContact, OwnCampaign};
 use super::leave_policy::LeavePolicy;
 use super::link::Link;
-use super::prefetch::{Backoff, PrefetchEstimator};
+use super::prefetch::PrefetchEstimator;
 use super::slots::Slots;
 use super::unacknowledged::UnacknowledgedResults;
 use super::{Departure, ServiceConfig, ServiceError};

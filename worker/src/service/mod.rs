@@ -13,6 +13,7 @@
 //! is acknowledged (`UnacknowledgedResults`), so a coordinator may stop and the connection may break at any time. The
 //! caller needs no tokio runtime; if it has one, it must be multi-threaded (a condition of Zenoh).
 
+mod backoff;
 mod claim_event;
 mod claim_loop;
 mod connection_monitor;

@@ -15,7 +15,7 @@
 //! Contact arcs of the joints that wear, against the spacing of their control points. `wear/condense.rs` has the arc of a contact history.
 
 use super::island_state::IslandState;
-use super::{LaneQueue, Run, Simulated, join, turn_period};
+use super::{LaneQueue, Run, Simulated, conditions, join};
 use crate::integrate::StepCounts;
 use crate::mechanism::WearingPair;
 use crate::wear::mean_contact_arc;
@@ -49,7 +49,7 @@ pub(crate) async fn with_control_points(
         return Ok(None);
     }
     let accuracy = Accuracy::draft();
-    let mut runs = turn_period::assemble(queue, scene, &accuracy)?;
+    let mut runs = conditions::assemble(queue, scene, &accuracy)?;
     let first = runs.iter_mut().map(async |run: &mut Run<'_>| {
         run.settle().await?;
         run.measure().await?;

@@ -1,13 +1,13 @@
 //! Model and cost of the evaluation of a scene, from its settled first cycle and a first block of wear.
 
 use super::blocks::simulated_lives;
+use super::conditions::condition_scenes;
 use super::control_points::contact_arcs;
 use super::island_state::IslandState;
 use super::longer_steps::{difference, is_long_enough, longer};
 use super::probe::{FINER, is_probed};
 use super::quasi_static::is_measured;
 use super::several_cycles::MOTIONS;
-use super::turn_period::condition_scenes;
 use super::{ContactArc, LaneQueue, Run, Simulated, run_alone, with_control_points, with_period_of_turn};
 use crate::mechanism::Island;
 use crate::quasi_static::Unsuitable;

@@ -10,10 +10,10 @@
 //! Hairer, Nørsett, Wanner: Solving Ordinary Differential Equations I (1993), section II.4 (Richardson extrapolation).
 
 use super::blocks::{at_checkpoints, simulated_lives};
+use super::conditions::mix_contacts;
 use super::longer_steps::LongerSteps;
 use super::partial_life::{CycleModel, PartialLife};
 use super::probe::{is_probed, points_errors};
-use super::turn_period::mix_contacts;
 use super::{LifeHistory, Run, Simulated};
 use common::failure::SimulationFailure;
 use std::ops::Range;

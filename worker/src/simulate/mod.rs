@@ -33,6 +33,7 @@
 
 mod blocks;
 mod compared_islands;
+mod conditions;
 mod control_points;
 mod cycle_history;
 mod error_estimate;
@@ -61,6 +62,7 @@ use blocks::LifeHistory;
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use common::scene::Scene;
+use conditions::assemble;
 use control_points::{NumberedScene, with_control_points, with_more_points};
 use cycle_history::{FirstCycle, finish};
 use failures::Simulated;
@@ -70,7 +72,7 @@ use run::{Run, WornDisplay};
 pub(crate) use side_by_side::widest_lanes;
 use side_by_side::{LaneQueue, RunningEvaluation, join, run_alone, run_side_by_side};
 use std::time::Duration;
-use turn_period::{assemble, with_period_of_turn};
+use turn_period::with_period_of_turn;
 
 pub use crate::quasi_static::Unsuitable;
 pub use control_points::ContactArc;

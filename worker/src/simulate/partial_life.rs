@@ -9,13 +9,13 @@
 //!
 //! The cycles are compared where others are probed (`probe.rs`), and before where an output has moved.
 
+use super::conditions::{mix_contacts, share_bores};
 use super::error_estimate::ErrorEstimate;
 use super::island_state::IslandState;
 use super::motion_estimate::{MeasuredLives, MotionEstimate};
 use super::probe::{FinerCycles, Probe, is_probed};
 use super::quasi_static_island::wear_histories;
 use super::several_cycles::SeveralMotions;
-use super::turn_period::{mix_contacts, share_bores};
 use super::{Run, Simulated, join};
 use crate::wear::StepRule;
 use common::failure::SimulationFailure;

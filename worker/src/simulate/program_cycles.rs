@@ -20,9 +20,9 @@
 //! One cycle of a mechanism on given surfaces, with the contacts of every time step: the built-in mechanics for a program that wears the
 //! surfaces itself.
 
+use super::conditions::condition_scenes;
 use super::island_state::IslandState;
 use super::partial_life::CycleModel;
-use super::turn_period::condition_scenes;
 use super::{FirstCycle, LaneQueue, Run, Simulated, assemble, finish, run_alone, simulate_life};
 use crate::contact::{JointForce, equivalent_penetration};
 use crate::mechanism::{Pose, WearingJoint, WearingPair, island_of_program, moved_to_origin};

@@ -4,7 +4,8 @@
 //! Size of a load: constant, or by a table over time or over the angle of a frame.
 
 use crate::lanes::{Lanewise, Real};
-use crate::mechanism::frame::{Frame, IslandFrames};
+use crate::mechanism::frame::Frame;
+use crate::mechanism::island_frames::IslandFrames;
 use crate::mechanism::joint::{Block, Blocks};
 use crate::mechanism::piecewise_cubic::PiecewiseCubic;
 use common::scene::{Curve, Over};

@@ -4,6 +4,7 @@
 //! Each kind of load has its equation at its type; `island_loads!` below lists the kinds. Generalised forces
 //! `(6,)` are (F_x, F_y, M) [N, N, N m] on the first frame, then on the second.
 
+mod actuators;
 mod drag;
 mod force;
 mod springs;
@@ -12,10 +13,11 @@ mod stops;
 pub use force::{LoadForce, NO_FRAME};
 
 use super::frame::Frame;
-use super::frame::IslandFrames;
+use super::island_frames::IslandFrames;
 use crate::lanes::{Lanewise, Real};
+use actuators::{BodyTorque, Motor, PointForce};
 use common::scene::{Curve, Load};
-use drag::{BodyTorque, Drag, Motor, PointForce, RotationalDrag};
+use drag::{Drag, RotationalDrag};
 use force::Size;
 use springs::{DirectionalSpring, Spring, TorsionSpring};
 use stops::{AngleStop, LineStop};
