@@ -29,6 +29,8 @@ mod classified_population;
 mod correction;
 mod dispatching;
 mod error;
+mod exploring;
+mod failure_points;
 mod failures;
 mod finer_levels;
 mod from_results;
@@ -41,16 +43,19 @@ mod observations;
 mod outliers;
 mod pairs;
 mod plan;
+mod rare;
 mod repetitions;
 mod requests;
 mod result;
 mod round;
 mod run_times;
+mod samples;
 mod settings;
 mod step;
 mod stopped;
 mod surrogate_rows;
 mod surrogates;
+mod untested;
 mod variants;
 
 #[cfg(test)]
@@ -81,7 +86,7 @@ pub use failures::{Failed, Feasibility};
 pub use finer_levels::FinerLevels;
 pub use from_results::{
     FurtherLearning, campaign_from_results, complete_outcomes, learn_from_results, learn_with_surrogates,
-    result_of, simulate_samples,
+    result_of,
 };
 pub use life_model::{ExplicitLimitState, ExplicitModel, LifeModel, LifeResponses};
 pub use lives::LEVELS;
@@ -90,6 +95,7 @@ pub use outliers::Outlier;
 pub use plan::{Plan, Problem};
 pub use result::{OutputHistory, StudyResult, blank};
 pub use round::Assessment;
+pub use samples::simulate_samples;
 pub use settings::{LARGEST_POPULATION, Method, SettingError, Settings, StudyAccuracy};
 pub use step::{CampaignError, SampleRequest, Step, StopReason};
 pub use surrogates::Surrogate;

@@ -5,14 +5,15 @@
 //! simulations are left out of N, and the standard error of R contains what they may have been
 //! ([`CurvePoint::with_missing`](crate::statistics::reliability::CurvePoint::with_missing)).
 
+use super::failure_points::failure_points;
 use super::failures::{Failed, check_failures};
-use super::interim::{InterimResult, Untested};
+use super::interim::InterimResult;
 use super::learner::Learner;
 use super::lives::add_simulated;
 use super::observations::ObservedOutcome;
 use super::result::{Findings, blank, failures};
 use super::round::largest_change;
-use super::surrogate_rows::failure_points;
+use super::untested::Untested;
 
 use super::{CampaignError, Method, Problem, SampleRequest, SettingError, Settings, Step, StudyError};
 use crate::results::summary::{Convergence, EvaluationCounts, Round, StudySummary};
